@@ -134,9 +134,7 @@ fn identification(record: RecordCurves) -> Page {
             Highlight::new("loop sense", "counter-clockwise", ""),
         ],
         warnings: vec![
-            "β and γ are hardly separated by this record: every loop in it has the same \
-            amplitude."
-                .into(),
+            "β and γ are hardly separated by this record: every loop in it has the same amplitude.".into(),
         ],
         limits: vec![
             "One amplitude repeated 40 times does not show how the loop shrinks with amplitude.".into(),

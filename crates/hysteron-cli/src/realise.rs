@@ -123,18 +123,15 @@ pub fn where_creep_stops(
 fn cannot(model: &Path, error: &RealiseError) -> Failure {
     let failure = Failure::new(format!("cannot realise {}", model.display())).because(error);
     match error {
-        RealiseError::LowestFrequency => failure.hint(
-            "give --lowest-frequency HZ, e.g. the inverse of the longest time the controller \
-                runs",
-        ),
+        RealiseError::LowestFrequency => failure
+            .hint("give --lowest-frequency HZ, e.g. the inverse of the longest time the controller runs"),
         RealiseError::SampleRate { scheme: "ARX", .. } => failure.hint(
-            "identify the model from records of the controller's rate, or with dynamics that hold at \
-                any rate",
+            "identify the model from records of the controller's rate, or with dynamics that hold at any \
+                rate",
         ),
-        RealiseError::SampleRate { .. } => failure.hint(
-            "identify it with --scheme tustin, which holds at \
-            other rates",
-        ),
+        RealiseError::SampleRate { .. } => {
+            failure.hint("identify it with --scheme tustin, which holds at other rates")
+        }
         RealiseError::Accuracy { .. } => failure.hint("ask for less with --accuracy"),
         _ => failure,
     }

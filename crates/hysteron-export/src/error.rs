@@ -11,8 +11,7 @@ pub enum ExportError {
     /// The name is no identifier of C and Rust.
     #[error(
         "`{name}` cannot be the beginning of names in C and Rust: wanted are 1 to 48 of the letters a to z, \
-         digits and _, a letter first, \
-         no keyword"
+         digits and _, a letter first, no keyword"
     )]
     Name {
         /// The name.

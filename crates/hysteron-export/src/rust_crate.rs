@@ -217,8 +217,7 @@ fn tables<T: Real + Into<f64>>(subject: &Subject) -> Result<String, ExportError>
     }
     out.push_str(&format!(
         "/// What the dynamics put out at rest, over their input.\nconst REST_GAIN: Real = {};\n/// Constant \
-         of the displacement.\nconst \
-         OFFSET: Real = {};\n",
+         of the displacement.\nconst OFFSET: Real = {};\n",
         literal(sections.rest_gain),
         literal(coefficients.offset)
     ));

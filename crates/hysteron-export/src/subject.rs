@@ -149,8 +149,7 @@ impl Subject {
         }
         lines.push(format!(
             "Any {input} up to the range of the number type is taken, and its creep decays only as slowly as \
-             the model's: limit it to what the amplifier can do \
-             before it is handed in."
+             the model's: limit it to what the amplifier can do before it is handed in."
         ));
         for score in &self.scores {
             let of = match score.role {
@@ -191,13 +190,12 @@ fn check_numbers<T: Real>(realisation: &Realisation) -> Result<(), ExportError> 
 /// Words that names must not be, in C, C++ or Rust; those with a capital or a leading _ are no names in here
 /// anyway.
 const KEYWORDS: &str = " as asm auto bool break case catch char class const continue crate default delete do \
-                        double else enum explicit \
-    export extern false final float fn for friend goto if impl in inline int let long loop main match mod \
-    move mut namespace new \
-    operator override private protected pub public ref register restrict return self short signed sizeof \
-    static struct super switch \
-    template test this throw trait true try type typedef typename union unsafe unsigned use using virtual \
-    void volatile where while async await dyn ";
+                        double else enum explicit export extern false final float fn for friend goto if impl \
+                        in inline int let long loop main match mod move mut namespace new operator override \
+                        private protected pub public ref register restrict return self short signed sizeof \
+                        static struct super switch template test this throw trait true try type typedef \
+                        typename union unsafe unsigned use using virtual void volatile where while async \
+                        await dyn ";
 
 fn check_name(name: &str) -> Result<(), ExportError> {
     let first = name.starts_with(|c: char| c.is_ascii_lowercase());

@@ -103,16 +103,15 @@ impl Compared {
             lines.push(if best == preferred {
                 format!(
                     "Preferred: {}. It has the smallest held-out error, {}{unit}, {floor} times the noise \
-                     floor, and no simpler structure is within \
-                     one standard error of it.",
+                     floor, and no simpler structure is within one standard error of it.",
                     name(best),
                     significant(error(best), 3)
                 )
             } else {
                 format!(
                     "Preferred: {} ({} parameters, held-out error {}{unit}, {floor} times the noise floor). \
-                     {} is smallest ({}{unit}, {} parameters), but not \
-                     by more than one standard error of the difference.",
+                     {} is smallest ({}{unit}, {} parameters), but not by more than one standard error of \
+                     the difference.",
                     name(preferred),
                     comparison.entries[preferred].parameters,
                     significant(error(preferred), 3),
@@ -152,13 +151,11 @@ impl Compared {
         let comparison = &self.comparison;
         format!(
             "Held-out error: mean over {} folds of the RMSE of a simulation of what the fit left out, offset \
-             estimated, ± standard error over the folds. \
-             Above the best: mean ± standard error of the paired differences. Noise floor {} {}. AIC and BIC \
-             are above their lowest, over {:.0} independent \
+             estimated, ± standard error over the folds. Above the best: mean ± standard error of the paired \
+             differences. Noise floor {} {}. AIC and BIC are above their lowest, over {:.0} independent \
              samples (of {}) that the residuals are worth. ns a sample: of the realisation to 1e-5 of the \
-             range (double precision, this machine, all \
-             candidates in turns along one drive; shorter by chance as well as by merit). Inverse: of the \
-             hysteresis block.",
+             range (double precision, this machine, all candidates in turns along one drive; shorter by \
+             chance as well as by merit). Inverse: of the hysteresis block.",
             comparison.folds.len(),
             significant(comparison.noise_floor, 3),
             self.unit,
@@ -190,9 +187,8 @@ impl Compared {
         }
         lines.push(
             "Baselines are black-box NARX models trained on the same records, all choices made on what they \
-             are trained on, simulated (not one step \
-             ahead) on the same left-out data. They hold for their lag interval and have no inverse and no \
-             intervals."
+             are trained on, simulated (not one step ahead) on the same left-out data. They hold for their \
+             lag interval and have no inverse and no intervals."
                 .to_owned(),
         );
         lines

@@ -119,8 +119,7 @@ pub enum IdentifyError {
     /// The model class does not describe the record.
     #[error(
         "the model class (hysteresis followed by linear dynamics) does not describe record '{record}': the \
-         best fit \
-         explains {fit_percent:.1} % of it, {need} % are needed. {because}"
+         best fit explains {fit_percent:.1} % of it, {need} % are needed. {because}"
     )]
     ModelClass {
         /// Record.
@@ -135,8 +134,7 @@ pub enum IdentifyError {
     /// A record that a model does not describe, whatever its gain, delay and offset.
     #[error(
         "record '{record}' contradicts the model: with the best gain, delay and offset it explains \
-         {fit_percent:.1} % of it, \
-         {need} % are needed"
+         {fit_percent:.1} % of it, {need} % are needed"
     )]
     OtherDevice {
         /// Record.
@@ -206,9 +204,8 @@ pub enum IdentifyError {
     /// The records do not look like a mass on a spring.
     #[error(
         "the records are not those of a mass on a spring: the best linear oscillator has m = {mass:.3e}, c = \
-         {damping:.3e}, \
-         k = {stiffness:.3e} (force over acceleration, velocity and displacement); all of them should be \
-         positive"
+         {damping:.3e}, k = {stiffness:.3e} (force over acceleration, velocity and displacement); all of \
+         them should be positive"
     )]
     NoOscillator {
         /// Its mass.
@@ -224,8 +221,7 @@ pub enum IdentifyError {
     /// The oscillator does not describe the record.
     #[error(
         "a mass on a hysteretic spring does not describe record '{record}': the best fit explains \
-         {fit_percent:.1} % of it, \
-         {need} % are needed"
+         {fit_percent:.1} % of it, {need} % are needed"
     )]
     OscillatorClass {
         /// Record.

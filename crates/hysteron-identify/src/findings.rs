@@ -1,15 +1,15 @@
 //! What the fit says about the device and what the records leave open, in plain words.
 
 use super::defaults::beside_wide_moves;
-use super::engine::Search;
 use super::facts::amplitudes;
-use super::joint::{Smoothing, UNKNOWN_PAST};
-use super::options::{Choice, Initial, Method, Options, RecordRole};
+use super::joint::Smoothing;
+use super::options::{Choice, Method, Options, RecordRole};
+use super::precision::{precision, still_improving};
 use super::result::{Identification, RecordFit};
+use super::treatment::treatment;
 use super::{Finding, FindingKind};
 use super::{IdentifyError, RecordFacts, identifiability};
 use hysteron_model::Advice;
-use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme, Stability, TransferFunction, stability};
 use hysteron_model::hysteresis::{Hysteresis, Invertibility, TimedDrive};
 use hysteron_model::model::FAR_FROM_REST;
@@ -18,14 +18,6 @@ use hysteron_model::record::{
     turning_points,
 };
 use hysteron_numeric::display::short;
-use hysteron_optimize::StopReason;
-
-/// A parameter whose standard error exceeds this share of its value is called undetermined.
-const UNDETERMINED: f64 = 0.5;
-/// A fall of the best cost by more than this share says that a search was still under way.
-const STILL_IMPROVING: f64 = 0.01;
-/// Fewest last generations over which that is judged.
-const LAST_GENERATIONS: usize = 5;
 
 /// Appends a finding.
 pub(crate) fn say<'a>(
@@ -77,16 +69,14 @@ pub(super) fn why_no_fit(facts: &RecordFacts) -> String {
     if of_y >= 2 * of_u.max(1) {
         format!(
             "The output reverses {of_y} times while the input reverses {of_u} times: a butterfly loop, as of \
-             a \
-             ferroelectric driven through its polarisation reversal, or a response that something else \
+             a ferroelectric driven through its polarisation reversal, or a response that something else \
              drives too"
         )
     } else {
         format!(
             "The output ({}) is not a loop over the input ({}) that follows its last turning points: the \
-             record may carry \
-             dynamics of its own, belong to a linear device, be driven by \
-             further inputs, saturate, or have its dynamics inside the hysteresis",
+             record may carry dynamics of its own, belong to a linear device, be driven by further inputs, \
+             saturate, or have its dynamics inside the hysteresis",
             unit(&facts.data.y_unit),
             unit(&facts.data.u_unit)
         )
@@ -112,10 +102,8 @@ fn delay_of_a_held_drive(
     (half_s > delay.std_error? && half_s.is_finite()).then(|| {
         format!(
             "What the drive does between its samples was not asked: records sampled this finely do not tell. \
-             Their rule is taken to \
-             be {assumed}. If each sample is held until the next, the delay of {} s is {} s too long, half a \
-             sample. \
-             Give the rule where it is known.",
+             Their rule is taken to be {assumed}. If each sample is held until the next, the delay of {} s \
+             is {} s too long, half a sample. Give the rule where it is known.",
             short(delay.value),
             short(half_s)
         )
@@ -128,9 +116,9 @@ fn extrapolated_to_rest(g: &TransferFunction, lowest_hz: f64) -> Option<String> 
     (over.is_finite() && over.max(1.0 / over) > FAR_FROM_REST).then(|| {
         format!(
             "At rest the model's gain is {} times that at {} Hz, the lowest frequency of these records: it \
-             is extrapolated there. Do not use it for slower motion or levels \
-             that are held. Add a slow record, or one with held levels; or take another hysteresis family: \
-             what the loop misses goes into the dynamics.",
+             is extrapolated there. Do not use it for slower motion or levels that are held. Add a slow \
+             record, or one with held levels; or take another hysteresis family: what the loop misses goes \
+             into the dynamics.",
             short_share(over),
             short(lowest_hz)
         )
@@ -148,14 +136,12 @@ fn drawn_together(Smoothing { share, left_out, left_out_without }: Smoothing) ->
     if share == 0.0 {
         return format!(
             "Weights of neighbouring cells are not drawn together: parts of the records that are left out in \
-             turn are met best \
-             without (weighted error {without})."
+             turn are met best without (weighted error {without})."
         );
     }
     format!(
         "Weights of neighbouring cells are drawn together ({} of what weighs as much as the records), chosen \
-         on parts of the records \
-         that are left out in turn: weighted error {} instead of {without}.",
+         on parts of the records that are left out in turn: weighted error {} instead of {without}.",
         short(share),
         short(left_out),
     )
@@ -181,8 +167,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
     let records: Vec<_> = facts.iter().map(|f| &f.data).collect();
     if !options.continued && follow_each_other(&records) {
         let text = "The stamps of these records follow each other. If they are parts of one run, take them \
-                    as such: memory, creep and \
-                    offset then carry over from part to part.";
+                    as such: memory, creep and offset then carry over from part to part.";
         findings.push(
             Finding::new(FindingKind::Advice, "one run", text.to_owned()).with_advice(Advice::ContinueRun),
         );
@@ -237,13 +222,11 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             "amplitudes",
             format!(
                 "All loops have the same amplitude: {}, and models cannot be ranked. Minor loops are \
-                 extrapolated. Add a record with \
-                 loops of half and a quarter of the amplitude.",
+                 extrapolated. Add a record with loops of half and a quarter of the amplitude.",
                 match result.model.hysteresis {
                     Hysteresis::BoucWen(_) =>
                         "β and γ are told apart only by the way from rest into the first loop, polynomial \
-                         degree and exponent n only \
-                         by the shape of one loop",
+                         degree and exponent n only by the shape of one loop",
                     Hysteresis::PrandtlIshlinskii(_) | Hysteresis::Family(_) =>
                         "the polynomial is told from the hysteretic part only by the shape of one loop",
                 }
@@ -258,8 +241,8 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             "amplitudes",
             format!(
                 "Oscillations of {} {unit} lie beside moves of {} {unit} amplitude: residuals are weighed by \
-                 the swing of their segment, \
-                 so that small motion counts as much as wide motion, however short it is.{}",
+                 the swing of their segment, so that small motion counts as much as wide motion, however \
+                 short it is.{}",
                 short(small),
                 short(wide),
                 if matches!(result.model.hysteresis, Hysteresis::BoucWen(_)) {
@@ -280,8 +263,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
         let shift = match (&result.model.dynamics, result.structure.delay_and_lag_from_start) {
             (Dynamics::Integer(_), true) => {
                 "Delay and lag come from its start from rest alone (in steady state they cannot be told from \
-                 loop width); \
-                 resonances, creep and everything faster are not determined."
+                 loop width); resonances, creep and everything faster are not determined."
             }
             (_, true) => "The delay comes from its start from rest alone.",
             _ if matches!(options.delay_s, Choice::Given(d) if d > 0.0) => {
@@ -295,8 +277,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             "frequencies",
             format!(
                 "The records hold slow drive only{at}: they do not say how the loop changes with frequency. \
-                 {shift} Add \
-                 a sweep up to the highest frequency of use."
+                 {shift} Add a sweep up to the highest frequency of use."
             ),
         );
     }
@@ -308,8 +289,8 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             FindingKind::Advice,
             "two steps",
             "The blocks were identified one after the other: what dynamics there are in the quasi-static \
-             records went into \
-             the hysteresis parameters, and that bias is in no standard error (it can be many of them)."
+             records went into the hysteresis parameters, and that bias is in no standard error (it can be \
+             many of them)."
                 .into(),
         );
     }
@@ -420,154 +401,6 @@ fn verdict(
         }
     };
     format!("Hysteresis block ({name}): {bound}{inverse}.")
-}
-
-/// Which parameters the records leave open, by their standard errors alone.
-fn precision(result: &Identification) -> Vec<Finding> {
-    let mut findings = Vec::new();
-    let undetermined: Vec<&str> = result
-        .bounds
-        .first()
-        .into_iter()
-        .flat_map(|bounds| &bounds.ranges)
-        .map(|range| range.name.as_str())
-        .filter(|name| result.parameters.iter().any(|p| p.name == *name && p.std_error.is_none()))
-        .collect();
-    if !undetermined.is_empty() {
-        say(
-            &mut findings,
-            FindingKind::Warning,
-            "precision",
-            format!(
-                "No standard errors: the records do not determine {} apart from the other parameters. Lower \
-                 the degree, add \
-                 records, or hold one of them.",
-                undetermined.join(", ")
-            ),
-        )
-        .advise(Advice::Hold { parameter: None });
-    }
-    let poor: Vec<String> = result
-        .parameters
-        .iter()
-        .filter_map(|p| Some((p, p.std_error.filter(|e| *e > UNDETERMINED * p.value.abs())?)))
-        .map(|(p, error)| format!("{} ({} ± {})", p.name, short(p.value), short(error)))
-        .collect();
-    if !poor.is_empty() {
-        say(
-            &mut findings,
-            FindingKind::Advice,
-            "precision",
-            format!(
-                "Poorly determined by these records (value ± standard error): {}. Do not read them as \
-                 properties of the \
-                 device; the output is described by all parameters together.",
-                poor.join(", ")
-            ),
-        );
-    }
-    findings
-}
-
-/// What is wrong with a search by a population that ran out of generations while it was still improving: by
-/// more than [`STILL_IMPROVING`] over the last tenth of them (over the last [`LAST_GENERATIONS`] at least, or
-/// over all there are).
-fn still_improving(search: &Search) -> Option<String> {
-    let outcome = &search.outcome;
-    if !matches!(outcome.stopped, StopReason::Generations | StopReason::Budget) || !outcome.starts.is_empty()
-    {
-        return None;
-    }
-    let generations = outcome.generations;
-    let last = generations.div_ceil(10).max(LAST_GENERATIONS).min(generations);
-    let before = outcome.history.get(outcome.history.len().checked_sub(1 + last)?)?.best_cost;
-    let gained = 1.0 - outcome.cost / before;
-    (gained > STILL_IMPROVING || !before.is_finite()).then(|| {
-        format!(
-            "The search of the {} was too short to be trusted: the best RMSE was still falling, by {} % over \
-             the last {last} of \
-             {generations} generations. Let it run longer, or leave the \
-             choice of the optimiser to the program.",
-            search.step,
-            if before.is_finite() { short(100.0 * gained) } else { "100".into() }
-        )
-    })
-}
-
-fn treatment(facts: &[RecordFacts], options: &Options, result: &Identification) -> Vec<String> {
-    let mut list = Vec::new();
-    if let Some(reduction) = result.reduction {
-        list.push(reduction.describe());
-    }
-    let mut quasi_static = 0;
-    for (facts, fit) in facts.iter().zip(&result.records) {
-        let name = &fit.data.name;
-        let unit = &fit.data.y_unit;
-        let start = match fit.start {
-            Start::AsIdentified => "simulated from rest at its first sample".to_owned(),
-            Start::Rest { voltage_v } => {
-                format!("simulated from rest at {} {}", short(voltage_v), fit.data.u_unit)
-                    .trim_end()
-                    .to_owned()
-            }
-            Start::Remembering { voltage_v, memory } => format!(
-                "simulated from rest at {voltage_v} {} {} that it fits",
-                fit.data.u_unit,
-                memory.in_words(&short(memory.value()), &fit.data.u_unit.to_string(), &unit.to_string())
-            ),
-            settled @ Start::Settled { .. } => settled.in_words("", ""),
-        };
-        let role = match fit.role {
-            RecordRole::QuasiStatic => "quasi-static",
-            RecordRole::Dynamic => "dynamic",
-        };
-        let masked = facts.data.y.len() - facts.scored(0).len();
-        let masked =
-            if masked > 0 { format!(", {masked} samples masked as not valid") } else { String::new() };
-        let offset = match options.demands.fixed(super::static_step::OFFSET) {
-            Some(value) => format!("held at {value} {unit}"),
-            None => "estimated".to_owned(),
-        };
-        list.push(format!(
-            "{name}: {role}, {} samples{masked}, {start}; its offset was {offset}.",
-            facts.data.y.len()
-        ));
-        if options.initial != Initial::Periodic
-            && let Some(cycle) = facts.first_of_several_cycles()
-        {
-            list.push(format!(
-                "{name}: the first of several cycles ({cycle} samples) has {UNKNOWN_PAST} of the weight of \
-                 the others in the fit, because \
-                 what the device did before it is not known; the scores count it as any other."
-            ));
-        }
-        if fit.data.valid != facts.data.valid {
-            list.push(format!(
-                "{name}: the fit was interrupted; its scores are of its first {} samples.",
-                fit.scores.samples
-            ));
-        }
-        if fit.role == RecordRole::QuasiStatic {
-            let creep = result.structure.creeps.get(quasi_static).copied().unwrap_or(0.0);
-            let left_out = result.structure.left_out.get(quasi_static).copied().unwrap_or(0);
-            if creep != 0.0 {
-                list.push(format!(
-                    "{name}: a slow creep of {creep:.3} {unit} per e-fold of time was allowed for in the \
-                     fit; it is not \
-                     part of the model and counts in the scores."
-                ));
-            }
-            if left_out > 0 {
-                list.push(format!(
-                    "{name}: its first {left_out} samples (rest, or a start that a model without lag cannot \
-                     follow) were left \
-                     out of the fit and its scores."
-                ));
-            }
-            quasi_static += 1;
-        }
-    }
-    list
 }
 
 #[cfg(test)]

@@ -49,10 +49,8 @@ pub(super) fn verdict(
         say(
             format!(
                 "The loops are far from where the hysteresis would saturate: the records determine the \
-                 products of alpha with \
-             beta and gamma, and linear − alpha, but none of the four by itself. Within the range of these \
-             records that is \
-             enough. {help}"
+                 products of alpha with beta and gamma, and linear − alpha, but none of the four by itself. \
+                 Within the range of these records that is enough. {help}"
             ),
             advice,
         );
@@ -91,8 +89,7 @@ pub(super) fn verdict(
         say(
             format!(
                 "{} can hardly be told apart by these records (correlation {:.4}): their errors make up for \
-                 each other, so \
-             that none of them means much without the others. {help}",
+                 each other, so that none of them means much without the others. {help}",
                 listed(&names),
                 group.correlation
             ),
@@ -103,8 +100,7 @@ pub(super) fn verdict(
         say(
             format!(
                 "The parameters as a whole hang on the noise (condition number {}): leave parameters out, or \
-                 hold \
-             what is known of the device.",
+                 hold what is known of the device.",
                 short(covariance.condition_number)
             ),
             Some(Advice::Hold { parameter: None }),

@@ -29,6 +29,7 @@ mod normal;
 pub mod online;
 mod options;
 pub mod oscillator;
+mod precision;
 mod prediction;
 mod projection;
 pub mod recalibrate;
@@ -40,6 +41,7 @@ mod static_fit;
 mod static_problem;
 mod static_step;
 pub mod structure;
+mod treatment;
 mod two_step;
 mod uncertainty;
 mod watch;
@@ -152,8 +154,7 @@ fn identify_records(
         return Ok(found);
     }
     let text = "A resonance would lie beyond what these records show, and the loops are met as well without: \
-                there is none \
-                in the model. Add a sweep that comes near it.";
+                there is none in the model. Add a sweep that comes near it.";
     other.findings.push(Finding::new(FindingKind::Advice, "resonance", text));
     Ok(other)
 }

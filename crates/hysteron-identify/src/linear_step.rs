@@ -98,8 +98,7 @@ impl LinearStep {
         };
         let verdict = format!(
             "Dynamic block by {wanted}: B/F with {} and {} coefficients, {} sample(s) of delay, best of \
-             {tried} orders by \
-             BIC{noise}; simulation error {} rms on the dynamic records{}.",
+             {tried} orders by BIC{noise}; simulation error {} rms on the dynamic records{}.",
             m.b.len(),
             m.f.len(),
             m.nk,
@@ -118,8 +117,7 @@ impl LinearStep {
         let values = [named("b", &fit.numerator), named("a", &fit.denominator[..own])].concat();
         let verdict = format!(
             "Dynamic block by SRIVC: {} pole(s) and {} zero(s) in continuous time, {} sample(s) of delay, \
-             best of {tried} \
-             orders by BIC; simulation error {} rms on the dynamic records{}.",
+             best of {tried} orders by BIC; simulation error {} rms on the dynamic records{}.",
             fit.orders.poles,
             fit.orders.zeros,
             fit.orders.delay,

@@ -138,16 +138,13 @@ impl Reduction {
         } else {
             format!(
                 "moved a parameter by {moved:.2} standard errors: what thinning leaves out (fast motion, the \
-                 ends of the records) \
-                 has a say in it, or the scheme has. Intervals by profile have their place and scale from \
-                 all samples, their \
-                 shape from the thinned ones."
+                 ends of the records) has a say in it, or the scheme has. Intervals by profile have their \
+                 place and scale from all samples, their shape from the thinned ones."
             )
         };
         format!(
             "The search worked on {searched} of {samples} samples, low-passed and thinned where a record was \
-             oversampled. The \
-             estimates come from a last fit of all samples, which {change}"
+             oversampled. The estimates come from a last fit of all samples, which {change}"
         )
     }
 }

@@ -257,8 +257,8 @@ fn a_record_reads_back_to_the_same_numbers_here_and_in_scipy() {
         "{:?}",
         again.time
     );
-    let script = "import sys, scipy.io as s; m = s.loadmat(sys.argv[1]); \
-                  print(m['u_V'].ravel().tolist(), m['valid'].dtype, m['t_s'].shape)";
+    let script = "import sys, scipy.io as s; m = s.loadmat(sys.argv[1]); print(m['u_V'].ravel().tolist(), \
+                  m['valid'].dtype, m['t_s'].shape)";
     let python = std::env::var("HYSTERON_PYTHON").unwrap_or_else(|_| "python3".to_owned());
     match Command::new(python).args(["-c", script]).arg(&path).output() {
         Ok(told) if told.status.success() => {

@@ -8,6 +8,10 @@
 //!
 //! [`Hysteresis::follow`]: crate::hysteresis::Hysteresis::follow
 
+mod error;
+
+pub use error::InversionError;
+
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
@@ -18,11 +22,10 @@ use crate::dynamics::{
     Dynamics, DynamicsError, InterSample, Inverse, InverseAim, Response, Sampling, Scheme, SimulationPlan,
     Term, TransferFunction,
 };
-use crate::hammerstein::{Model, SETTLING_PERIODS, SimulationError};
-use crate::hysteresis::{DriveGrid, DriveLimits, Followed, HysteresisError, Invertibility};
+use crate::hammerstein::{Model, SETTLING_PERIODS};
+use crate::hysteresis::{DriveGrid, DriveLimits, Followed, HysteresisError};
 use crate::realise::RealiseError;
 use crate::start::{Memory, Start};
-use hysteron_numeric::display::short;
 
 /// Share of the reference that is missing at the bandwidth, where nobody says otherwise.
 pub const ERROR_AT_BANDWIDTH: f64 = 1e-3;
@@ -116,126 +119,6 @@ pub struct InverseOfDynamics {
     pub peak: f64,
     /// Factor from white noise on the reference to noise on the output of the hysteresis, both rms.
     pub noise_gain: f64,
-}
-
-/// Why there is no drive.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum InversionError {
-    /// Fewer than two samples.
-    #[error("the reference has {samples} samples: at least 2 are needed")]
-    TooShort {
-        /// Samples of the reference.
-        samples: usize,
-    },
-    /// A sample of the reference is not finite.
-    #[error("sample {index} (from 0) of the reference is not finite")]
-    NotFinite {
-        /// Number of the sample.
-        index: usize,
-    },
-    /// The last run is not one of this reference.
-    #[error(
-        "the last run has {drive} samples of its drive and {measured} of its output, the reference has \
-         {samples}: all must be the same and the drive within the range"
-    )]
-    LastRun {
-        /// Samples of the drive.
-        drive: usize,
-        /// Samples of the output.
-        measured: usize,
-        /// Samples of the reference.
-        samples: usize,
-    },
-    /// No voltage gives the first value of the reference.
-    #[error(
-        "the reference begins at {}, which no input from {} to {} holds: at rest these give {} to {}; begin \
-         the reference between them, or give the input at which the device rests",
-        short(*reference),
-        short(*low),
-        short(*high),
-        short(*from),
-        short(*to)
-    )]
-    Begins {
-        /// First value of the reference \[µm\].
-        reference: f64,
-        /// Least voltage \[V\].
-        low: f64,
-        /// Largest voltage \[V\].
-        high: f64,
-        /// Output at rest at the least voltage \[µm\].
-        from: f64,
-        /// Output at rest at the largest voltage \[µm\].
-        to: f64,
-    },
-    /// No voltage gives the first value of the reference, and the output falls somewhere in the range.
-    #[error(
-        "the hysteresis has no inverse over the range from {} to {}: near the input {} its output at rest \
-         falls as the input rises; give a smaller range",
-        short(*low),
-        short(*high),
-        short(*near)
-    )]
-    Falls {
-        /// Least voltage \[V\].
-        low: f64,
-        /// Largest voltage \[V\].
-        high: f64,
-        /// Where the output falls \[V\].
-        near: f64,
-    },
-    /// A reference that repeats was to be followed one sample at a time.
-    #[error(
-        "a reference that repeats is followed as a whole: one sample at a time it has no steady state to \
-         begin in"
-    )]
-    Repeats,
-    /// The reference is not a whole number of the periods it is said to repeat with.
-    #[error("the reference has {samples} samples: not a whole number of periods of {period_samples} samples")]
-    Period {
-        /// Samples of the reference.
-        samples: usize,
-        /// Samples of the period.
-        period_samples: usize,
-    },
-    /// A hysteretic displacement was given where the voltage at which the device was virgin is needed.
-    #[error(
-        "one sample at a time the device begins where it was virgin: give that input, not its hysteretic \
-         displacement"
-    )]
-    Displacement,
-    /// The model does not run sample by sample, or not from where the device rests.
-    #[error(transparent)]
-    Realise(#[from] RealiseError),
-    /// The model cannot be run at this rate.
-    #[error(transparent)]
-    Simulation(#[from] SimulationError),
-    /// The dynamics have no inverse.
-    #[error("the dynamics cannot be inverted: {0}")]
-    Dynamics(#[from] DynamicsError),
-    /// The hysteresis has no inverse.
-    #[error("the hysteresis cannot be inverted: {0}")]
-    Hysteresis(#[from] HysteresisError),
-    /// A number of the options of a compensator is not usable.
-    #[error("{name} must be {allowed}, but it is {value}")]
-    Option {
-        /// Its name, with its unit where it has one.
-        name: &'static str,
-        /// The value given.
-        value: f64,
-        /// What is allowed.
-        allowed: &'static str,
-    },
-    /// The hysteresis has no inverse within the range.
-    #[error("the hysteresis cannot be inverted: {0}")]
-    NotInvertible(Invertibility),
-    /// The gain at rest is 0, or next to nothing.
-    #[error("the dynamics pass next to nothing at rest: no drive holds a displacement")]
-    NoGain,
-    /// The equations of the regulator have no solution in double precision.
-    #[error("no stable regulator was found; ask for a lower bandwidth")]
-    NoRegulator,
 }
 
 impl Model {

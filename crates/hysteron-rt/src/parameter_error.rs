@@ -91,8 +91,7 @@ impl<T: Display> Display for ParameterError<T> {
             Self::Threshold { index, value, above } => write!(
                 f,
                 "threshold {index} (from 0) is {value}: it must be finite and above {above}; thresholds are \
-                 positive \
-                 and increase"
+                 positive and increase"
             ),
             Self::Weight { index, value } => {
                 write!(f, "weight {index} (from 0) is {value}: it must be finite")

@@ -52,9 +52,9 @@ pub(super) fn section(found: &Reproduction) -> Section {
         ]);
     }
     Section::new("Figure 1: the loop and its frequency").block(figure).block(table).block(Block::paragraph(
-        "The claim that the loop hardly changes below 5 Hz is what allows the article to take the 1 Hz \
-             loop as static. The distance at 5 Hz is the price: it is in every error of the static block \
-             from the start.",
+        "The claim that the loop hardly changes below 5 Hz is what allows the article to take the 1 Hz loop \
+             as static. The distance at 5 Hz is the price: it is in every error of the static block from the \
+             start.",
     ))
 }
 

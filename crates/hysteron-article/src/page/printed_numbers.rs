@@ -15,8 +15,8 @@ pub(super) fn section(found: &Reproduction) -> Section {
         Column::number("implied / printed", ""),
     ])
     .captioned(
-        "Eq. 13 behind the loop of Table 2: the error that a static model must have, and the one \
-        printed in Table 3.",
+        "Eq. 13 behind the loop of Table 2: the error that a static model must have, and the one printed in \
+        Table 3.",
     );
     for row in &c.behind_the_loop {
         table.rows.push(Row {

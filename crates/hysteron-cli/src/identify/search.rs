@@ -28,8 +28,8 @@ pub(super) fn read_searches(path: &Path) -> Result<Searches, Failure> {
     let path = beside.as_deref().unwrap_or(path);
     load_json(path, MAX_RESUME_BYTES).map_err(|e| {
         Failure::new(format!("cannot resume from {}", path.display())).because(e).hint(
-            "it must be the MODEL.partial.json (or MODEL.searches.json) that an interrupted \
-                identification wrote",
+            "it must be the MODEL.partial.json (or MODEL.searches.json) that an interrupted identification \
+                wrote",
         )
     })
 }

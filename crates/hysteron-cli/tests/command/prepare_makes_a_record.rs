@@ -38,8 +38,7 @@ fn every_step_is_done_in_the_stated_order_and_told() {
     let bench = bench();
     let run = bench.run(
         "prepare segments.csv -o out.csv --rename drive=u --where segment=0..2 --from 200ms --scale \
-         y=1000nm/um \
-         --detrend y --remove-mean u --rate 50Hz --json",
+         y=1000nm/um --detrend y --remove-mean u --rate 50Hz --json",
     );
     assert_eq!(run.exit_code, 0, "{run:?}");
     let json: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
@@ -109,8 +108,8 @@ fn a_part_is_taken_inline() {
     assert_eq!(run.exit_code, 0, "{run:?}");
     assert_eq!(table(&bench, "out.csv").1.len(), 100);
     let run = bench.run(
-        "identify run.csv --from 1 --dynamics none --degree 1 --generations 2 --least-fit \
-                         -1e9 -o new.json --json",
+        "identify run.csv --from 1 --dynamics none --degree 1 --generations 2 --least-fit -1e9 -o new.json \
+                         --json",
     );
     assert_eq!(run.exit_code, 0, "{run:?}");
     assert!(run.stdout.contains("\"samples\":100"), "{}", run.stdout);

@@ -73,8 +73,7 @@ fn soft_actuator_is_said_to_be_described_poorly() {
         std::fs::copy(file.with_file_name(name), bench.path(name)).unwrap();
     }
     let command = "identify sine_0p5Hz.csv sine_1p5Hz.csv sine_3p5Hz.csv --input u_meas_V --dynamics \
-                   fractional \
-                   --degree 3 -o soft.json --json";
+                   fractional --degree 3 -o soft.json --json";
     let refused = bench.run(command);
     assert_eq!(refused.exit_code, 1, "{}", refused.stderr);
     for part in

@@ -57,8 +57,7 @@ fn every_controller_is_played_and_the_files_are_written() {
     let bench = bench(2000);
     let run = bench.run(
         "track stage.json scan.csv --plant rig --range 0:10.5 --json -o track.csv --report track.html --seed \
-         3 \
-         --sines 10:1000",
+         3 --sines 10:1000",
     );
     assert_eq!(run.exit_code, 0, "{run:?}");
     let made: Value = serde_json::from_str(&run.stdout).unwrap();
@@ -167,8 +166,8 @@ fn what_is_not_known_behind_the_end_is_not_scored() {
     // 2000 samples end at rest of a period; 1987 in mid-swing.
     bench.write("cut.csv", scan(1987));
     let run = bench.run(
-        "track stage.json cut.csv --plant model --range 0:10.5 --controller feedforward \
-                         --json --sines 10:100",
+        "track stage.json cut.csv --plant model --range 0:10.5 --controller feedforward --json --sines \
+                         10:100",
     );
     let made: Value = serde_json::from_str(&run.stdout).unwrap();
     let to = made["scored_to_s"].as_f64().unwrap();

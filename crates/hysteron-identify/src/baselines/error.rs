@@ -18,8 +18,7 @@ pub enum BaselineError {
     /// A record whose samples do not fit the lag interval.
     #[error(
         "{record} is sampled at {sample_rate_hz} Hz, and {interval_s} s between the lags of a NARX model is \
-         no whole number of its samples: \
-         resample the records to one rate"
+         no whole number of its samples: resample the records to one rate"
     )]
     Interval {
         /// Name of the record.

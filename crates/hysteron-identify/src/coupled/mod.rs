@@ -241,8 +241,7 @@ fn findings(errors: Option<&CoupledErrors>) -> Vec<Finding> {
         return Vec::new();
     }
     let text = "these records do not determine all parameters: there are no standard errors. Drive every \
-                input over a wider range of \
-                frequencies and amplitudes."
+                input over a wider range of frequencies and amplitudes."
         .to_owned();
     vec![Finding::new(FindingKind::Warning, "parameters", text)]
 }

@@ -151,8 +151,7 @@ fn steady_part(
             &record.name,
             &format!(
                 "its period of {period:.4} samples is not a whole number of them, so its lines leak into one \
-                 another; play a \
-                 multisine whose period is a whole number of samples, or give the period"
+                 another; play a multisine whose period is a whole number of samples, or give the period"
             ),
             Some(Advice::GivePeriod),
         ));

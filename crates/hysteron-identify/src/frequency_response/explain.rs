@@ -36,8 +36,7 @@ pub(super) fn explain(fit: &ResponseFit, response: &FrequencyResponse) -> String
         let angle = fit.value("loss_angle").to_degrees();
         parts.push(format!(
             "{} more as a loss angle, a phase without a fall of the magnitude, as rate-independent \
-             hysteresis leaves it (it would change \
-             with the amplitude of the drive; creep would not)",
+             hysteresis leaves it (it would change with the amplitude of the drive; creep would not)",
             degrees(-angle)
         ));
     }

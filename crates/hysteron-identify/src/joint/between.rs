@@ -59,8 +59,7 @@ impl InterSampleChoice {
         } else {
             let text = format!(
                 "The records do not tell what the drive does between its samples ({evidence}): {} is \
-                 assumed. A delay depends on it by up to \
-                 half a sample.",
+                 assumed. A delay depends on it by up to half a sample.",
                 self.rule
             );
             say(findings, FindingKind::Advice, "between samples", text);

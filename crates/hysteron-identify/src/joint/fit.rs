@@ -1,40 +1,31 @@
 //! From records to a model in one fit: reduced records from many starts, then all samples from the best.
 
-use super::super::engine::{Engine, Search, Show};
+use super::super::engine::Engine;
 use super::super::options::{Choice, DynamicsChoice, Method, Options, RecordRole};
 use super::super::result::{Identification, RecordFit, Reduction, StructureChoice};
 use super::super::sines::SineResponse;
-use super::super::static_step::{BIC_FALL, HIGHEST_AUTOMATIC_DEGREE, OFFSET};
-use super::super::uncertainty::correlation_time;
+use super::super::static_step::OFFSET;
 use super::super::{IdentifyError, RecordFacts, findings};
 use super::band::{self, OutputUncertainty};
 use super::between;
 use super::campaign::JointMember;
 use super::intervals::intervals;
 use super::knowledge::{self, Covariance};
+use super::model::assemble;
 use super::parameters;
 use super::problem::{JointProblem, JointSolution};
+use super::search::{Optimum, information, search};
 use super::setup::{self, JointSetup, memory_name};
 use super::smoothing::smoothed;
-use super::starts::Starts;
 use crate::watch::Plan;
 use hysteron_model::Start;
-use hysteron_model::dynamics::{Creep, DynamicForm, Dynamics, Modes};
+use hysteron_model::dynamics::DynamicForm;
 use hysteron_model::hammerstein::Model;
-use hysteron_model::model_file::{ModelFile, SignalUnits, polynomial_name};
+use hysteron_model::model_file::polynomial_name;
 use hysteron_model::record::range_of;
 use hysteron_model::validate::{Scoring, choose_start, mean_residual, score};
-use hysteron_optimize::{Algorithm, DeAbcOptions, LeastSquaresProblem, OptimizeError, Problem};
+use hysteron_optimize::{LeastSquaresProblem, OptimizeError, Problem};
 use rayon::prelude::*;
-
-/// Degree that the starts are tried with where it is chosen from the data.
-pub(super) const DEGREE_OF_STARTS: usize = 3;
-/// Residuals worth less than this share of their samples are far from white.
-const WHITE: f64 = 0.5;
-/// Starts that must end in the same optimum.
-const AGREEMENT: usize = 3;
-/// Starts with fitted dynamics, beside the best one as it is, before any other.
-const FIRST_STARTS: usize = 2;
 
 /// The delay's name among the parameters.
 const DELAY: &str = "delay";
@@ -97,57 +88,14 @@ pub(in super::super) fn identify(
     let asked_delay = options.delay_s;
     let delay_s = if shows_delay || asked_delay != Choice::Auto { asked_delay } else { Choice::Given(0.0) };
     let options = &Options { scheme, delay_s, ..options.clone() };
-    let mut setup = JointSetup::new(&members, form, options).stopped_by(engine.stop());
+    let setup = JointSetup::new(&members, form, options).stopped_by(engine.stop());
     let reduced = members.iter().any(|member| member.factor > 1);
-
-    let first_degree = match options.degree {
-        Choice::Given(degree) => degree,
-        Choice::Auto => DEGREE_OF_STARTS,
-    };
-    let mut problem = setup.problem(first_degree, reduced)?;
-    let grown = |x: &[f64]| shown(&problem, x, &setup);
-    let mut search = search_globally((&problem, reduced), &setup, &mut engine, Some(&grown))?;
-    if let Some(longer) =
-        setup.with_longer_delays(&problem, &search.outcome.best).filter(|_| !engine.is_stopped())
-    {
-        setup = longer;
-        problem = setup.problem(first_degree, reduced)?;
-        let grown = |x: &[f64]| shown(&problem, x, &setup);
-        let mut wider = search_globally((&problem, reduced), &setup, &mut engine, Some(&grown))?;
-        let from_edge = vec![search.outcome.best.clone()];
-        take_better(&mut wider, engine.quick_fit("joint fit", &problem, from_edge)?);
-        search = wider;
-    }
-    if options.dynamics == DynamicsChoice::Auto && options.creep == Creep::None {
-        let creeping = setup.with(DynamicForm { creep: Creep::Fractional, ..form }, options);
-        if let Some(better) = try_creep(&problem, &search, &creeping, first_degree, reduced, &mut engine)? {
-            (setup, (problem, search)) = (creeping, better);
-        }
-    }
+    let Optimum { setup, problem, mut search, mut degree, best, degrees } =
+        search(setup, reduced, &mut engine)?;
     let form = setup.form;
-    let mut degrees = Vec::new();
-    let mut degree = first_degree;
-    let mut best = search.outcome.best.clone();
-    if options.degree == Choice::Auto && !engine.is_stopped() {
-        (degree, best) = choose_degree(&setup, reduced, &search, &mut engine, &mut degrees)?;
-    }
     let mut small = if reduced { Some(setup.problem(degree, true)?) } else { None };
     let mut at_small = best.clone();
-    let mut polished = if engine.is_stopped() {
-        None
-    } else {
-        let whole = setup.problem(degree, false)?;
-        let (x, cost) = if reduced {
-            let polished = engine.quick_fit(ALL_SAMPLES, &whole, vec![best.clone()]);
-            engine
-                .unless_stopped(polished)?
-                .map_or((best, f64::INFINITY), |s| (s.outcome.best, s.outcome.cost))
-        } else {
-            let cost = whole.cost(&best, &mut whole.workspace());
-            (best, cost)
-        };
-        cost.is_finite().then_some((whole, x, cost))
-    };
+    let mut polished = on_all_samples(&setup, (degree, best), reduced, &mut engine)?;
     let others = between::others(&setup, options);
     let mut options = options;
     let mut told_between = None;
@@ -179,7 +127,7 @@ pub(in super::super) fn identify(
             small.as_ref().map(|small| Reduction { samples, searched: small.valid(), moved: 0.0 });
         (whole, x, reduction)
     } else {
-        degree = first_degree;
+        degree = problem.degree();
         (problem, search.outcome.best.clone(), None)
     };
     // Without a delay that slow drive does not tell.
@@ -285,6 +233,27 @@ pub(in super::super) fn identify(
     Ok(identification)
 }
 
+/// The problem of all samples, its optimum from the `best` point of the search, and the cost there; `None`
+/// where a stop left none.
+fn on_all_samples(
+    setup: &JointSetup<'_>,
+    (degree, best): (usize, Vec<f64>),
+    reduced: bool,
+    engine: &mut Engine<'_, '_>,
+) -> Result<Option<(JointProblem, Vec<f64>, f64)>, IdentifyError> {
+    if engine.is_stopped() {
+        return Ok(None);
+    }
+    let whole = setup.problem(degree, false)?;
+    if !reduced {
+        let cost = whole.cost(&best, &mut whole.workspace());
+        return Ok(cost.is_finite().then_some((whole, best, cost)));
+    }
+    let polished = engine.quick_fit(ALL_SAMPLES, &whole, vec![best]);
+    let polished = engine.unless_stopped(polished)?.map(|search| search.outcome);
+    Ok(polished.filter(|end| end.cost.is_finite()).map(|end| (whole, end.best, end.cost)))
+}
+
 /// The options for slow records alone: they hold no dynamics but what a jump from rest shows, a lag and the
 /// delay.
 ///
@@ -300,8 +269,7 @@ fn slow(options: &Options, members: &[JointMember<'_>]) -> Result<Options, Ident
             return Err(IdentifyError::NoDynamicInformation {
                 wanted: wanted.name(),
                 because: "the campaign holds quasi-static records only; add a sweep or sines well above \
-                          their frequency, \
-                          or name the record that is one"
+                          their frequency, or name the record that is one"
                     .into(),
             });
         }
@@ -322,15 +290,6 @@ fn with_no_delay(
     let mut x = x.to_vec();
     x.insert(place.map_or(x.len(), |place| place.min(x.len())), 0.0);
     Ok((problem, x))
-}
-
-/// The model at a point of the search as it would be handed out, without errors and scores.
-fn shown(problem: &JointProblem, x: &[f64], setup: &JointSetup<'_>) -> Option<hysteron_model::Model> {
-    let solution = problem.solve(x)?;
-    let law = assemble(&solution, &setup.form, setup.members, setup.options).ok()?;
-    let first = &setup.members.first()?.facts.data;
-    let units = SignalUnits::of(&first.u_unit, &first.y_unit);
-    hysteron_model::Model::try_from(ModelFile::from_model(&law, units)).ok()
 }
 
 /// The model's simulation of every record; of a long one only the beginning where the fit was stopped. Where
@@ -385,196 +344,6 @@ fn simulated(
     fits.into_iter().collect()
 }
 
-/// A few good starts; where they disagree all others, and where these disagree a population search on a
-/// twentieth of its usual budget, polished.
-fn search_globally(
-    (problem, reduced): (&JointProblem, bool),
-    setup: &JointSetup<'_>,
-    engine: &mut Engine<'_, '_>,
-    show: Show<'_>,
-) -> Result<Search, IdentifyError> {
-    if problem.bounds().dimension() == 0 {
-        return Ok(engine.fit_from("joint fit", problem, vec![Vec::new()], show)?);
-    }
-    if let Some(algorithm) = &setup.options.algorithm {
-        let mut search = engine.search("joint fit", problem, setup.guesses(problem)?, show)?;
-        if algorithm.name() != "least-squares" && !engine.cancelled {
-            let best = search.outcome.best.clone();
-            let polished = engine.quick_fit("joint fit, polished", problem, vec![best])?.outcome;
-            (search.outcome.best, search.outcome.cost) = (polished.best, polished.cost);
-        }
-        return Ok(search);
-    }
-    let mut search = if setup.options.start.is_some() {
-        engine.search("joint fit", problem, setup.guesses(problem)?, show)?
-    } else {
-        search_from_places(problem, setup, engine, show)?
-    };
-    if agreeing(&search) >= AGREEMENT || engine.cancelled {
-        return Ok(search);
-    }
-    if setup.form.creep != Creep::None && setup.options.start.is_none() {
-        // Creep is small: the optimum without it lies near that with it.
-        let without = setup.with(DynamicForm { creep: Creep::None, ..setup.form }, setup.options);
-        let plain = without.problem(problem.degree(), reduced)?;
-        let found = search_from_places(&plain, &without, engine, None)?;
-        let starts = from_plain(&plain, &found.outcome.best, problem, &setup.guesses(problem)?);
-        take_better(&mut search, engine.quick_fit("joint fit with creep", problem, starts)?);
-    }
-    let population = Algorithm::DeAbc(DeAbcOptions::default());
-    let generations = (setup.options.generations / 20).max(5);
-    let starts = vec![search.outcome.best.clone()];
-    let wide = engine.run_for("joint fit, population", problem, &population, starts, generations, show)?;
-    search.outcome.evaluations += wide.outcome.evaluations;
-    let starts = vec![wide.outcome.best];
-    take_better(&mut search, engine.quick_fit("joint fit, population polished", problem, starts)?);
-    Ok(search)
-}
-
-/// Fits from the first few places; from all others where these disagree.
-fn search_from_places(
-    problem: &JointProblem,
-    setup: &JointSetup<'_>,
-    engine: &mut Engine<'_, '_>,
-    show: Show<'_>,
-) -> Result<Search, IdentifyError> {
-    let places = setup.places(problem, engine)?;
-    let Starts { mut points, evaluations } = setup.fitted(problem, &places, 0..FIRST_STARTS, engine)?;
-    points.extend(setup.unfitted(problem, &places));
-    if engine.is_stopped() {
-        points = problem.best().into_iter().collect();
-    }
-    let mut search = engine.fit_from("joint fit", problem, points, show)?;
-    search.outcome.evaluations += places.evaluations + evaluations;
-    if agreeing(&search) >= AGREEMENT || engine.cancelled {
-        return Ok(search);
-    }
-    let others = setup.fitted(problem, &places, FIRST_STARTS..usize::MAX, engine)?;
-    search.outcome.evaluations += others.evaluations;
-    take_better(&mut search, engine.search("joint fit, other starts", problem, others.points, show)?);
-    Ok(search)
-}
-
-/// Takes what `other` found where it is better, and its starts beside those of `search`.
-fn take_better(search: &mut Search, other: Search) {
-    search.outcome.evaluations += other.outcome.evaluations;
-    search.outcome.generations += other.outcome.generations;
-    search.outcome.starts.extend(other.outcome.starts);
-    if other.outcome.cost < search.outcome.cost {
-        (search.outcome.best, search.outcome.cost) = (other.outcome.best, other.outcome.cost);
-    }
-}
-
-/// The same dynamics with a creep factor, where the residuals are far from white and the evidence for it is
-/// very strong.
-fn try_creep(
-    plain: &JointProblem,
-    found: &Search,
-    setup: &JointSetup<'_>,
-    degree: usize,
-    reduced: bool,
-    engine: &mut Engine<'_, '_>,
-) -> Result<Option<(JointProblem, Search)>, IdentifyError> {
-    let coloured = information(plain, &found.outcome.best) < WHITE * plain.valid() as f64;
-    if !coloured || engine.is_stopped() {
-        return Ok(None);
-    }
-    let problem = setup.problem(degree, reduced)?;
-    let mut guesses = setup.guesses(&problem)?;
-    guesses.extend(from_plain(plain, &found.outcome.best, &problem, &guesses[..1]));
-    let search = engine.quick_fit("joint fit with creep", &problem, guesses);
-    let Some(search) = engine.unless_stopped(search)?.filter(|_| !engine.is_stopped()) else {
-        return Ok(None);
-    };
-    let information = information(&problem, &search.outcome.best);
-    let gain = 2.0 * information * (found.outcome.cost / search.outcome.cost).ln();
-    let parameters = problem.bounds().dimension() - plain.bounds().dimension();
-    Ok((gain > BIC_FALL + parameters as f64 * information.ln()).then_some((problem, search)))
-}
-
-/// The guesses for a problem with more parameters, with those of a fit with fewer in their place.
-fn from_plain(
-    plain: &JointProblem,
-    best: &[f64],
-    problem: &JointProblem,
-    guesses: &[Vec<f64>],
-) -> Vec<Vec<f64>> {
-    let place = |name: &str| plain.bounds().ranges.iter().position(|range| range.name == name);
-    let moved = |guess: &Vec<f64>| {
-        let ranges = problem.bounds().ranges.iter().zip(guess);
-        ranges.map(|(range, &guess)| place(&range.name).map_or(guess, |at| best[at])).collect()
-    };
-    guesses.iter().map(moved).collect()
-}
-
-/// Number of independent samples that the residuals at `x` are worth.
-fn information(problem: &JointProblem, x: &[f64]) -> f64 {
-    let mut residual = vec![0.0; problem.residual_count()];
-    problem.residuals(x, &mut problem.workspace(), &mut residual);
-    (0..problem.records().len())
-        .map(|r| problem.records()[r].valid as f64 / correlation_time(&residual[problem.rows(r)]))
-        .sum::<f64>()
-        .max(2.0)
-}
-
-/// Starts that ended in the best optimum found (to 1e-6 of its cost).
-fn agreeing(search: &Search) -> usize {
-    let best = search.outcome.cost;
-    search
-        .outcome
-        .starts
-        .iter()
-        .filter(|start| start.status.converged() && start.cost <= best * (1.0 + 1e-6))
-        .count()
-}
-
-/// Degree by BIC over the information that the residuals really hold, from one warm fit each.
-fn choose_degree(
-    setup: &JointSetup<'_>,
-    reduced: bool,
-    found: &Search,
-    engine: &mut Engine<'_, '_>,
-    tried: &mut Vec<(usize, f64, f64)>,
-) -> Result<(usize, Vec<f64>), IdentifyError> {
-    let demanded = (1..=super::super::HIGHEST_DEGREE)
-        .filter(|&d| setup.options.demands.names().any(|n| n == polynomial_name(d)))
-        .max()
-        .unwrap_or(1);
-    let mut fits = Vec::new();
-    let mut information = 2.0;
-    let highest = HIGHEST_AUTOMATIC_DEGREE.max(demanded);
-    for degree in 1..=highest {
-        let problem = setup.problem(degree, reduced)?;
-        let parameters = problem.bounds().dimension() + problem.layout().linear().count();
-        let (cost, best) = if degree == DEGREE_OF_STARTS {
-            (found.outcome.cost, found.outcome.best.clone())
-        } else {
-            let start = found.outcome.best.clone();
-            let fit = engine.quick_fit(&format!("degree {degree}"), &problem, vec![start]);
-            match engine.unless_stopped(fit)? {
-                Some(fit) if !engine.is_stopped() => (fit.outcome.cost, fit.outcome.best),
-                _ => break,
-            }
-        };
-        if degree == highest {
-            // That of the richest fit counts: its residual is the least structured.
-            information = self::information(&problem, &best);
-        }
-        fits.push((degree, cost, parameters, best));
-    }
-    let mut chosen: Option<(usize, f64, Vec<f64>)> = None;
-    for (degree, cost, parameters, best) in fits {
-        let bic =
-            information * (cost * cost).max(f64::MIN_POSITIVE).ln() + parameters as f64 * information.ln();
-        tried.push((degree, cost, bic));
-        let better = chosen.as_ref().is_none_or(|(_, before, _)| bic < before - BIC_FALL);
-        if better || degree <= demanded {
-            chosen = Some((degree, bic, best));
-        }
-    }
-    Ok(chosen.map_or((demanded, found.outcome.best.clone()), |(degree, _, best)| (degree, best)))
-}
-
 /// Largest move of a searched number between reduced and whole records, in standard errors.
 fn moved(own: &Covariance, x: &[f64], before: &[f64]) -> f64 {
     let eliminated = own.values.len() - x.len();
@@ -583,32 +352,6 @@ fn moved(own: &Covariance, x: &[f64], before: &[f64]) -> f64 {
         .enumerate()
         .filter_map(|(j, (now, then))| own.std_error(eliminated + j).map(|error| (now - then).abs() / error))
         .fold(0.0, f64::max)
-}
-
-pub(in super::super) fn assemble(
-    solution: &JointSolution,
-    form: &DynamicForm,
-    members: &[JointMember<'_>],
-    options: &Options,
-) -> Result<Model, IdentifyError> {
-    let g = form.transfer_function(&solution.form)?;
-    let dynamics = match form.modes {
-        Modes::None if form.creep == Creep::None => Dynamics::None,
-        Modes::None | Modes::Integer { .. } | Modes::Resonances { .. } if form.creep.has_whole_orders() => {
-            Dynamics::Integer(g)
-        }
-        _ => Dynamics::Fractional(g),
-    };
-    let fastest = members.iter().map(|m| m.rate_hz).fold(0.0, f64::max);
-    Ok(Model {
-        hysteresis: solution.hysteresis.clone(),
-        dynamics,
-        offset: options.demands.fixed(OFFSET).unwrap_or(0.0),
-        delay_s: solution.delay_s,
-        scheme: options.scheme(),
-        inter_sample: options.inter_sample(),
-        sample_rate_hz: Some(fastest),
-    })
 }
 
 /// Every demand must be one that this fit can meet: none is passed over in silence.

@@ -6,9 +6,10 @@
 //! optimum with a memory that was not there, and dynamics that are far off lead there). Then the dynamics, on
 //! all records with that loop held.
 
+use super::super::IdentifyError;
+use super::super::engine::{Engine, Search};
 use super::super::layout::pick;
 use super::super::options::Options;
-use super::super::{Engine, IdentifyError};
 use super::problem::JointProblem;
 use super::setup::{JointSetup, memory_name, without_number};
 use hysteron_model::dynamics::{Creep, Dynamics, Modes};
@@ -96,8 +97,16 @@ impl JointSetup<'_> {
         engine: &mut Engine<'_, '_>,
     ) -> Result<Places, IdentifyError> {
         let mut evaluations = 0;
+        // From here on a stop leaves a model.
+        if let Some(numbers) = self.shapes().into_iter().next() {
+            let start = self.point(problem.bounds(), &Shape { numbers, settled: false }, FAST);
+            problem.cost(&start, &mut problem.workspace());
+        }
         let loops = self.loops(problem, engine, &mut evaluations)?;
-        let motions = self.motions(problem, |motion| self.looping(problem.bounds(), &loops[0], motion));
+        let motions = match loops.first() {
+            Some(first) => self.motions(problem, |motion| self.looping(problem.bounds(), first, motion)),
+            None => Vec::new(),
+        };
         Ok(Places { loops, motions, evaluations })
     }
 
@@ -175,7 +184,8 @@ impl JointSetup<'_> {
         Ok((problem, starts))
     }
 
-    /// The loop that fits the slowest record best, and the best one of another optimum, if there is one.
+    /// The loop that fits the slowest record best, and the best one of another optimum, if there is one; none
+    /// where it was stopped before the first.
     fn loops(
         &self,
         whole: &JointProblem,
@@ -193,7 +203,10 @@ impl JointSetup<'_> {
         }
         let of = |settled| shapes.iter().filter(move |(shape, _)| shape.settled == settled).take(2);
         let starts = of(false).chain(of(true)).map(|(_, start)| start.clone()).collect();
-        let mut fit = engine.rough_fit("slowest record", &problem, starts)?.outcome;
+        let fit = engine.rough_fit("slowest record", &problem, starts);
+        let Some(Search { outcome: mut fit, .. }) = engine.unless_stopped(fit)? else {
+            return Ok(Vec::new());
+        };
         *evaluations += fit.evaluations;
         fit.starts.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         let other = fit.starts.iter().find(|start| start.cost > fit.cost * (1.0 + ANOTHER));

@@ -369,8 +369,7 @@ fn findings(
             "levels",
             format!(
                 "all records have one level, {}{unit} rms: how the modes move with the amplitude is not \
-                 known and left out. Add \
-                 records at a third of it.",
+                 known and left out. Add records at a third of it.",
                 short(model.level.highest)
             ),
         );

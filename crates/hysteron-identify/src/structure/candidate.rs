@@ -138,10 +138,9 @@ impl Block {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "'{name}' is no structure: expected BLOCK[+CREEP][+degreeN][+n-free][+FAMILY] with BLOCK one of {}, \
-     CREEP one of creep, \
-     log-creep, kelvin-voigt, N from 1 to {HIGHEST_DEGREE}, FAMILY (n-free is bouc-wen's own) one of {}, and \
-     neither creep nor another family than bouc-wen with \
-     arx, oe, bj and srivc; e.g. integer2+creep",
+     CREEP one of creep, log-creep, kelvin-voigt, N from 1 to {HIGHEST_DEGREE}, FAMILY (n-free is bouc-wen's \
+     own) one of {}, and neither creep nor another family than bouc-wen with arx, oe, bj and srivc; e.g. \
+     integer2+creep",
     NAMES,
     HysteresisForm::usual().into_iter().map(HysteresisForm::name).collect::<Vec<_>>().join(", ")
 )]

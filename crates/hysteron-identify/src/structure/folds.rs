@@ -62,8 +62,8 @@ pub(super) fn plan(facts: &[RecordFacts], contents: &[Content]) -> Result<Vec<Fo
         return Err(IdentifyError::CannotRank {
             because: format!(
                 "the records hold one amplitude and one frequency ({}), which is one experiment however \
-                 often it is repeated: \
-                 nothing is left to predict, and any of the structures can be bent to the one loop",
+                 often it is repeated: nothing is left to predict, and any of the structures can be bent to \
+                 the one loop",
                 first.describe(unit)
             ),
             measure: prospect::next_record(facts, contents).unwrap_or_default(),
@@ -148,8 +148,7 @@ pub(super) fn limits(contents: &[Content], folds: &[Fold]) -> Vec<String> {
     if folds.iter().any(|f| !f.whole) {
         notes.push(
             "Parts of records are left out, not whole records: what differs from record to record (start, \
-             drift, temperature) is not \
-             in the errors."
+             drift, temperature) is not in the errors."
                 .to_owned(),
         );
     }

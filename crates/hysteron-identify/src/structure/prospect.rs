@@ -87,15 +87,13 @@ pub(super) fn next_record(facts: &[RecordFacts], contents: &[Content]) -> Option
         };
         return Some(format!(
             "a sweep (or a multisine) from {from} to the highest frequency of use, amplitude {full}: it \
-             tells delay and \
-             dynamics from loop width{loops}"
+             tells delay and dynamics from loop width{loops}"
         ));
     }
     if one_amplitude(contents) {
         return Some(format!(
             "slow loops at {from} of the full, half and a quarter of the amplitude ({full}): β, γ, n and the \
-             polynomial show in how \
-             the loop shrinks"
+             polynomial show in how the loop shrinks"
         ));
     }
     if !shows_creep(facts) {
@@ -132,8 +130,7 @@ fn amplitudes(facts: &[RecordFacts], contents: &[Content]) -> Prospect {
         (Some(true), text)
     } else if facts.iter().any(starts_at_rest) {
         let text = "one amplitude: β and γ are told apart by the way from rest into the first loop alone, n \
-                    and the polynomial by \
-                    the shape of one loop";
+                    and the polynomial by the shape of one loop";
         (None, text.to_owned())
     } else {
         let text = "one amplitude and no start from rest: β and γ cannot be told apart, and minor loops are \

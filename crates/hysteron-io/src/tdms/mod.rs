@@ -1,6 +1,7 @@
 //! TDMS: segments of raw data as LabVIEW writes them; each channel is a column, its path `group/channel`.
 
 mod number;
+mod property;
 mod scaling;
 mod segment;
 mod values;
@@ -13,8 +14,9 @@ use crate::container::{self, Held};
 use crate::hash::sha256;
 use crate::place::{Part, Place};
 use crate::reader::{Input, Reader};
+use property::{Properties, Value};
 use scaling::Scaling;
-use segment::{Contents, Properties, TAG, Value};
+use segment::{Contents, TAG};
 
 /// Files of LabVIEW and other programs of National Instruments.
 pub(crate) const READER: Reader =

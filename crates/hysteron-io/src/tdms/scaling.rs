@@ -1,6 +1,6 @@
 //! Scaling of raw values to physical ones, as channels of a TDMS file describe it in their properties.
 
-use super::segment::{Properties, Value};
+use super::property::{Properties, Value};
 
 /// Most scales of a channel.
 const MAX_SCALES: usize = 64;

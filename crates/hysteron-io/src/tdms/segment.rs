@@ -1,8 +1,9 @@
 //! Segments of a TDMS file: which objects it holds, and where their raw data stand.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
 use super::number::DataType;
+use super::property::{Properties, is_read, read_value};
 use crate::bytes::Bytes;
 use crate::container::MOST_PATH_BYTES;
 use crate::place::shown;
@@ -18,8 +19,6 @@ const MAX_OBJECTS: usize = 1 << 12;
 /// Most places of channels in the layouts of all segments together, and most visits to them.
 const MAX_PARTS: usize = 1 << 22;
 const MAX_VISITS: usize = 1 << 28;
-/// Longest text of a property that is read.
-const MOST_TEXT_BYTES: usize = 1024;
 /// Most properties of all objects together, of those that are read.
 const MAX_PROPERTIES: usize = 1 << 18;
 const TOO_MANY_CHANGES: &str =
@@ -30,41 +29,6 @@ const SAME_AS_BEFORE: u32 = 0;
 /// Index of an object with raw data of a DAQmx device: of analogue channels, of digital lines.
 const DAQMX: u32 = 0x1269;
 const DAQMX_LINES: u32 = 0x1369;
-
-/// Properties of an object.
-pub(super) type Properties = BTreeMap<String, Value>;
-
-/// Value of a property.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Value {
-    Integer(i128),
-    Float(f64),
-    Text(String),
-    Other,
-}
-
-impl Value {
-    pub fn text(&self) -> Option<&str> {
-        if let Value::Text(text) = self { Some(text) } else { None }
-    }
-
-    pub fn number(&self) -> Option<f64> {
-        match self {
-            Value::Integer(number) => Some(*number as f64),
-            Value::Float(number) => Some(*number),
-            _ => None,
-        }
-    }
-
-    /// An unsigned number of 32 bits; −1 is the largest.
-    pub fn as_index(&self) -> Option<u32> {
-        match self {
-            Value::Integer(-1) => Some(u32::MAX),
-            Value::Integer(number) => u32::try_from(*number).ok(),
-            _ => None,
-        }
-    }
-}
 
 /// The file, a group or a channel.
 pub(super) struct Object {
@@ -468,34 +432,6 @@ fn share(values: u64, some: u64, all: u64) -> u64 {
     (u128::from(values) * u128::from(some) / u128::from(all.max(1))) as u64
 }
 
-/// Whether a property says something about the numbers: unit, times, scales.
-fn is_read(name: &[u8]) -> bool {
-    name == b"unit_string" || name.starts_with(b"wf_") || name.starts_with(b"NI_")
-}
-
-/// Value of a property, behind its type.
-fn read_value(bytes: &mut Bytes<'_>) -> Result<Value, String> {
-    let data_type = DataType::new(bytes.u32()?)?;
-    let Some(size) = data_type.bytes() else {
-        let text = bytes.raw_text()?;
-        let is_short = text.len() <= MOST_TEXT_BYTES;
-        return Ok(if is_short {
-            Value::Text(String::from_utf8_lossy(text).into_owned())
-        } else {
-            Value::Other
-        });
-    };
-    let raw = bytes.take(size)?;
-    Ok(match data_type {
-        // Exact beyond the 53 bits of a double; no property that is read needs more.
-        DataType::Signed(_) | DataType::Unsigned(_) | DataType::Boolean => {
-            Value::Integer(data_type.value(raw, bytes.big_endian) as i128)
-        }
-        DataType::Float32 | DataType::Float64 => Value::Float(data_type.value(raw, bytes.big_endian)),
-        _ => Value::Other,
-    })
-}
-
 /// Names in a path: `/'group'/'channel'`, quotes in names doubled; `/` is the file. `None` for one that is no
 /// such path.
 fn components(path: &str) -> Option<Vec<String>> {
@@ -527,15 +463,4 @@ fn components(path: &str) -> Option<Vec<String>> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_path_is_taken_apart_with_its_quotes() {
-        assert_eq!(components("/").unwrap(), Vec::<String>::new());
-        assert_eq!(components("/'it''s'/'a/b'").unwrap(), ["it's", "a/b"]);
-        assert_eq!(components("/'open"), None);
-        assert_eq!(components("plain"), None);
-        assert_eq!(components("/'a'/'b'/'c'"), None);
-    }
-}
+mod tests;

@@ -177,8 +177,7 @@ impl FamilyDescription for Entry {
 
     fn equation(&self) -> &'static str {
         "sum of weight_j H_j, three densities exp(-r/R), R = 0.01 (high - low) times 1, 10, 100, each with \
-         three slopes \
-         over low to high, of plays p = u - z, dz/dt = du/dt - sign(z) exp((|z| - r)/sigma)"
+         three slopes over low to high, of plays p = u - z, dz/dt = du/dt - sign(z) exp((|z| - r)/sigma)"
     }
 
     fn elements(&self) -> Option<Elements> {

@@ -73,8 +73,7 @@ impl Display for Admissibility {
             Self::BoundedFromRest { saturation_v, limit_v } => write!(
                 f,
                 "bounded from rest: the hysteretic part stays finite for every drive as long as it starts \
-                 below \
-                 {} times α (it saturates at {} times α)",
+                 below {} times α (it saturates at {} times α)",
                 short(*limit_v),
                 short(*saturation_v)
             ),
@@ -90,8 +89,7 @@ impl Display for Admissibility {
             Self::Hardening => write!(
                 f,
                 "not bounded (hardening): the hysteretic part grows ever faster with the drive; do not use \
-                 the model \
-                 beyond the inputs it was identified on"
+                 the model beyond the inputs it was identified on"
             ),
         }
     }

@@ -151,8 +151,7 @@ impl FamilyDescription for Entry {
 
     fn equation(&self) -> &'static str {
         "sum of weight_j F_j, plays of half-width j (high - low)/(2 (number + 1)); then six bands, from low \
-         to high, of \
-         h = (1 - loop_share) u + loop_share sum of g_j F_j, g_j in proportion to exp(-r_j/reach)"
+         to high, of h = (1 - loop_share) u + loop_share sum of g_j F_j, g_j in proportion to exp(-r_j/reach)"
     }
 
     fn elements(&self) -> Option<Elements> {

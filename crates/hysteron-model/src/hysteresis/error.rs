@@ -71,8 +71,7 @@ pub enum HysteresisError {
     /// The hysteresis state runs away: parameters outside the bounded class.
     #[error(
         "the hysteresis state runs away at drive sample {index} ({cause}); keep β + γ > 0 and β − γ ≥ 0 for \
-         α > 0, \
-         β − γ > 0 and β + γ ≥ 0 for α < 0"
+         α > 0, β − γ > 0 and β + γ ≥ 0 for α < 0"
     )]
     RunsAway {
         /// Number of the sample, from 0.
@@ -83,8 +82,7 @@ pub enum HysteresisError {
     /// No periodic steady state was found.
     #[error(
         "no steady state after {periods} periods: z still changes by {change:e} a period; the record must be \
-         a whole \
-         number of periods and the parameters in the bounded class"
+         a whole number of periods and the parameters in the bounded class"
     )]
     NotSettled {
         /// Periods simulated.
@@ -95,9 +93,8 @@ pub enum HysteresisError {
     /// The steady state of a period does not determine its own derivatives.
     #[error(
         "the steady state has no derivatives: what is left of a difference of states after a period is \
-         {slope} of it \
-         and must be less than 1; give the loop a shape with β' > |γ'|, or another start than the periodic \
-         one"
+         {slope} of it and must be less than 1; give the loop a shape with β' > |γ'|, or another start than \
+         the periodic one"
     )]
     NotContracting {
         /// ∂ζ(end of the period)/∂ζ(its start).
@@ -140,8 +137,7 @@ pub enum HysteresisError {
     /// States that no common history of the voltage leaves behind.
     #[error(
         "the play states have no common history: play {index} (from 0) is further from the one before it \
-         than their \
-         thresholds differ; start from rest or from the states that a simulation left behind"
+         than their thresholds differ; start from rest or from the states that a simulation left behind"
     )]
     PlayHistory {
         /// Number of the play, from 0.
@@ -156,8 +152,7 @@ pub enum HysteresisError {
     /// The closed-form inverse exists for a linear polynomial only.
     #[error(
         "the polynomial is of degree {degree}: the inverse has a closed form for a linear polynomial only; \
-         invert move \
-         by move over the range of inputs needed"
+         invert move by move over the range of inputs needed"
     )]
     NotLinear {
         /// Its degree.
@@ -166,8 +161,7 @@ pub enum HysteresisError {
     /// A branch of a model with a linear polynomial does not increase.
     #[error(
         "the model has no inverse: with its {plays} narrowest plays moving, the output moves by {slope} \
-         times the input, \
-         which must be positive"
+         times the input, which must be positive"
     )]
     PartialSlope {
         /// How many plays move, from the narrowest.
@@ -178,8 +172,8 @@ pub enum HysteresisError {
     /// A branch of the model does not increase within the range of its inverse.
     #[error(
         "the model has no inverse over this range: at the input {u} a branch has the slope {slope}, which \
-         must be positive \
-         beyond rounding; choose a range without this input or a polynomial and weights that increase there"
+         must be positive beyond rounding; choose a range without this input or a polynomial and weights \
+         that increase there"
     )]
     NotSteep {
         /// Voltage \[V\].
@@ -217,8 +211,7 @@ pub enum HysteresisError {
     /// No voltage of the range gives the output.
     #[error(
         "no input of the range gives the output {v} of sample {index}: from where the plays stand it gives \
-         {from} to \
-         {to}; ask for an output between these or allow a wider range"
+         {from} to {to}; ask for an output between these or allow a wider range"
     )]
     OutOfReach {
         /// Number of the sample, from 0.
@@ -245,9 +238,8 @@ pub enum HysteresisError {
     /// The output falls as the voltage rises.
     #[error(
         "the hysteresis has no inverse: on the move to sample {index} the output falls near the input {} as \
-         the input rises; keep the \
-         drive away from there, or identify a family whose branches increase (plays with weights of one sign \
-         do)",
+         the input rises; keep the drive away from there, or identify a family whose branches increase \
+         (plays with weights of one sign do)",
         short(*u)
     )]
     NotIncreasing {
@@ -290,8 +282,7 @@ pub enum HysteresisError {
     /// Envelopes between which a play has no place.
     #[error(
         "at the input {u} the right envelope lies {by} above the left one, more than twice the narrowest \
-         threshold {narrowest}: \
-         widen the thresholds or bring the envelopes together"
+         threshold {narrowest}: widen the thresholds or bring the envelopes together"
     )]
     Envelopes {
         /// Voltage \[V\].

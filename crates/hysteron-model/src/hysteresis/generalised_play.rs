@@ -123,8 +123,8 @@ impl FamilyDescription for Entry {
     }
 
     fn equation(&self) -> &'static str {
-        "sum of weight_j F_j, F_j <- max(R(u) - r_j, min(L(u) + r_j, F_j)), r_j = (j - 1/2)/number, \
-         R = tanh(rise_right (u - centre_right)), L = tanh(rise_left (u - centre_left))"
+        "sum of weight_j F_j, F_j <- max(R(u) - r_j, min(L(u) + r_j, F_j)), r_j = (j - 1/2)/number, R = \
+         tanh(rise_right (u - centre_right)), L = tanh(rise_left (u - centre_left))"
     }
 
     fn elements(&self) -> Option<Elements> {

@@ -272,8 +272,7 @@ impl FamilyDescription for Entry {
 
     fn equation(&self) -> &'static str {
         "weight_1 m, m = p + reversibility (m_an - p), m_an = coth(h/anhysteretic) - anhysteretic/h, h = u + \
-         coupling m, \
-         dp/dh = s (m_an - p)/pinning where that is positive, else 0"
+         coupling m, dp/dh = s (m_an - p)/pinning where that is positive, else 0"
     }
 
     fn weight_unit(&self, _: usize) -> NumberUnit {

@@ -13,6 +13,7 @@ mod remark;
 mod run;
 mod score;
 mod signals;
+mod simulation;
 mod verdict;
 
 pub use capability::{Capability, Unsupported};
@@ -22,9 +23,9 @@ pub use error::{RunError, SignalRole};
 pub use inverse_findings::FAR_FROM_REST;
 pub use inverse_summary::InverseSummary;
 pub use remark::Remark;
-pub use run::Simulation;
 pub use score::{AxesScore, BandScore, ErrorSummary, RememberingStart, RunScore, Score, ScoreSummary};
 pub use signals::Signals;
+pub use simulation::Simulation;
 pub use verdict::{Judgement, Verdict};
 
 use crate::axes::{CoupledHammerstein, ScheduledModes};

@@ -1,16 +1,13 @@
 //! Simulation and scores of any kind of model.
 
 use super::verdict::{RANGE_SLACK, Verdict};
-use super::{AxesScore, Body, Model, Remark, RunError, RunScore, Score, SignalRole, Signals};
+use super::{AxesScore, Body, Model, Remark, RunError, RunScore, Score, SignalRole, Signals, Simulation};
 use crate::axes::{AxesRecord, AxesScores, SteadyPeriod};
 use crate::dynamics::Dynamics;
 use crate::hammerstein;
 use crate::model_file::{ModelFile, OscillatorFile};
 use crate::oscillator::Oscillator;
-use crate::record::{
-    Channel, InputOutput, InterSample, Record, RecordError, Run, RunPart, TimeBase, Unit, find_periods,
-    range_of,
-};
+use crate::record::{InputOutput, InterSample, Run, RunPart, TimeBase, Unit, find_periods, range_of};
 use crate::start::Start;
 use crate::validate::{OffsetTreatment, ScoreError, Scores, Scoring, choose_start, score, unfollowed_start};
 
@@ -21,66 +18,6 @@ const LEVEL_SLACK: f64 = 0.02;
 const FEWEST_SAMPLES: usize = 3;
 /// Variation of a simulation, over its size, that is rounding.
 const ROUNDING: f64 = 1e-9;
-
-/// Output of a model for a drive.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Simulation {
-    /// One list an output, in the model's output unit.
-    pub outputs: Vec<Vec<f64>>,
-    /// Start that was simulated from.
-    pub start: Start,
-    /// Unit of the input, the record's or, where it has none, the model's.
-    pub input_unit: Unit,
-    /// Mean period of a record of several axes that repeats.
-    pub period: Option<SteadyPeriod>,
-    /// What a user should know about it.
-    pub remarks: Vec<Remark>,
-}
-
-impl Simulation {
-    /// Of one output, without remarks.
-    pub fn of_single(y: Vec<f64>, start: Start, input_unit: Unit) -> Self {
-        Self { outputs: vec![y], start, input_unit, period: None, remarks: Vec::new() }
-    }
-}
-
-impl Simulation {
-    /// The inputs, the model's `outputs` in `unit` under these names, the ends of a `band` around one output
-    /// (`y_low`, `y_high`), and what was measured beside them (`y_measured`), with its mask.
-    ///
-    /// # Errors
-    /// [`RecordError`] where the signals are not those of the simulation.
-    pub fn to_record(
-        &self,
-        name: &str,
-        signals: &Signals,
-        outputs: &[String],
-        unit: &str,
-        band: Option<[Vec<f64>; 2]>,
-    ) -> Result<Record, RecordError> {
-        let input_unit = self.input_unit.symbol();
-        let mut channels = match signals {
-            Signals::Single(drive) => vec![Channel::new("u", input_unit, drive.u.clone())],
-            Signals::Several(record) => {
-                let inputs = record.inputs.iter().zip(&record.u);
-                inputs.map(|(name, u)| Channel::new(name, input_unit, u.clone())).collect()
-            }
-        };
-        channels
-            .extend(outputs.iter().zip(&self.outputs).map(|(name, y)| Channel::new(name, unit, y.clone())));
-        for (name, end) in ["y_low", "y_high"].into_iter().zip(band.into_iter().flatten()) {
-            channels.push(Channel::new(name, unit, end));
-        }
-        let mut valid = None;
-        if let Signals::Single(record) = signals
-            && !record.y.is_empty()
-        {
-            channels.push(Channel::new("y_measured", unit, record.y.clone()));
-            valid.clone_from(&record.valid);
-        }
-        Ok(Record { valid, ..Record::new(name, signals.time().clone(), channels)? })
-    }
-}
 
 impl Model {
     /// The model's output for a drive, in free run: no measured output is used. [`Start::AsIdentified`] takes

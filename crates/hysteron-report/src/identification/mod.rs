@@ -286,8 +286,8 @@ fn model(data: &IdentificationReportData) -> Section {
         }
         if data.parameters.iter().any(|p| p.is_profiled) {
             table = table.note(
-                "* by profile likelihood: the fit is not linear enough in this parameter for \
-                its standard error.",
+                "* by profile likelihood: the fit is not linear enough in this parameter for its standard \
+                error.",
             );
         }
         section = section.block(table);

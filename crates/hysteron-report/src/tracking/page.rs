@@ -161,8 +161,8 @@ fn left_over(found: &Tracking) -> Figure {
         figure = figure.panel(panel);
     }
     figure.captioned(
-        "Reference less displacement, mean taken off: the first controller and those that leave \
-        least. Each panel has its own scale.",
+        "Reference less displacement, mean taken off: the first controller and those that leave least. Each \
+        panel has its own scale.",
     )
 }
 

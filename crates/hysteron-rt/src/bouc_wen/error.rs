@@ -50,8 +50,7 @@ impl<T: Display> Display for StepError<T> {
             Self::BlowUp { after } => write!(
                 f,
                 "z becomes infinite after {after} V of the move: the parameters are outside the bounded \
-                 class \
-                 (α > 0: β + γ > 0 and β − γ ≥ 0)"
+                 class (α > 0: β + γ > 0 and β − γ ≥ 0)"
             ),
             Self::Overflow => write!(
                 f,

@@ -47,8 +47,7 @@ impl<T: Display> Display for ModelError<T> {
             Self::Overflow => write!(
                 f,
                 "the output of the hysteresis leaves the range of the number type: its parameters are \
-                 outside the bounded class, or the \
-                 voltage is out of all reason"
+                 outside the bounded class, or the voltage is out of all reason"
             ),
             Self::Limits => {
                 write!(

@@ -42,8 +42,7 @@ impl<T: Display> Display for PlayError<T> {
             Self::History { index } => write!(
                 f,
                 "the states have no common history: play {index} (from 0) is further from the one before it \
-                 than \
-                 their thresholds differ"
+                 than their thresholds differ"
             ),
             Self::Slope { least } => write!(
                 f,

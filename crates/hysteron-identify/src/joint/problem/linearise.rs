@@ -1,0 +1,99 @@
+//! A joint fit linearised at a point.
+
+use super::super::super::layout::Role;
+use super::{Derivatives, JointProblem, JointWorkspace};
+use hysteron_optimize::{LeastSquaresProblem, Problem};
+
+/// A joint fit linearised at a point.
+#[derive(Debug)]
+pub(in super::super::super) struct Linearisation {
+    /// Columns of the eliminated coefficients, one after the other.
+    pub(in super::super::super) linear: Vec<f64>,
+    /// Which coefficient each of them is: index of u^(index + 1), from the degree on of a weight. Weights
+    /// that their sign holds at 0 are not among them.
+    pub(in super::super::super) eliminated: Vec<usize>,
+    /// Derivatives along the searched numbers, one after the other.
+    pub(in super::super::super) searched: Vec<f64>,
+    /// Weighted residuals.
+    pub(in super::super::super) residuals: Vec<f64>,
+    /// Coefficients of u, u², … and weights.
+    pub(in super::super::super) coefficients: Vec<f64>,
+}
+
+impl JointProblem {
+    /// The fit linearised at `x` in everything: the linear columns that were eliminated, and the derivatives
+    /// along the searched numbers; residuals beside them. Local columns are taken off all of them.
+    pub(in super::super::super) fn linearise(&self, x: &[f64]) -> Option<Linearisation> {
+        let mut ws = self.workspace();
+        if self.stop.is_requested() || !self.evaluate(x, self.derivatives(), &mut ws) {
+            return None;
+        }
+        let coefficients = self.coefficients(x, &mut ws);
+        Some(self.collect(coefficients, &mut ws))
+    }
+
+    /// [`Self::linearise`] at coefficients of u, u², … and weights that need not be the best at `x`.
+    pub(in super::super::super) fn linearise_at(
+        &self,
+        x: &[f64],
+        coefficients: &[f64],
+    ) -> Option<Linearisation> {
+        let mut ws = self.workspace();
+        let is_free = |(index, role): &(usize, &Role)| match role {
+            Role::Projected => true,
+            Role::OneSided(_) => coefficients[*index] != 0.0,
+            Role::Fixed(_) | Role::Searched(_) => false,
+        };
+        ws.eliminated = self.layout.linear().enumerate().filter(is_free).map(|(index, _)| index).collect();
+        self.deviate(x, coefficients, self.derivatives(), &mut ws)
+            .then(|| self.collect(coefficients.to_vec(), &mut ws))
+    }
+
+    /// Weighted residuals at `x` and any coefficients of u, u², … and weights; empty where it cannot be
+    /// simulated.
+    pub(in super::super::super) fn residuals_at<'w>(
+        &self,
+        x: &[f64],
+        coefficients: &[f64],
+        ws: &'w mut JointWorkspace,
+    ) -> &'w [f64] {
+        if self.deviate(x, coefficients, None, ws) { &ws.target } else { &[] }
+    }
+
+    /// Residuals at given coefficients into `ws.target`.
+    fn deviate(
+        &self,
+        x: &[f64],
+        coefficients: &[f64],
+        wanted: Derivatives<'_>,
+        ws: &mut JointWorkspace,
+    ) -> bool {
+        ws.set_stop(&self.stop);
+        if self.stop.is_requested() || !self.respond(x, wanted, ws) {
+            return false;
+        }
+        let JointWorkspace { records, column, target, .. } = ws;
+        for (r, record) in records.iter().enumerate() {
+            target[self.rows(r)].copy_from_slice(&record.target);
+        }
+        for (index, value) in coefficients.iter().enumerate() {
+            self.gather(index, records, column);
+            target.iter_mut().zip(column.iter()).for_each(|(t, c)| *t -= value * c);
+        }
+        true
+    }
+
+    /// Everything of a linearisation, after the columns and the residuals.
+    fn collect(&self, coefficients: Vec<f64>, ws: &mut JointWorkspace) -> Linearisation {
+        let count = self.residual_count();
+        let mut searched = vec![0.0; count * self.bounds.dimension()];
+        self.differentiate(&coefficients, &mut ws.records, &mut searched);
+        let mut eliminated = ws.eliminated.clone();
+        eliminated.sort_unstable();
+        let mut linear = vec![0.0; eliminated.len() * count];
+        for (&index, column) in eliminated.iter().zip(linear.chunks_exact_mut(count.max(1))) {
+            self.gather(index, &ws.records, column);
+        }
+        Linearisation { linear, eliminated, searched, residuals: ws.target.clone(), coefficients }
+    }
+}

@@ -1,0 +1,267 @@
+//! The search of a joint fit, over reduced records where they may be: from many starts, then whether there is
+//! creep and of which degree the polynomial is.
+
+use super::super::IdentifyError;
+use super::super::engine::{Engine, Search, Show};
+use super::super::options::{Choice, DynamicsChoice, Options};
+use super::super::static_step::{BIC_FALL, HIGHEST_AUTOMATIC_DEGREE};
+use super::super::uncertainty::correlation_time;
+use super::model::shown;
+use super::problem::JointProblem;
+use super::setup::JointSetup;
+use super::starts::Starts;
+use hysteron_model::dynamics::{Creep, DynamicForm};
+use hysteron_model::model_file::polynomial_name;
+use hysteron_optimize::{Algorithm, DeAbcOptions, LeastSquaresProblem, Problem};
+
+/// Degree that the starts are tried with where it is chosen from the data.
+pub(super) const DEGREE_OF_STARTS: usize = 3;
+/// Residuals worth less than this share of their samples are far from white.
+const WHITE: f64 = 0.5;
+/// Starts that must end in the same optimum.
+const AGREEMENT: usize = 3;
+/// Starts with fitted dynamics, beside the best one as it is, before any other.
+const FIRST_STARTS: usize = 2;
+
+/// The best point of a search, and the structure that it belongs to.
+pub(super) struct Optimum<'a> {
+    pub(super) setup: JointSetup<'a>,
+    /// The problem that was searched, of the degree of the starts.
+    pub(super) problem: JointProblem,
+    pub(super) search: Search,
+    /// The degree chosen, and the best point in it.
+    pub(super) degree: usize,
+    pub(super) best: Vec<f64>,
+    /// Degrees tried, with cost and BIC.
+    pub(super) degrees: Vec<(usize, f64, f64)>,
+}
+
+/// Searches with the delays, creep and degree that the options leave open.
+pub(super) fn search<'a>(
+    mut setup: JointSetup<'a>,
+    reduced: bool,
+    engine: &mut Engine<'_, '_>,
+) -> Result<Optimum<'a>, IdentifyError> {
+    let options: &Options = setup.options;
+    let first_degree = match options.degree {
+        Choice::Given(degree) => degree,
+        Choice::Auto => DEGREE_OF_STARTS,
+    };
+    let mut problem = setup.problem(first_degree, reduced)?;
+    let grown = |x: &[f64]| shown(&problem, x, &setup);
+    let mut search = search_globally((&problem, reduced), &setup, engine, Some(&grown))?;
+    if let Some(longer) =
+        setup.with_longer_delays(&problem, &search.outcome.best).filter(|_| !engine.is_stopped())
+    {
+        setup = longer;
+        problem = setup.problem(first_degree, reduced)?;
+        let grown = |x: &[f64]| shown(&problem, x, &setup);
+        let mut wider = search_globally((&problem, reduced), &setup, engine, Some(&grown))?;
+        let from_edge = vec![search.outcome.best.clone()];
+        take_better(&mut wider, engine.quick_fit("joint fit", &problem, from_edge)?);
+        search = wider;
+    }
+    if options.dynamics == DynamicsChoice::Auto && options.creep == Creep::None {
+        let creeping = setup.with(DynamicForm { creep: Creep::Fractional, ..setup.form }, options);
+        if let Some(better) = try_creep(&problem, &search, &creeping, first_degree, reduced, engine)? {
+            (setup, (problem, search)) = (creeping, better);
+        }
+    }
+    let mut degrees = Vec::new();
+    let (degree, best) = if options.degree == Choice::Auto && !engine.is_stopped() {
+        choose_degree(&setup, reduced, &search, engine, &mut degrees)?
+    } else {
+        (first_degree, search.outcome.best.clone())
+    };
+    Ok(Optimum { setup, problem, search, degree, best, degrees })
+}
+
+/// A few good starts; where they disagree all others, and where these disagree a population search on a
+/// twentieth of its usual budget, polished.
+fn search_globally(
+    (problem, reduced): (&JointProblem, bool),
+    setup: &JointSetup<'_>,
+    engine: &mut Engine<'_, '_>,
+    show: Show<'_>,
+) -> Result<Search, IdentifyError> {
+    if problem.bounds().dimension() == 0 {
+        return Ok(engine.fit_from("joint fit", problem, vec![Vec::new()], show)?);
+    }
+    if let Some(algorithm) = &setup.options.algorithm {
+        let mut search = engine.search("joint fit", problem, setup.guesses(problem)?, show)?;
+        if algorithm.name() != "least-squares" && !engine.cancelled {
+            let best = search.outcome.best.clone();
+            let polished = engine.quick_fit("joint fit, polished", problem, vec![best])?.outcome;
+            (search.outcome.best, search.outcome.cost) = (polished.best, polished.cost);
+        }
+        return Ok(search);
+    }
+    let mut search = if setup.options.start.is_some() {
+        engine.search("joint fit", problem, setup.guesses(problem)?, show)?
+    } else {
+        search_from_places(problem, setup, engine, show)?
+    };
+    if agreeing(&search) >= AGREEMENT || engine.cancelled {
+        return Ok(search);
+    }
+    if setup.form.creep != Creep::None && setup.options.start.is_none() {
+        // Creep is small: the optimum without it lies near that with it.
+        let without = setup.with(DynamicForm { creep: Creep::None, ..setup.form }, setup.options);
+        let plain = without.problem(problem.degree(), reduced)?;
+        let found = search_from_places(&plain, &without, engine, None)?;
+        let starts = from_plain(&plain, &found.outcome.best, problem, &setup.guesses(problem)?);
+        take_better(&mut search, engine.quick_fit("joint fit with creep", problem, starts)?);
+    }
+    let population = Algorithm::DeAbc(DeAbcOptions::default());
+    let generations = (setup.options.generations / 20).max(5);
+    let starts = vec![search.outcome.best.clone()];
+    let wide = engine.run_for("joint fit, population", problem, &population, starts, generations, show)?;
+    search.outcome.evaluations += wide.outcome.evaluations;
+    let starts = vec![wide.outcome.best];
+    take_better(&mut search, engine.quick_fit("joint fit, population polished", problem, starts)?);
+    Ok(search)
+}
+
+/// Fits from the first few places; from all others where these disagree.
+fn search_from_places(
+    problem: &JointProblem,
+    setup: &JointSetup<'_>,
+    engine: &mut Engine<'_, '_>,
+    show: Show<'_>,
+) -> Result<Search, IdentifyError> {
+    let places = setup.places(problem, engine)?;
+    let Starts { mut points, evaluations } = setup.fitted(problem, &places, 0..FIRST_STARTS, engine)?;
+    points.extend(setup.unfitted(problem, &places));
+    if engine.is_stopped() {
+        points = problem.best().into_iter().collect();
+    }
+    let mut search = engine.fit_from("joint fit", problem, points, show)?;
+    search.outcome.evaluations += places.evaluations + evaluations;
+    if agreeing(&search) >= AGREEMENT || engine.cancelled {
+        return Ok(search);
+    }
+    let others = setup.fitted(problem, &places, FIRST_STARTS..usize::MAX, engine)?;
+    search.outcome.evaluations += others.evaluations;
+    take_better(&mut search, engine.search("joint fit, other starts", problem, others.points, show)?);
+    Ok(search)
+}
+
+/// Takes what `other` found where it is better, and its starts beside those of `search`.
+fn take_better(search: &mut Search, other: Search) {
+    search.outcome.evaluations += other.outcome.evaluations;
+    search.outcome.generations += other.outcome.generations;
+    search.outcome.starts.extend(other.outcome.starts);
+    if other.outcome.cost < search.outcome.cost {
+        (search.outcome.best, search.outcome.cost) = (other.outcome.best, other.outcome.cost);
+    }
+}
+
+/// The same dynamics with a creep factor, where the residuals are far from white and the evidence for it is
+/// very strong.
+fn try_creep(
+    plain: &JointProblem,
+    found: &Search,
+    setup: &JointSetup<'_>,
+    degree: usize,
+    reduced: bool,
+    engine: &mut Engine<'_, '_>,
+) -> Result<Option<(JointProblem, Search)>, IdentifyError> {
+    let coloured = information(plain, &found.outcome.best) < WHITE * plain.valid() as f64;
+    if !coloured || engine.is_stopped() {
+        return Ok(None);
+    }
+    let problem = setup.problem(degree, reduced)?;
+    let mut guesses = setup.guesses(&problem)?;
+    guesses.extend(from_plain(plain, &found.outcome.best, &problem, &guesses[..1]));
+    let search = engine.quick_fit("joint fit with creep", &problem, guesses);
+    let Some(search) = engine.unless_stopped(search)?.filter(|_| !engine.is_stopped()) else {
+        return Ok(None);
+    };
+    let information = information(&problem, &search.outcome.best);
+    let gain = 2.0 * information * (found.outcome.cost / search.outcome.cost).ln();
+    let parameters = problem.bounds().dimension() - plain.bounds().dimension();
+    Ok((gain > BIC_FALL + parameters as f64 * information.ln()).then_some((problem, search)))
+}
+
+/// The guesses for a problem with more parameters, with those of a fit with fewer in their place.
+fn from_plain(
+    plain: &JointProblem,
+    best: &[f64],
+    problem: &JointProblem,
+    guesses: &[Vec<f64>],
+) -> Vec<Vec<f64>> {
+    let place = |name: &str| plain.bounds().ranges.iter().position(|range| range.name == name);
+    let moved = |guess: &Vec<f64>| {
+        let ranges = problem.bounds().ranges.iter().zip(guess);
+        ranges.map(|(range, &guess)| place(&range.name).map_or(guess, |at| best[at])).collect()
+    };
+    guesses.iter().map(moved).collect()
+}
+
+/// Number of independent samples that the residuals at `x` are worth.
+pub(super) fn information(problem: &JointProblem, x: &[f64]) -> f64 {
+    let mut residual = vec![0.0; problem.residual_count()];
+    problem.residuals(x, &mut problem.workspace(), &mut residual);
+    (0..problem.records().len())
+        .map(|r| problem.records()[r].valid as f64 / correlation_time(&residual[problem.rows(r)]))
+        .sum::<f64>()
+        .max(2.0)
+}
+
+/// Starts that ended in the best optimum found (to 1e-6 of its cost).
+fn agreeing(search: &Search) -> usize {
+    let best = search.outcome.cost;
+    search
+        .outcome
+        .starts
+        .iter()
+        .filter(|start| start.status.converged() && start.cost <= best * (1.0 + 1e-6))
+        .count()
+}
+
+/// Degree by BIC over the information that the residuals really hold, from one warm fit each.
+fn choose_degree(
+    setup: &JointSetup<'_>,
+    reduced: bool,
+    found: &Search,
+    engine: &mut Engine<'_, '_>,
+    tried: &mut Vec<(usize, f64, f64)>,
+) -> Result<(usize, Vec<f64>), IdentifyError> {
+    let demanded = (1..=super::super::HIGHEST_DEGREE)
+        .filter(|&d| setup.options.demands.names().any(|n| n == polynomial_name(d)))
+        .max()
+        .unwrap_or(1);
+    let mut fits = Vec::new();
+    let mut information = 2.0;
+    let highest = HIGHEST_AUTOMATIC_DEGREE.max(demanded);
+    for degree in 1..=highest {
+        let problem = setup.problem(degree, reduced)?;
+        let parameters = problem.bounds().dimension() + problem.layout().linear().count();
+        let (cost, best) = if degree == DEGREE_OF_STARTS {
+            (found.outcome.cost, found.outcome.best.clone())
+        } else {
+            let start = found.outcome.best.clone();
+            let fit = engine.quick_fit(&format!("degree {degree}"), &problem, vec![start]);
+            match engine.unless_stopped(fit)? {
+                Some(fit) if !engine.is_stopped() => (fit.outcome.cost, fit.outcome.best),
+                _ => break,
+            }
+        };
+        if degree == highest {
+            // That of the richest fit counts: its residual is the least structured.
+            information = self::information(&problem, &best);
+        }
+        fits.push((degree, cost, parameters, best));
+    }
+    let mut chosen: Option<(usize, f64, Vec<f64>)> = None;
+    for (degree, cost, parameters, best) in fits {
+        let bic =
+            information * (cost * cost).max(f64::MIN_POSITIVE).ln() + parameters as f64 * information.ln();
+        tried.push((degree, cost, bic));
+        let better = chosen.as_ref().is_none_or(|(_, before, _)| bic < before - BIC_FALL);
+        if better || degree <= demanded {
+            chosen = Some((degree, bic, best));
+        }
+    }
+    Ok(chosen.map_or((demanded, found.outcome.best.clone()), |(degree, _, best)| (degree, best)))
+}
