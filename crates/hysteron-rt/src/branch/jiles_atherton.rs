@@ -11,7 +11,8 @@ law_numbers! {
     /// m = p + c (m_an − p), m_an = coth(h/a) − a/h, h = u + α m, dp/dh = s (m_an − p)/k where s (m_an − p) >
     /// 0, otherwise 0 (D. C. Jiles, D. L. Atherton 1986, doi:10.1016/0304-8853(86)90066-1). Exact to 1e-12
     /// for moves of up to [`MOST_PANELS`] − 2 times the smaller of a and k and twice α; longer ones are
-    /// divided into [`MOST_PANELS`] parts whatever their length, eight Gauss points each.
+    /// divided into [`MOST_PANELS`] parts whatever their length, eight Gauss points each, four
+    /// for ways of up to a tenth of the smaller of a and k.
     JilesAtherton {
         /// a > 0.
         anhysteretic,
@@ -62,7 +63,8 @@ impl<S: Scalar> BranchLaw<S> for JilesAtherton<S> {
 /// Parts of a move at most.
 pub const MOST_PANELS: u16 = 32;
 
-/// The four Gauss–Legendre points on \[0, 1\] with their weights, enough for a tenth of the smaller of a and k.
+/// The four Gauss–Legendre points on \[0, 1\] with their weights, enough for a way of a tenth of the smaller of
+/// a and k.
 const FOUR: [(f64, f64); 4] = [
     (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
     (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
@@ -147,8 +149,8 @@ impl<S: Scalar> JilesAtherton<S> {
         x * sum
     }
 
-    /// Δp, m_an at the end and the way of the voltage that go with a `way` of the field from `field`, where m_an
-    /// is `start`.
+    /// Δp, m_an at the end and the way of the voltage for a `way` of the field from `field`, where m_an is
+    /// `start`.
     #[inline(always)]
     fn gone(&self, [field, p, start, way]: [S; 4], down: bool) -> [S; 3] {
         let c = self.reversibility;
