@@ -42,18 +42,23 @@ impl<S: Scalar> BranchLaw<S> for SongDerKiureghian<S> {
     #[inline]
     fn increment(&self, y: S, from: S, to: S) -> S {
         let zero = S::Real::of(0.0);
-        let Self { beta_1: b1, beta_2: b2, beta_3: b3, beta_4: b4, beta_5: b5, beta_6: b6 } = *self;
-        let leg = |negative: bool, y: S, by: S| {
-            let down = by.value() < zero;
-            let beta = b1 + signed(signed(b3, negative) + b5, down);
-            let gamma = signed(signed(b2, negative) + b4, down) + signed(b6, negative);
-            unit_increment(beta, gamma, y, by)
-        };
         let (below, ends_below) = (from.value() < zero, to.value() < zero);
         if from.value() * to.value() < zero {
-            let first = leg(below, y, -from);
-            return first + leg(ends_below, y + first, to);
+            let first = self.leg(below, y, -from);
+            return first + self.leg(ends_below, y + first, to);
         }
-        leg(if to.value() == zero { below } else { ends_below }, y, to - from)
+        self.leg(if to.value() == zero { below } else { ends_below }, y, to - from)
+    }
+}
+
+impl<S: Scalar> SongDerKiureghian<S> {
+    /// A move on one side of u = 0.
+    #[inline(always)]
+    fn leg(&self, negative: bool, y: S, by: S) -> S {
+        let Self { beta_1: b1, beta_2: b2, beta_3: b3, beta_4: b4, beta_5: b5, beta_6: b6 } = *self;
+        let down = by.value() < S::Real::of(0.0);
+        let beta = b1 + signed(signed(b3, negative) + b5, down);
+        let gamma = signed(signed(b2, negative) + b4, down) + signed(b6, negative);
+        unit_increment(beta, gamma, y, by)
     }
 }
