@@ -205,7 +205,7 @@ fn families_of_columns_allocate_a_state_and_nothing_a_sample() {
     a_sample_costs_nothing(&KrasnoselskiiPokrovskii { range: [-4.0, 4.0], lines: 5 }, &[2.0]);
     a_sample_costs_nothing(&Preisach::regular([-5.0, 5.0], 6), &[]);
     a_sample_costs_nothing(&JilesAtherton, &[1.0, 1.0, 0.2, 1.0]);
-    a_sample_costs_nothing(&SongDerKiureghian { n: 1.0 }, &[0.5, 0.1, 0.0, 0.1, 0.0, 0.1]);
+    a_sample_costs_nothing(&SongDerKiureghian, &[0.5, 0.1, 0.0, 0.1, 0.0, 0.1]);
 }
 
 #[test]

@@ -277,7 +277,7 @@ fn asymmetric_bouc_wen() -> Result<Figure, HysteresisError> {
         move |value: f64| {
             let mut shape = [0.5, 0.0, 0.0, 0.0, 0.0, 0.0];
             shape[index] = value;
-            columns(&[1.2], SongDerKiureghian { n: 1.0 }, &shape, &[-0.6])
+            columns(&[1.2], SongDerKiureghian, &shape, &[-0.6])
         }
     };
     let delta = |value: f64| columns(&[1.2], NonSymmetricBoucWen, &[0.5, 0.0, value], &[-0.6]);

@@ -38,27 +38,6 @@ impl<T: Real, const P: usize> Dual<T, P> {
         }
         self
     }
-
-    /// f(self) for a function with value `f` and derivative `slope` at `self.value`.
-    #[inline(always)]
-    fn chain(mut self, f: T, slope: T) -> Self {
-        self.value = f;
-        // In place: `map` and `into_iter` of an array stay calls, one a number.
-        for p in &mut self.partials {
-            *p = slope * *p;
-        }
-        self
-    }
-
-    /// `value` with derivatives `x` · `self.partials` + `y` · `other.partials`.
-    #[inline(always)]
-    fn join(mut self, other: Self, value: T, x: T, y: T) -> Self {
-        self.value = value;
-        for (p, q) in self.partials.iter_mut().zip(&other.partials) {
-            *p = x * *p + y * *q;
-        }
-        self
-    }
 }
 
 impl<T: Real, const P: usize> Add for Dual<T, P> {
@@ -101,7 +80,7 @@ impl<T: Real, const P: usize> Mul for Dual<T, P> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        self.join(other, self.value * other.value, other.value, self.value)
+        self.join(other, self.value * other.value, [other.value, self.value])
     }
 }
 
@@ -111,7 +90,7 @@ impl<T: Real, const P: usize> Div for Dual<T, P> {
     fn div(self, other: Self) -> Self {
         let quotient = self.value / other.value;
         let inverse = T::of(1.0) / other.value;
-        self.join(other, quotient, inverse, -(quotient * inverse))
+        self.join(other, quotient, [inverse, -(quotient * inverse)])
     }
 }
 
@@ -119,6 +98,7 @@ impl<T: Real, const P: usize> sealed::Sealed for Dual<T, P> {}
 
 impl<T: Real, const P: usize> Scalar for Dual<T, P> {
     type Real = T;
+    const HAS_DERIVATIVES: bool = true;
     #[inline(always)]
     fn constant(value: T) -> Self {
         Dual { value, partials: [T::of(0.0); P] }
@@ -138,6 +118,27 @@ impl<T: Real, const P: usize> Scalar for Dual<T, P> {
     #[inline(always)]
     fn shift(self, term: T) -> Self {
         Dual { value: self.value + term, partials: self.partials }
+    }
+    #[inline(always)]
+    fn chain(mut self, value: T, slope: T) -> Self {
+        self.value = value;
+        // In place: `map` and `into_iter` of an array stay calls, one a number.
+        for p in &mut self.partials {
+            *p = slope * *p;
+        }
+        self
+    }
+    #[inline(always)]
+    fn join(mut self, other: Self, value: T, [x, y]: [T; 2]) -> Self {
+        self.value = value;
+        for (p, q) in self.partials.iter_mut().zip(&other.partials) {
+            *p = x * *p + y * *q;
+        }
+        self
+    }
+    #[inline(always)]
+    fn implicit(root: T, slope: impl FnOnce() -> T, function: impl FnOnce(Self) -> Self) -> Self {
+        function(Self::constant(root)).chain(root, -(T::of(1.0) / slope()))
     }
     fn exp(self) -> Self {
         let e = self.value.exp();
@@ -167,6 +168,6 @@ impl<T: Real, const P: usize> Scalar for Dual<T, P> {
     fn powf(self, exponent: Self) -> Self {
         let power = self.value.powf(exponent.value);
         let base_slope = exponent.value * (power / self.value);
-        self.join(exponent, power, base_slope, power * self.value.ln())
+        self.join(exponent, power, [base_slope, power * self.value.ln()])
     }
 }

@@ -53,9 +53,7 @@ mod real;
 mod series;
 
 pub use bouc_wen::{BoucWen, BoucWenState, SimulateError, StepError};
-pub use branch::{
-    Branch, GAUSS_LEGENDRE, MOST_MOMENTS, MOST_PANELS, langevin, langevin_slope, moments, rising_root,
-};
+pub use branch::Branch;
 pub use dual::Dual;
 pub use model::{
     Compensated, Compensator, Drive, Feedback, FilteredLms, Held, Hysteresis, IncrementMemory, LANES, Law,
@@ -73,4 +71,3 @@ pub use play::{
     bernstein_integrals, play,
 };
 pub use real::{Real, Scalar};
-pub use series::log_distance;

@@ -21,6 +21,8 @@ pub trait Scalar:
 {
     /// Type of the value (and of each derivative).
     type Real: Real;
+    /// Whether it carries derivatives along.
+    const HAS_DERIVATIVES: bool;
     /// A number with zero derivatives.
     fn constant(value: Self::Real) -> Self;
     /// The value without the derivatives.
@@ -31,6 +33,17 @@ pub trait Scalar:
     fn scale(self, factor: Self::Real) -> Self;
     /// Sum with a constant.
     fn shift(self, term: Self::Real) -> Self;
+    /// f(self) for a function with the value `value` and the derivative `slope` at [`Self::value`].
+    fn chain(self, value: Self::Real, slope: Self::Real) -> Self;
+    /// f(self, other) for a function with the value `value` and the partial derivatives `slopes`.
+    fn join(self, other: Self, value: Self::Real, slopes: [Self::Real; 2]) -> Self;
+    /// The zero of a function that is `root` in plain numbers, where the function rises by `slope`; its
+    /// derivatives follow from those of the function there (implicit function theorem).
+    fn implicit(
+        root: Self::Real,
+        slope: impl FnOnce() -> Self::Real,
+        function: impl FnOnce(Self) -> Self,
+    ) -> Self;
     /// eˣ.
     fn exp(self) -> Self;
     /// ln x.
@@ -92,6 +105,7 @@ macro_rules! real {
 
         impl Scalar for $t {
             type Real = $t;
+            const HAS_DERIVATIVES: bool = false;
             #[inline(always)]
             fn constant(value: $t) -> $t {
                 value
@@ -111,6 +125,18 @@ macro_rules! real {
             #[inline(always)]
             fn shift(self, term: $t) -> $t {
                 self + term
+            }
+            #[inline(always)]
+            fn chain(self, value: $t, _: $t) -> $t {
+                value
+            }
+            #[inline(always)]
+            fn join(self, _: $t, value: $t, _: [$t; 2]) -> $t {
+                value
+            }
+            #[inline(always)]
+            fn implicit(root: $t, _: impl FnOnce() -> $t, _: impl FnOnce($t) -> $t) -> $t {
+                root
             }
             elementary!(exp, $t::exp, $exp);
             elementary!(ln, $t::ln, $ln);

@@ -25,10 +25,25 @@ const G: [f64; 13] = [
 /// beyond that the exponential function: each within 2 units in the last place.
 #[inline(always)]
 pub(crate) fn relaxation<S: Scalar>(kappa: S, d: S) -> (S, S) {
-    match small_remainder(kappa * d) {
-        Some(g) => small_relaxation(kappa * d, d, g),
-        None => large_relaxation(kappa, d),
+    let (rate, distance) = (kappa.value(), d.value());
+    if S::HAS_DERIVATIVES {
+        let (decay, reach, slope) = relaxation_with_slope(rate, distance);
+        let decays = kappa.join(d, decay, [-(distance * decay), -(rate * decay)]);
+        (decays, kappa.join(d, reach, [slope, decay]))
+    } else {
+        let (decay, reach) = match small_remainder(rate * distance) {
+            Some(g) => small_relaxation(rate * distance, distance, g),
+            None => large_relaxation(rate, distance),
+        };
+        (S::constant(decay), S::constant(reach))
     }
+}
+
+/// 1 − e⁻ˣ.
+#[inline(always)]
+pub(crate) fn passed<S: Scalar>(x: S) -> S {
+    let (decay, passed) = relaxation(S::Real::of(1.0), x.value());
+    x.chain(passed, decay)
 }
 
 /// As [`relaxation`] (the same bits), with the derivative of the second with respect to κ: d² E'(x), where
@@ -50,34 +65,34 @@ pub(crate) fn relaxation_with_slope<T: Real>(kappa: T, d: T) -> (T, T, T) {
 
 /// [`relaxation`] from `g` = G(x).
 #[inline(always)]
-fn small_relaxation<S: Scalar>(x: S, d: S, g: S) -> (S, S) {
-    let one = S::Real::of(1.0);
-    let ratio = (-(x * g)).shift(one);
-    ((-(x * ratio)).shift(one), d * ratio)
+fn small_relaxation<T: Real>(x: T, d: T, g: T) -> (T, T) {
+    let one = T::of(1.0);
+    let ratio = one - x * g;
+    (one - x * ratio, d * ratio)
 }
 
 /// [`relaxation`] from the exponential function.
 #[inline(always)]
-fn large_relaxation<S: Scalar>(kappa: S, d: S) -> (S, S) {
+fn large_relaxation<T: Real>(kappa: T, d: T) -> (T, T) {
     let e = (-(kappa * d)).exp();
-    (e, (-e).shift(S::Real::of(1.0)) / kappa)
+    (e, (T::of(1.0) - e) / kappa)
 }
 
 /// G(x) where |x| ≤ ½, in independent parts to shorten the chain of operations that wait for each other.
 #[inline(always)]
-fn small_remainder<S: Scalar>(x: S) -> Option<S> {
-    let size = x.value().abs();
+fn small_remainder<T: Real>(x: T) -> Option<T> {
+    let size = x.abs();
     let pair = |i: usize| pair(x, i);
-    if size <= S::Real::SMALL {
+    if size <= T::SMALL {
         let x2 = x * x;
         return Some((pair(0) + pair(2) * x2) + pair(4) * (x2 * x2));
     }
-    if size <= S::Real::of(0.5) {
+    if size <= T::of(0.5) {
         let x2 = x * x;
         let x4 = x2 * x2;
         let low = pair(0) + pair(2) * x2;
         let middle = pair(4) + pair(6) * x2;
-        let high = (pair(8) + pair(10) * x2) + x4.scale(S::Real::of(G[12]));
+        let high = (pair(8) + pair(10) * x2) + x4 * T::of(G[12]);
         return Some(low + (middle + high * x4) * x4);
     }
     None
@@ -85,25 +100,32 @@ fn small_remainder<S: Scalar>(x: S) -> Option<S> {
 
 /// G_i + G_{i+1} x.
 #[inline(always)]
-fn pair<S: Scalar>(x: S, i: usize) -> S {
+fn pair<T: Real>(x: T, i: usize) -> T {
     match (G.get(i), G.get(i + 1)) {
-        (Some(&low), Some(&high)) => x.scale(S::Real::of(high)).shift(S::Real::of(low)),
-        _ => S::constant(S::Real::of(0.0)),
+        (Some(&low), Some(&high)) => x * T::of(high) + T::of(low),
+        _ => T::of(0.0),
     }
 }
 
 /// ln(1 + κ r)/κ, accurate through κ = 0, where it is r.
 #[inline]
-pub fn log_distance<S: Scalar>(kappa: S, r: S) -> S {
-    let y = kappa * r;
-    if y.value().abs() <= S::Real::of(1e-3) {
-        // ln(1 + y)/y = 1 − y/2 + y²/3 − … , truncation y⁶/7.
-        let ratio =
-            (1..=6).rev().fold(S::constant(S::Real::of(0.0)), |sum, k| -(sum * y) + reciprocal::<S>(k));
-        r * ratio
+pub(crate) fn log_distance<S: Scalar>(kappa: S, r: S) -> S {
+    let one = S::Real::of(1.0);
+    let (rate, way) = (kappa.value(), r.value());
+    let y = rate * way;
+    let (value, slope) = if y.abs() <= S::Real::of(1e-3) {
+        // ln(1 + y)/y = 1 − y/2 + y²/3 − … , truncation y⁶/7, and its derivative.
+        let (mut ratio, mut slope) = (S::Real::of(0.0), S::Real::of(0.0));
+        for k in (1..=6).rev() {
+            slope = -(ratio + slope * y);
+            ratio = reciprocal::<S::Real>(k) - ratio * y;
+        }
+        (way * ratio, way * way * slope)
     } else {
-        y.ln_1p() / kappa
-    }
+        let value = y.ln_1p() / rate;
+        (value, (way / (one + y) - value) / rate)
+    };
+    kappa.join(r, value, [slope, one / (one + y)])
 }
 
 /// 1/k as a constant.
@@ -174,10 +196,16 @@ pub(crate) fn inverse_tangent<S: Scalar>(a: S, kappa: S, t: S) -> S {
     angle / root
 }
 
+/// −x where `negative`, else x.
+#[inline(always)]
+pub(crate) fn signed<S: Scalar>(x: S, negative: bool) -> S {
+    if negative { -x } else { x }
+}
+
 /// |x|.
 #[inline(always)]
 pub(crate) fn absolute<S: Scalar>(x: S) -> S {
-    if x.value() < S::Real::of(0.0) { -x } else { x }
+    signed(x, x.value() < S::Real::of(0.0))
 }
 
 #[cfg(test)]

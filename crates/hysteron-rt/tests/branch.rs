@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
 use hysteron_rt::branch::{Dahl, Duhem, JilesAtherton, NonSymmetricBoucWen, SongDerKiureghian};
-use hysteron_rt::{Branch, Hysteresis, IncrementMemory, ModelError, Operator, Real, moments};
+use hysteron_rt::{Branch, Hysteresis, IncrementMemory, ModelError, Operator, Real};
 use proptest::prelude::*;
 
 const DAHL: [f64; 2] = [1.7, 1.4];
@@ -279,17 +279,5 @@ fn laws_that_are_none_are_refused() {
         jiles(-0.1),
     ] {
         assert!(refused(law, &[1.0]), "{law:?}");
-    }
-}
-
-#[test]
-fn moments_in_single_precision() {
-    for x in [0.0, 1e-3, 0.3, 7.0, 29.9, 30.1, 80.0] {
-        let (double, single) = (moments(x, 10), moments(x as f32, 10));
-        for (k, (a, b)) in double.iter().zip(single).enumerate() {
-            // Upwards the recurrence loses up to two digits.
-            let lost = if x > 30.0 { 100.0 } else { 8.0 };
-            assert!((a - f64::from(b)).abs() < lost * f64::from(f32::EPSILON) * a, "x {x} k {k}: {a} {b}");
-        }
     }
 }

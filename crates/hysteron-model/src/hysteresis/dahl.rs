@@ -3,10 +3,9 @@
 //! Sources: P. R. Dahl, *A Solid Friction Model*, Aerospace Corporation TOR-0158(3107–18)-1, 1968; "Solid
 //! friction damping of mechanical vibrations", *AIAA J.* 14 (1976) 1675–1682, doi:10.2514/3.61511.
 
-use hysteron_rt::{Scalar, branch, log_distance};
+use hysteron_rt::branch;
 
-use super::HysteresisError;
-use super::columns::{ColumnKernel, RelaxingState, parameter, positive, simulate_with_sensitivities};
+use super::columns::branch_kernel;
 use super::family::{
     ColumnFamily, DriveSpan, FamilyDescription, NumberUnit, RuntimeOperator, Search, ShapeNumber,
 };
@@ -24,70 +23,7 @@ use super::family::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dahl;
 
-impl ColumnKernel for Dahl {
-    type State<S: Scalar<Real = f64>> = RelaxingState<S>;
-
-    simulate_with_sensitivities!(2);
-
-    fn shape_names(&self) -> &'static [&'static str] {
-        &["reach", "exponent"]
-    }
-
-    fn check(&self, shape: &[f64]) -> Result<(), HysteresisError> {
-        positive("Dahl reach", parameter(shape, 0))?;
-        let exponent: f64 = parameter(shape, 1);
-        if exponent.is_finite() && exponent >= 0.0 {
-            Ok(())
-        } else {
-            let must = "finite and not negative";
-            Err(HysteresisError::ShapeParameter { name: "Dahl exponent", value: exponent, must })
-        }
-    }
-
-    fn columns(&self) -> usize {
-        1
-    }
-
-    fn virgin<S: Scalar<Real = f64>>(&self, _: &[S], u: S) -> RelaxingState<S> {
-        RelaxingState::virgin(u)
-    }
-
-    fn advance<S: Scalar<Real = f64>>(
-        &self,
-        shape: &[S],
-        state: &mut RelaxingState<S>,
-        u: f64,
-    ) -> Result<(), HysteresisError> {
-        let (reach, exponent) = (parameter(shape, 0), parameter(shape, 1));
-        let by = (-state.u).shift(u);
-        state.u = S::constant(u);
-        let down = by.value() < 0.0;
-        let turn = |x: S| if down { -x } else { x };
-        let [zeta] = state.zeta;
-        let x = (-(turn(zeta) / reach)).shift(1.0);
-        let end = if x.value() > 0.0 {
-            let over = exponent.shift(-1.0);
-            let y = x.powf(over) * (turn(by) / reach);
-            if over.value() * y.value() > -1.0 {
-                x * (-log_distance(over, y)).exp()
-            } else {
-                S::constant(0.0)
-            }
-        } else {
-            S::constant(0.0)
-        };
-        state.zeta = [turn(reach * (-end).shift(1.0))];
-        Ok(())
-    }
-
-    fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &RelaxingState<S>, out: &mut [S]) {
-        state.read(out);
-    }
-
-    fn relaxing<S: Scalar<Real = f64>>(state: &mut RelaxingState<S>) -> &mut [S] {
-        &mut state.zeta
-    }
-}
+branch_kernel!(Dahl, 2);
 
 /// The family.
 #[derive(Debug)]
@@ -127,8 +63,7 @@ impl FamilyDescription for Entry {
     }
 
     fn runtime(&self, _: usize, _: &mut [f64], shape: &[f64], weights: &[f64], _: f64) -> RuntimeOperator {
-        let [reach, exponent] = [0, 1].map(|index| parameter(shape, index));
-        RuntimeOperator::branch(branch::Dahl { reach, exponent }, weights)
+        RuntimeOperator::branch(branch::Dahl::of(shape), weights)
     }
 }
 

@@ -5,10 +5,11 @@
 //! relations for ferromagnetic hysteresis", *Arch. Rational Mech. Anal.* 99 (1987) 375–396,
 //! doi:10.1007/BF00282052.
 
-use hysteron_rt::{MOST_MOMENTS, Scalar, branch, moments};
+use hysteron_rt::Scalar;
+use hysteron_rt::branch::{self, BranchLaw, MOST_MOMENTS};
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
+use super::columns::{ColumnKernel, simulate_with_sensitivities};
 use super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, NumberUnit, RuntimeOperator, ShapeNumber,
 };
@@ -48,7 +49,7 @@ impl ColumnKernel for Duhem {
     simulate_with_sensitivities!(1);
 
     fn shape_names(&self) -> &'static [&'static str] {
-        &["rate"]
+        branch::Duhem::<f64>::NUMBERS
     }
 
     fn check(&self, shape: &[f64]) -> Result<(), HysteresisError> {
@@ -59,7 +60,7 @@ impl ColumnKernel for Duhem {
                 must: "at most 9",
             });
         }
-        positive("Duhem rate b", parameter(shape, 0))
+        Ok(branch::Duhem::of(shape).check()?)
     }
 
     fn columns(&self) -> usize {
@@ -76,27 +77,12 @@ impl ColumnKernel for Duhem {
         state: &mut DuhemState<S>,
         u: f64,
     ) -> Result<(), HysteresisError> {
-        let by = (-state.u).shift(u);
-        let x = parameter(shape, 0) * if by.value() < 0.0 { -by } else { by };
-        let decay = (-x).exp();
-        // Σₖ (j over k) u₀ʲ⁻ᵏ aₖ for every j: aₖ ← u₀ aₖ + aₖ₊₁ raises j by one.
-        let mut a = moments(x, self.columns());
-        let mut power = by;
-        for a in a.iter_mut().take(self.columns()) {
-            *a = power * *a;
-            power = power * by;
+        let to = S::constant(u);
+        let (own, lost) = branch::Duhem::of(shape).relaxation(state.y.len(), state.u, to);
+        for (y, own) in state.y.iter_mut().zip(&own) {
+            *y = *y + (*own - lost * *y);
         }
-        let mut left = self.columns();
-        for y in &mut state.y {
-            *y = decay * *y + a.first().copied().unwrap_or(S::constant(0.0));
-            left -= 1;
-            for k in 0..left {
-                if let Some([low, high]) = a.get_mut(k..k + 2) {
-                    *low = state.u * *low + *high;
-                }
-            }
-        }
-        state.u = S::constant(u);
+        state.u = to;
         Ok(())
     }
 
@@ -106,31 +92,6 @@ impl ColumnKernel for Duhem {
 
     fn relaxing<S: Scalar<Real = f64>>(state: &mut DuhemState<S>) -> &mut [S] {
         &mut state.y
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn moments_by_quadrature_on_both_sides_of_the_seam() {
-        for x in [0.0, 1e-9, 1e-3, 0.3, 1.0, 7.0, 29.999, 30.001, 80.0] {
-            let got = moments::<f64>(x, MOST + 1);
-            for (k, got) in got.iter().enumerate() {
-                // Simpson's rule on 4000 intervals: (x + k)⁴/(2880 · 4000⁴).
-                let f = |i: u32| {
-                    let theta = f64::from(i) / 8000.0;
-                    theta.powi(k as i32) * (-x * (1.0 - theta)).exp()
-                };
-                let want: f64 =
-                    (0..4000).map(|i| (f(2 * i) + 4.0 * f(2 * i + 1) + f(2 * i + 2)) / 24000.0).sum();
-                assert!(
-                    (got - want).abs() < 1e-12 + 1e-10 * want * f64::from(x > 20.0),
-                    "x {x} k {k}: {got} {want}"
-                );
-            }
-        }
     }
 }
 
@@ -180,7 +141,7 @@ impl FamilyDescription for Entry {
     }
 
     fn runtime(&self, _: usize, _: &mut [f64], shape: &[f64], weights: &[f64], _: f64) -> RuntimeOperator {
-        RuntimeOperator::branch(branch::Duhem { rate: parameter(shape, 0) }, weights)
+        RuntimeOperator::branch(branch::Duhem::of(shape), weights)
     }
 }
 

@@ -338,6 +338,7 @@ impl From<ParameterError<f64>> for HysteresisError {
             ParameterError::Lengths { thresholds, weights } => Self::PlayCount { thresholds, weights },
             ParameterError::Threshold { index, value, above } => Self::Threshold { index, value, above },
             ParameterError::Weight { index, value } => Self::Weight { index, value },
+            ParameterError::Number { name, value, must } => Self::ShapeParameter { name, value, must },
             _ => Self::Parameter { name: "n", value: f64::NAN },
         }
     }

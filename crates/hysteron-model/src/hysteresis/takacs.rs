@@ -3,10 +3,9 @@
 //! Source: J. Takács, "A phenomenological mathematical model of hysteresis", *COMPEL* 20 (2001) 1002–1015,
 //! doi:10.1108/EUM0000000005771.
 
-use hysteron_rt::{Scalar, branch};
+use hysteron_rt::branch;
 
-use super::HysteresisError;
-use super::columns::{ColumnKernel, RelaxingState, finite, parameter, positive, simulate_with_sensitivities};
+use super::columns::branch_kernel;
 use super::family::{
     ColumnFamily, DriveSpan, FamilyDescription, NumberUnit, RuntimeOperator, Search, ShapeNumber,
 };
@@ -27,60 +26,7 @@ use super::family::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Takacs;
 
-fn law<S: Scalar<Real = f64>>(shape: &[S]) -> branch::Takacs<S> {
-    let [centre, width, coercive] = [0, 1, 2].map(|index| parameter(shape, index));
-    branch::Takacs { centre, width, coercive }
-}
-
-impl ColumnKernel for Takacs {
-    type State<S: Scalar<Real = f64>> = RelaxingState<S>;
-
-    simulate_with_sensitivities!(3);
-
-    fn shape_names(&self) -> &'static [&'static str] {
-        &["centre", "width", "coercive"]
-    }
-
-    fn check(&self, shape: &[f64]) -> Result<(), HysteresisError> {
-        let branch::Takacs { centre, width, coercive } = law(shape);
-        finite("centre of Takács' loop", centre)?;
-        positive("width of Takács' branches", width)?;
-        if coercive.is_finite() && coercive >= 0.0 {
-            Ok(())
-        } else {
-            let (name, must) = ("coercive voltage of Takács' loop", "finite and not negative");
-            Err(HysteresisError::ShapeParameter { name, value: coercive, must })
-        }
-    }
-
-    fn columns(&self) -> usize {
-        1
-    }
-
-    fn virgin<S: Scalar<Real = f64>>(&self, shape: &[S], u: S) -> RelaxingState<S> {
-        RelaxingState { u, zeta: [law(shape).virgin_state(u)] }
-    }
-
-    fn advance<S: Scalar<Real = f64>>(
-        &self,
-        shape: &[S],
-        state: &mut RelaxingState<S>,
-        u: f64,
-    ) -> Result<(), HysteresisError> {
-        let [y] = state.zeta;
-        let to = S::constant(u);
-        *state = RelaxingState { u: to, zeta: [y + law(shape).increment(y, state.u, to)] };
-        Ok(())
-    }
-
-    fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &RelaxingState<S>, out: &mut [S]) {
-        state.read(out);
-    }
-
-    fn relaxing<S: Scalar<Real = f64>>(state: &mut RelaxingState<S>) -> &mut [S] {
-        &mut state.zeta
-    }
-}
+branch_kernel!(Takacs, 3);
 
 /// The family.
 #[derive(Debug)]
@@ -128,7 +74,7 @@ impl FamilyDescription for Entry {
     }
 
     fn runtime(&self, _: usize, _: &mut [f64], shape: &[f64], weights: &[f64], _: f64) -> RuntimeOperator {
-        RuntimeOperator::branch(law(shape), weights)
+        RuntimeOperator::branch(branch::Takacs::of(shape), weights)
     }
 }
 
@@ -142,8 +88,9 @@ impl ColumnFamily for Entry {
 
 #[cfg(test)]
 mod tests {
-    use super::super::columns::ColumnSensitivities;
+    use super::super::columns::{ColumnKernel, ColumnSensitivities};
     use super::*;
+    use crate::hysteresis::HysteresisError;
     use crate::start::Start;
 
     /// Centre 0.5 V, width 2 V: x = (u − 0.5)/2; a₀ = 0.3.

@@ -1,7 +1,7 @@
 //! The change of z in a move, in a fixed number of operations and without the cancellation of z(u + Δu) −
 //! z(u).
 
-use super::{BoucWen, Law};
+use super::{BoucWen, Law, linear};
 use crate::real::Real;
 use crate::series::{Tangent, relaxation, tangent};
 
@@ -28,26 +28,10 @@ impl<T: Real> BoucWen<T> {
     #[inline]
     pub fn increment(&self, z: T, du: T) -> T {
         match self.law {
-            Law::Linear => self.linear_increment(z, du),
+            Law::Linear => linear::increment(self.alpha, self.beta, self.gamma, z, du),
             Law::Quadratic => self.quadratic_increment(z, du),
             Law::Power => self.power_increment(z, du),
         }
-    }
-
-    /// dz = (sα − κz)(1 − e^(−κd))/κ.
-    #[inline(always)]
-    fn linear_increment(&self, z: T, du: T) -> T {
-        let zero = T::of(0.0);
-        let (rise, turn, distance) =
-            if du < zero { (-self.alpha, -self.gamma, -du) } else { (self.alpha, self.gamma, du) };
-        let lead = if z == zero { rise } else { z };
-        let along = |kappa: T| (rise - kappa * z) * relaxation(kappa, distance).1;
-        // Two branches, not a choice of κ: the exponential then waits for the voltage alone, not for the z of
-        // the sample before.
-        let change = if lead < zero { along(self.beta - turn) } else { along(self.beta + turn) };
-        let end = z + change;
-        let through = (end < zero && z > zero) || (end > zero && z < zero);
-        if through { self.exact_increment(z, du) } else { change }
     }
 
     /// dw = T (a − κw²)/(1 + κwT).

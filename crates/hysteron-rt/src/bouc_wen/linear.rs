@@ -6,26 +6,48 @@ use crate::series::{log_distance, relaxation, relaxation_with_slope};
 
 /// z after a monotone move by `du`: z e^(−κd) + sα (1 − e^(−κd))/κ, split where z passes 0.
 #[inline]
-pub(super) fn advance<S: Scalar>(alpha: S, beta: S, gamma: S, z: S, du: S::Real) -> S {
+pub(super) fn advance<S: Scalar>(alpha: S, beta: S, gamma: S, z: S, du: S) -> S {
     let zero = S::Real::of(0.0);
-    let (rise, turn, distance) = if du < zero { (-alpha, -gamma, -du) } else { (alpha, gamma, du) };
+    let (rise, turn, d) = if du.value() < zero { (-alpha, -gamma, -du) } else { (alpha, gamma, du) };
     // The sign of z on this leg: on leaving 0 it is the sign of the rise.
     let lead = if z.value() == zero { rise.value() } else { z.value() };
     let kappa = if lead < zero { beta - turn } else { beta + turn };
-    let d = S::constant(distance);
     let (decay, reach) = relaxation(kappa, d);
     let end = z * decay + rise * reach;
     if z.value() == zero || (end.value() < zero) == (z.value() < zero) || rise.value() == zero {
         return end;
     }
-    // z reaches 0 after d₀ = ln(1 + κr)/κ, r = −z/(sα), and leaves it with κ = β + γ sign α.
-    let to_zero = log_distance(kappa, -(z / rise));
-    let rest = d - to_zero;
+    from_zero([alpha, beta, gamma], rise, d - log_distance(kappa, -(z / rise)))
+}
+
+/// z a way `rest` behind 0, which it leaves with κ = β + γ sign α; it reaches 0 after d₀ = ln(1 + κr)/κ, r =
+/// −z/(sα).
+#[inline]
+fn from_zero<S: Scalar>([alpha, beta, gamma]: [S; 3], rise: S, rest: S) -> S {
+    let zero = S::Real::of(0.0);
     if rest.value() <= zero {
         return rise * rest;
     }
     let kappa = if alpha.value() < zero { beta - gamma } else { beta + gamma };
     rise * relaxation(kappa, rest).1
+}
+
+/// Change of z in a monotone move by `du`: (sα − κz)(1 − e^(−κd))/κ, split where z passes 0.
+#[inline(always)]
+pub(super) fn increment<S: Scalar>(alpha: S, beta: S, gamma: S, z: S, du: S) -> S {
+    let zero = S::Real::of(0.0);
+    let (rise, turn, d) = if du.value() < zero { (-alpha, -gamma, -du) } else { (alpha, gamma, du) };
+    let lead = if z.value() == zero { rise.value() } else { z.value() };
+    let along = |kappa: S| (rise - kappa * z) * relaxation(kappa, d).1;
+    // Two branches, not a choice of κ: the exponential then waits for the voltage alone, not for the z of
+    // the sample before.
+    let change = if lead < zero { along(beta - turn) } else { along(beta + turn) };
+    let end = z.value() + change.value();
+    if (end < zero && z.value() > zero) || (end > zero && z.value() < zero) {
+        let kappa = if lead < zero { beta - turn } else { beta + turn };
+        return from_zero([alpha, beta, gamma], rise, d - log_distance(kappa, -(z / rise))) - z;
+    }
+    change
 }
 
 /// z and its derivatives along the voltages `u`, starting from `z` at `u_last`; `sink` is handed each
@@ -71,7 +93,7 @@ pub(super) fn run<T: Real, const P: usize>(
             }
             z = Dual { value: end, partials }.without_vanished(2);
         } else {
-            z = advance(duals.0, duals.1, duals.2, z, du);
+            z = advance(duals.0, duals.1, duals.2, z, Dual::constant(du));
             sign = sign_of(z.value);
             kappa_up = beta + sign * gamma;
             kappa_down = beta - sign * gamma;

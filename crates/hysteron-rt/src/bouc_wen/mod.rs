@@ -295,6 +295,13 @@ impl<T: Real> BoucWen<T> {
     }
 }
 
+/// Change of z of the unit-α form for n = 1 in a monotone move by `du`. Not finite where there is no finite
+/// result.
+#[inline(always)]
+pub(crate) fn unit_increment<S: Scalar>(beta: S, gamma: S, z: S, du: S) -> S {
+    linear::increment(S::constant(S::Real::of(1.0)), beta, gamma, z, du)
+}
+
 /// z along the voltages `u`, one `advance` a sample.
 #[inline(always)]
 fn follow<T: Real, const P: usize>(
@@ -324,7 +331,7 @@ fn advance<S: Scalar>(
     du: S::Real,
 ) -> Result<S, StepError<S::Real>> {
     if law == Law::Linear {
-        return Ok(linear::advance(alpha, beta, gamma, z, du));
+        return Ok(linear::advance(alpha, beta, gamma, z, S::constant(du)));
     }
     let zero = S::Real::of(0.0);
     if du == zero {

@@ -3,18 +3,18 @@ static real branch_change(const $name_state *state, real u, real *own)
 {
     const real by = u - state->voltage;
     const real x = SHAPE[0] * F(fabs)(by);
-    real a[$NAME_STATES], power = by, ignored;
+    real power = by, lost;
     int j, k;
-    moments(x, $NAME_STATES, a);
+    moments(x, $NAME_STATES, own);
+    lost = x * own[0];
     for (k = 0; k < $NAME_STATES; k++) {
-        a[k] = power * a[k];
+        own[k] = power * own[k];
         power = power * by;
     }
-    for (j = 0; j < $NAME_STATES; j++) {
-        own[j] = a[0];
-        for (k = 0; k < $NAME_STATES - 1 - j; k++) {
-            a[k] = state->voltage * a[k] + a[k + 1];
+    for (j = 1; j < $NAME_STATES; j++) {
+        for (k = $NAME_STATES - 1; k >= j; k--) {
+            own[k] = own[k] + state->voltage * own[k - 1];
         }
     }
-    return relaxation(R(1), x, &ignored);
+    return lost;
 }

@@ -1,10 +1,10 @@
 //! Coleman's and Hodgdon's law: Duhem's model with relaxing states, by the moments of a relaxation.
 
-use super::law::{BranchLaw, Change, is_positive, law_numbers};
-use super::{MOST_MOMENTS, moments};
-use crate::increment::IncrementMemory;
-use crate::real::Real;
-use crate::series::relaxation;
+use super::law::{BranchLaw, law_numbers, positive};
+use super::moments::{MOST_MOMENTS, moments};
+use crate::ParameterError;
+use crate::real::{Real, Scalar};
+use crate::series::absolute;
 
 law_numbers! {
     /// dyⱼ/du = uʲ − s `rate` yⱼ, j = 0, 1, … (B. D. Coleman, M. L. Hodgdon 1987, doi:10.1007/BF00282052):
@@ -15,41 +15,52 @@ law_numbers! {
     }
 }
 
-impl<T: Real> BranchLaw<T> for Duhem<T> {
+impl<S: Scalar> BranchLaw<S> for Duhem<S> {
     const C: &'static str = include_str!("duhem.c");
+    const MOST_STATES: usize = MOST_MOMENTS;
 
-    fn is_sound(&self, states: usize) -> bool {
-        is_positive(self.rate) && states <= MOST_MOMENTS
+    fn check(&self) -> Result<(), ParameterError<S::Real>> {
+        positive("Duhem rate b", self.rate.value())
     }
 
-    #[inline(always)]
-    fn change(&self, memory: &[IncrementMemory<T>], from: T, to: T) -> Change<T> {
-        change(self.rate, memory.len(), from, to)
+    fn increment(&self, y: S, from: S, to: S) -> S {
+        let ([own, ..], lost) = self.relaxation(1, from, to);
+        own - lost * y
+    }
+
+    #[inline]
+    fn increments(&self, states: &mut [S], from: S, to: S) {
+        let (own, lost) = self.relaxation(states.len(), from, to);
+        for (y, own) in states.iter_mut().zip(&own) {
+            *y = *own - lost * *y;
+        }
     }
 }
 
-/// yⱼ e^(−b|Δ|) + Δ Σₖ (j over k) u₀ʲ⁻ᵏ Δᵏ mₖ(b|Δ|).
-#[inline]
-fn change<T: Real>(rate: T, states: usize, from: T, to: T) -> Change<T> {
-    let by = to - from;
-    let x = rate * by.abs();
-    let (_, lost) = relaxation(T::of(1.0), x);
-    // Σₖ (j over k) u₀ʲ⁻ᵏ aₖ for every j: aₖ ← u₀ aₖ + aₖ₊₁ raises j by one.
-    let mut a = moments(x, states);
-    let mut power = by;
-    for a in a.iter_mut().take(states) {
-        *a = power * *a;
-        power = power * by;
-    }
-    let mut own = [T::of(0.0); MOST_MOMENTS];
-    for slot in own.iter_mut().take(states) {
-        let [first, ..] = a;
-        *slot = first;
-        let mut rest = &mut a[..];
-        while let [low, tail @ ..] = rest {
-            *low = from * *low + tail.first().copied().unwrap_or(T::of(0.0));
-            rest = tail;
+impl<S: Scalar> Duhem<S> {
+    /// Of the change −yⱼ (1 − e^(−b|Δ|)) + Δ Σₖ (j over k) u₀ʲ⁻ᵏ Δᵏ mₖ(b|Δ|) of so many states: what does not
+    /// depend on them, and the share that they lose.
+    #[inline(always)]
+    pub fn relaxation(&self, states: usize, from: S, to: S) -> ([S; MOST_MOMENTS], S) {
+        let by = to - from;
+        let x = self.rate * absolute(by);
+        let mut own = moments(x, states);
+        // 1 − e⁻ˣ = x m₀.
+        let [zeroth, ..] = own;
+        let lost = x * zeroth;
+        let mut power = by;
+        for own in own.iter_mut().take(states) {
+            *own = power * *own;
+            power = power * by;
         }
+        // Binomial sums in place: after pass j, place k ≥ j holds Σᵢ (j over i) u₀ʲ⁻ⁱ aₖ₋ⱼ₊ᵢ.
+        for j in 1..states {
+            for k in (j..states).rev() {
+                if let Some([low, high]) = own.get_mut(k - 1..=k) {
+                    *high = *high + from * *low;
+                }
+            }
+        }
+        (own, lost)
     }
-    Change { lost, own }
 }

@@ -44,8 +44,8 @@ static real voltage_excess(const rising_function *f, real h, real *slope)
     return h - f->number[0] - SHAPE[3] * magnetisation(f->number[2], h, f->number[1]);
 }
 
-/* The field at the voltage u while p stays. */
-static real frozen_field(real c, real u, real p)
+/* The field at the voltage u while p stays, from a guess of it. */
+static real frozen_field(real c, real u, real p, real guess)
 {
     const real most = F(fabs)(p) > R(1) ? F(fabs)(p) : R(1);
     const real reach = SHAPE[3] * most * (R(1) + R(16) * R(EPSILON));
@@ -57,7 +57,7 @@ static real frozen_field(real c, real u, real p)
     f.number[0] = u;
     f.number[1] = p;
     f.number[2] = c;
-    return rising_root(&f, u - reach, u + reach, u);
+    return rising_root(&f, u - reach, u + reach, guess);
 }
 
 /* m_an less the p wanted. */
@@ -67,25 +67,25 @@ static real anhysteretic_excess(const rising_function *f, real h, real *slope)
     return anhysteretic(h) - f->number[0];
 }
 
-/* What p changes by while the field moves by `way`, by eight Gauss points. */
+/* What p changes by while the field moves by `way`, by four or eight Gauss points. */
 static real relaxed(real field, real p, real sign, real way)
 {
-    static const real point[8][2] = {
+    static const real point[12][2] = {
+        {R(0.06943184420297371), R(0.17392742256872693)}, {R(0.33000947820757187), R(0.32607257743127307)},
+        {R(0.6699905217924281), R(0.32607257743127307)}, {R(0.9305681557970263), R(0.17392742256872693)},
         {R(0.019855071751231884), R(0.05061426814518813)}, {R(0.10166676129318663), R(0.11119051722668724)},
         {R(0.2372337950418355), R(0.15685332293894363)}, {R(0.4082826787521751), R(0.181341891689181)},
         {R(0.591717321247825), R(0.181341891689181)}, {R(0.7627662049581645), R(0.15685332293894363)},
         {R(0.8983332387068134), R(0.11119051722668724)}, {R(0.9801449282487681), R(0.05061426814518813)}
     };
-    static const real left[8] = {
-        R(0.9801449282487681), R(0.8983332387068134), R(0.7627662049581645), R(0.5917173212478248),
-        R(0.40828267875217505), R(0.2372337950418355), R(0.10166676129318664), R(0.019855071751231912)
-    };
+    const real shortest = SHAPE[0] < SHAPE[1] ? SHAPE[0] : SHAPE[1];
+    const int is_short = way <= R(0.1) * shortest;
     const real x = way / SHAPE[1];
     real sum = R(0);
     int i;
-    for (i = 0; i < 8; i++) {
+    for (i = is_short ? 0 : 4; i < (is_short ? 4 : 12); i++) {
         const real drawn = anhysteretic(field + sign * way * point[i][0]) - p;
-        sum = sum + F(exp)(-(x * left[i])) * drawn * point[i][1];
+        sum = sum + F(exp)(x * (point[i][0] - R(1))) * drawn * point[i][1];
     }
     return x * sum;
 }
@@ -107,14 +107,14 @@ static real gone(const rising_function *f, real way, real *slope)
 static real branch_increment(real p, real from, real to)
 {
     const real sign = to < from ? R(-1) : R(1);
-    real field = frozen_field(SHAPE[2], from, p), left = sign * (to - from), change = R(0);
+    real field = frozen_field(SHAPE[2], from, p, from), left = sign * (to - from), change = R(0);
     const real shortest = SHAPE[0] < SHAPE[1] ? SHAPE[0] : SHAPE[1];
     real part, panel, slope;
     int count;
     rising_function f;
     if (sign * (anhysteretic(field) - p) < R(0)) {
         /* Frozen until m_an = p. */
-        const real frozen = frozen_field(SHAPE[2], to, p);
+        const real frozen = frozen_field(SHAPE[2], to, p, field + (to - from));
         const real low = field < frozen ? field : frozen, high = field < frozen ? frozen : field;
         if (sign * (anhysteretic(frozen) - p) <= R(0)) {
             return R(0);
@@ -156,11 +156,11 @@ static real branch_change(const $name_state *state, real u, real *own)
 /* The magnetisation at u. */
 static real branch_output(real p, real u)
 {
-    return magnetisation(SHAPE[2], frozen_field(SHAPE[2], u, p), p);
+    return magnetisation(SHAPE[2], frozen_field(SHAPE[2], u, p, u), p);
 }
 
 /* p, virgin at u. */
 static real branch_virgin(real u)
 {
-    return anhysteretic(frozen_field(R(1), u, R(0)));
+    return anhysteretic(frozen_field(R(1), u, R(0), u));
 }

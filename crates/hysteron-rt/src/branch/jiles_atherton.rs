@@ -1,16 +1,18 @@
 //! Jiles and Atherton's model: its equation is linear in the effective field, and solved by its integral.
 
-use super::law::{BranchLaw, Change, is_positive, law_numbers, single};
-use super::rising_root;
-use crate::increment::IncrementMemory;
+use super::law::{BranchLaw, finite, law_numbers, number, positive};
+use super::root::rising_root;
+use crate::ParameterError;
 use crate::real::{Real, Scalar};
+use crate::series::signed;
 
 law_numbers! {
     /// Quasi-static Jiles–Atherton: one state, the irreversible part p; what is put out is the magnetisation
     /// m = p + c (m_an − p), m_an = coth(h/a) − a/h, h = u + α m, dp/dh = s (m_an − p)/k where s (m_an − p) >
     /// 0, otherwise 0 (D. C. Jiles, D. L. Atherton 1986, doi:10.1016/0304-8853(86)90066-1). Exact to 1e-12
     /// for moves of up to [`MOST_PANELS`] − 2 times the smaller of a and k and twice α; longer ones are
-    /// divided into [`MOST_PANELS`] parts whatever their length, eight Gauss points each.
+    /// divided into [`MOST_PANELS`] parts whatever their length, eight Gauss points each, four
+    /// for ways of up to a tenth of the smaller of a and k.
     JilesAtherton {
         /// a > 0.
         anhysteretic,
@@ -23,46 +25,55 @@ law_numbers! {
     }
 }
 
-impl<T: Real> BranchLaw<T> for JilesAtherton<T> {
+impl<S: Scalar> BranchLaw<S> for JilesAtherton<S> {
     const C: &'static str = include_str!("jiles_atherton.c");
 
-    fn is_sound(&self, states: usize) -> bool {
-        let Self { anhysteretic, pinning, reversibility, coupling } = *self;
-        let shares = reversibility >= T::of(0.0) && reversibility <= T::of(1.0);
-        let couples = coupling >= T::of(0.0) && coupling < T::of(3.0) * anhysteretic;
-        states == 1 && is_positive(anhysteretic) && is_positive(pinning) && shares && couples
+    fn check(&self) -> Result<(), ParameterError<S::Real>> {
+        let JilesAtherton { anhysteretic: a, pinning, reversibility: c, coupling: alpha } =
+            self.map(S::value);
+        let [zero, one, three] = [0.0, 1.0, 3.0].map(S::Real::of);
+        positive("Jiles–Atherton a", a)?;
+        positive("Jiles–Atherton k", pinning)?;
+        finite("Jiles–Atherton coupling α", alpha)?;
+        number("Jiles–Atherton c", c, c >= zero && c <= one, "from 0 to 1")?;
+        let couples = alpha >= zero && alpha < three * a;
+        number("Jiles–Atherton coupling α", alpha, couples, "at least 0 and less than 3a")
     }
 
-    #[inline(always)]
-    fn virgin(&self, u: T) -> T {
-        self.shape().virgin(u)
+    /// On the anhysteretic curve, which is m where c = 1.
+    #[inline]
+    fn virgin(&self, u: S) -> S {
+        let [zero, one] = [0.0, 1.0].map(|x| S::constant(S::Real::of(x)));
+        self.m_an(JilesAtherton { reversibility: one, ..*self }.field(u, zero, u.value()))
     }
 
-    #[inline(always)]
-    fn output(&self, state: T, u: T) -> T {
-        let shape = self.shape();
-        shape.magnetisation(shape.frozen_field(u, state), state)
+    #[inline]
+    fn output(&self, p: S, u: S) -> S {
+        self.magnetisation(self.field(u, p, u.value()), p)
     }
 
-    #[inline(always)]
-    fn change(&self, memory: &[IncrementMemory<T>], from: T, to: T) -> Change<T> {
-        Change::of_one(self.shape().change(single(memory), from, to))
-    }
-}
-
-impl<T: Real> JilesAtherton<T> {
-    #[inline(always)]
-    fn shape(&self) -> Shape<T> {
-        let Self { anhysteretic: a, pinning: k, reversibility: c, coupling: alpha } = *self;
-        Shape { a, k, c, alpha }
+    #[inline]
+    fn increment(&self, p: S, from: S, to: S) -> S {
+        let field = self.field(from, p, from.value());
+        let moved = self.magnetise(p, field, (from, to), MOST_PANELS);
+        moved.map_or(S::constant(S::Real::of(f64::INFINITY)), |(increment, _)| increment)
     }
 }
 
 /// Parts of a move at most.
-pub const MOST_PANELS: u8 = 32;
+pub const MOST_PANELS: u16 = 32;
+
+/// The four Gauss–Legendre points on \[0, 1\] with their weights, enough for a way of a tenth of the smaller of
+/// a and k.
+const FOUR: [(f64, f64); 4] = [
+    (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
+    (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
+    (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
+    (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
+];
 
 /// The eight Gauss–Legendre points on \[0, 1\] with their weights.
-pub const GAUSS_LEGENDRE: [(f64, f64); 8] = [
+const GAUSS_LEGENDRE: [(f64, f64); 8] = [
     (0.019_855_071_751_231_884, 0.050_614_268_145_188_13),
     (0.101_666_761_293_186_63, 0.111_190_517_226_687_24),
     (0.237_233_795_041_835_5, 0.156_853_322_938_943_64),
@@ -73,133 +84,224 @@ pub const GAUSS_LEGENDRE: [(f64, f64); 8] = [
     (0.980_144_928_248_768_1, 0.050_614_268_145_188_13),
 ];
 
-/// a, k, c, α.
-#[derive(Clone, Copy)]
-struct Shape<T> {
-    a: T,
-    k: T,
-    c: T,
-    alpha: T,
-}
-
-impl<T: Real> Shape<T> {
-    fn anhysteretic(self, field: T) -> T {
-        langevin(field / self.a)
+impl<S: Scalar> JilesAtherton<S> {
+    /// m_an.
+    #[inline]
+    fn m_an(&self, field: S) -> S {
+        langevin(field / self.anhysteretic)
     }
 
-    fn magnetisation(self, field: T, p: T) -> T {
-        p + self.c * (self.anhysteretic(field) - p)
+    /// m.
+    #[inline]
+    pub fn magnetisation(&self, field: S, p: S) -> S {
+        p + self.reversibility * (self.m_an(field) - p)
     }
 
-    /// dm_an/dh.
-    fn slope(self, field: T) -> T {
-        langevin_slope(field / self.a) / self.a
+    /// h at the voltage u while p stays; Newton's method begins `near` it.
+    #[inline]
+    pub fn field(&self, u: S, p: S, near: S::Real) -> S {
+        let one = S::Real::of(1.0);
+        let law = self.map(S::value);
+        let (at, own) = (u.value(), p.value());
+        let most = if own.abs() > one { own.abs() } else { one };
+        let reach = law.coupling * most * (one + S::Real::of(16.0) * S::Real::EPSILON);
+        let root = if reach > S::Real::of(0.0) {
+            let excess = |h| {
+                let (m_an, slope) = law.m_an_with_slope(h);
+                let m = own + law.reversibility * (m_an - own);
+                (h - at - law.coupling * m, one - law.coupling * law.reversibility * slope)
+            };
+            rising_root(excess, at - reach, at + reach, near)
+        } else {
+            at
+        };
+        let slope = || one - law.coupling * law.reversibility * law.m_an_with_slope(root).1;
+        S::implicit(root, slope, |h| h - u - self.coupling * self.magnetisation(h, p))
     }
 
-    /// p, virgin at `u`: on the anhysteretic curve, which is m where c = 1.
-    fn virgin(self, u: T) -> T {
-        let reversible = Shape { c: T::of(1.0), ..self };
-        self.anhysteretic(reversible.frozen_field(u, T::of(0.0)))
-    }
-
-    /// h at the voltage u while p stays.
-    fn frozen_field(self, u: T, p: T) -> T {
-        let one = T::of(1.0);
-        let most = if p.abs() > one { p.abs() } else { one };
-        let reach = self.alpha * most * (one + T::of(16.0) * T::EPSILON);
-        if reach <= T::of(0.0) {
-            return u;
+    /// Δp while h moves by `way` from `field`: x ∫ e^(−x(1−θ)) (m_an − p) dθ, x = way/k.
+    #[inline]
+    fn relaxed(&self, field: S, p: S, down: bool, way: S) -> S {
+        if way.value() <= S::Real::of(0.1) * self.shortest() {
+            self.relaxed_by(&FOUR, field, p, (down, way))
+        } else {
+            self.relaxed_by(&GAUSS_LEGENDRE, field, p, (down, way))
         }
-        let excess =
-            |h: T| (h - u - self.alpha * self.magnetisation(h, p), one - self.alpha * self.c * self.slope(h));
-        rising_root(excess, u - reach, u + reach, u)
     }
 
-    /// Δp while h moves by `way` from `field` in the direction of `sign`: x ∫ e^(−x(1−θ)) (m_an − p) dθ, x =
-    /// way/k.
-    fn relaxed(self, field: T, p: T, sign: T, way: T) -> T {
-        let x = way / self.k;
-        let mut sum = T::of(0.0);
-        for (theta, weight) in GAUSS_LEGENDRE {
-            let drawn = self.anhysteretic(field + sign * way * T::of(theta)) - p;
-            sum = sum + (-(x * T::of(1.0 - theta))).exp() * drawn * T::of(weight);
+    /// [`Self::relaxed`] by these points.
+    #[inline]
+    fn relaxed_by<const N: usize>(
+        &self,
+        points: &[(f64, f64); N],
+        field: S,
+        p: S,
+        (down, way): (bool, S),
+    ) -> S {
+        let x = way / self.pinning;
+        let way = signed(way, down);
+        let mut sum = S::constant(S::Real::of(0.0));
+        for &(theta, weight) in points {
+            let drawn = self.m_an(field + way.scale(S::Real::of(theta))) - p;
+            let left = x.scale(S::Real::of(theta - 1.0)).exp();
+            sum = sum + (left * drawn).scale(S::Real::of(weight));
         }
         x * sum
     }
 
-    /// Δp of a move of the voltage.
-    fn change(self, p: T, from: T, to: T) -> T {
-        let (zero, one) = (T::of(0.0), T::of(1.0));
-        let sign = if to < from { -one } else { one };
-        let mut field = self.frozen_field(from, p);
+    /// Δp, m_an at the end and the way of the voltage for a `way` of the field from `field`, where m_an is
+    /// `start`.
+    #[inline(always)]
+    fn gone(&self, [field, p, start, way]: [S; 4], down: bool) -> [S; 3] {
+        let c = self.reversibility;
+        let moved = self.relaxed(field, p, down, way);
+        let m_an = self.m_an(field + signed(way, down));
+        let magnetised = self.coupling * ((-c).shift(S::Real::of(1.0)) * moved + c * (m_an - start));
+        [moved, m_an, way - signed(magnetised, down)]
+    }
+
+    /// The smaller of a and k.
+    #[inline(always)]
+    fn shortest(&self) -> S::Real {
+        let (a, k) = (self.anhysteretic.value(), self.pinning.value());
+        if a < k { a } else { k }
+    }
+
+    /// Δp and the field at the end of a monotone move from `field`, in at most about `most_panels` parts no
+    /// longer than the smaller of a and k, or in so many equal ones.
+    #[inline]
+    pub fn magnetise(&self, p: S, field: S, (from, to): (S, S), most_panels: u16) -> Option<(S, S)> {
+        let [zero, one, half] = [0.0, 1.0, 0.5].map(S::Real::of);
+        let law = self.map(S::value);
+        let down = to.value() < from.value();
+        let sign = signed(one, down);
+        let drawn = |field: S, p: S| sign * (law.m_an(field.value()) - p.value());
+        let mut field = field;
         // Voltage still to go.
-        let mut left = sign * (to - from);
-        if sign * (self.anhysteretic(field) - p) < zero {
+        let mut left = signed(to - from, down);
+        if drawn(field, p) < zero {
             // Frozen until m_an = p, where m = p as well.
-            let frozen = self.frozen_field(to, p);
-            if sign * (self.anhysteretic(frozen) - p) <= zero {
-                return zero;
+            let frozen = self.field(to, p, field.value() + (to.value() - from.value()));
+            if drawn(frozen, p) <= zero {
+                return Some((S::constant(zero), frozen));
             }
-            let (low, high) = if field < frozen { (field, frozen) } else { (frozen, field) };
-            let meets = |h: T| (self.anhysteretic(h) - p, self.slope(h));
-            field = rising_root(meets, low, high, T::of(0.5) * low + T::of(0.5) * high);
-            left = sign * (to - (field - self.alpha * p));
+            let (start, end, own) = (field.value(), frozen.value(), p.value());
+            let (low, high) = if start < end { (start, end) } else { (end, start) };
+            let meets = |h| {
+                let (m_an, slope) = law.m_an_with_slope(h);
+                (m_an - own, slope)
+            };
+            let root = rising_root(meets, low, high, half * low + half * high);
+            field = S::implicit(root, || meets(root).1, |h| self.m_an(h) - p);
+            left = signed(to - (field - self.coupling * p), down);
         }
         // h moves as far as u and twice α at most.
-        let shortest = if self.a < self.k { self.a } else { self.k };
-        let part = (left.abs() + T::of(2.0) * self.alpha) / T::of(f64::from(MOST_PANELS));
-        let panel = if part > shortest { part } else { shortest };
-        let mut change = zero;
-        for _ in 0..MOST_PANELS + 2 {
-            let (start, now) = (self.anhysteretic(field), p + change);
-            // What the voltage has passed `left` by once h has moved by `way`, and the slope.
-            let gone = |way: T| {
-                let h = field + sign * way;
-                let moved = self.relaxed(field, now, sign, way);
-                let drawn = self.anhysteretic(h);
-                let magnetised = (one - self.c) * moved + self.c * (drawn - start);
-                let frozen = one - self.alpha * self.c * self.slope(h);
-                let slope = frozen - self.alpha * (one - self.c) * (drawn - now - moved) * sign / self.k;
-                (way - self.alpha * sign * magnetised - left, slope)
+        let part =
+            (left.value().abs() + S::Real::of(2.0) * law.coupling) / S::Real::of(f64::from(most_panels));
+        let panel = if part > self.shortest() { part } else { self.shortest() };
+        let mut change = S::constant(zero);
+        for _ in 0..most_panels.saturating_add(2) {
+            let (start, now) = (self.m_an(field), p + change);
+            let (from, own, wanted) = (field.value(), now.value(), left.value());
+            let slope = |(m_an, m_an_slope): (S::Real, S::Real), moved: S::Real| {
+                let frozen = one - law.coupling * law.reversibility * m_an_slope;
+                let pulled = (m_an - own - moved) * sign / law.pinning;
+                frozen - law.coupling * (one - law.reversibility) * pulled
             };
-            let (beyond, _) = gone(panel);
-            if beyond < zero {
-                change = change + self.relaxed(field, now, sign, panel);
-                field = field + sign * panel;
-                left = -beyond;
-                continue;
+            // Voltage gone after a way of the field, less that wanted, and its slope.
+            let excess = |way: S::Real| {
+                let [moved, m_an, voltage] = law.gone([from, own, start.value(), way], down);
+                let there = (m_an, slope_at((from + sign * way) / law.anhysteretic, m_an) / law.anhysteretic);
+                (voltage - wanted, slope(there, moved))
+            };
+            let ends_within = excess(panel).0 >= zero;
+            let way = if ends_within {
+                let root = rising_root(excess, zero, panel, wanted);
+                let function = |way| {
+                    let [_, _, voltage] = self.gone([field, now, start, way], down);
+                    voltage - left
+                };
+                S::implicit(root, || excess(root).1, function)
+            } else {
+                S::constant(panel)
+            };
+            let [moved, _, voltage] = self.gone([field, now, start, way], down);
+            change = change + moved;
+            field = field + signed(way, down);
+            if ends_within {
+                return Some((change, field));
             }
-            let way = rising_root(gone, zero, panel, left);
-            return change + self.relaxed(field, now, sign, way);
+            left = left - voltage;
         }
-        T::of(f64::INFINITY)
+        None
+    }
+}
+
+impl<T: Real> JilesAtherton<T> {
+    /// m_an and dm_an/dh.
+    #[inline]
+    fn m_an_with_slope(&self, field: T) -> (T, T) {
+        let x = field / self.anhysteretic;
+        let value = langevin(x);
+        (value, slope_at(x, value) / self.anhysteretic)
     }
 }
 
 /// Langevin's function L(x) = coth x − 1/x; by its continued fraction x/(3 + x²/(5 + x²/(7 + …))) where that
 /// settles soon.
 #[inline]
-pub fn langevin<S: Scalar>(x: S) -> S {
-    let of = |x: f64| S::Real::of(x);
-    if x.value().abs() < of(2.0) {
-        let square = x * x;
-        let tail = (1..=12_u8)
-            .rev()
-            .fold(S::constant(of(27.0)), |tail, k| (square / tail).shift(of(f64::from(2 * k + 1))));
-        x / tail
+fn langevin<S: Scalar>(x: S) -> S {
+    let of = S::Real::of;
+    let at = x.value();
+    let value = if at.abs() < of(2.0) {
+        let square = at * at;
+        let tail = (1..=12_u8).rev().fold(of(27.0), |tail, k| square / tail + of(f64::from(2 * k + 1)));
+        at / tail
     } else {
-        let one = S::constant(of(1.0));
-        one / x.tanh() - one / x
-    }
+        of(1.0) / at.tanh() - of(1.0) / at
+    };
+    x.chain(value, slope_at(at, value))
 }
 
-/// L'(x) = 1 − L² − 2 L/x; 1/x² where the rest, 4 e^(−2|x|), is far below the last place.
-pub fn langevin_slope<T: Real>(x: T) -> T {
+/// L'(x) = 1 − L² − 2 L/x from L; 1/x² where the rest, 4 e^(−2|x|), is far below the last place.
+#[inline(always)]
+fn slope_at<T: Real>(x: T, value: T) -> T {
     let (one, two) = (T::of(1.0), T::of(2.0));
     if x.abs() > T::of(50.0) {
         return one / (x * x);
     }
-    let value = langevin(x);
     let ratio = if x.abs() < T::of(1e-8) { T::of(1.0 / 3.0) } else { value / x };
     one - value * value - two * ratio
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn langevin_function_by_its_series_and_by_its_definition() {
+        for k in -400..=400_i32 {
+            let x = f64::from(k) / 100.0;
+            let value = langevin(x);
+            let slope = slope_at(x, value);
+            if x.abs() <= 0.5 {
+                // x/3 − x³/45 + 2x⁵/945 − x⁷/4725 + 2x⁹/93555 − 1382x¹¹/638512875 …, next term 4x¹³/18243225.
+                let c = [
+                    1.0 / 3.0,
+                    -1.0 / 45.0,
+                    2.0 / 945.0,
+                    -1.0 / 4725.0,
+                    2.0 / 93555.0,
+                    -1382.0 / 638_512_875.0,
+                ];
+                let want = x * c.iter().rev().fold(0.0, |sum, c| sum * x * x + c);
+                assert!((value - want).abs() < 3e-11, "{x}");
+            } else {
+                assert!((value - (1.0 / x.tanh() - 1.0 / x)).abs() < 2e-15, "{x}");
+                let want = 1.0 / (x * x) - 1.0 / libm::pow(libm::sinh(x), 2.0);
+                assert!((slope - want).abs() < 1e-14, "{x}");
+            }
+        }
+        assert_eq!((langevin(0.0), slope_at(0.0, 0.0)), (0.0, 1.0 - 2.0 / 3.0));
+    }
 }

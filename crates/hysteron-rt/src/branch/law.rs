@@ -1,26 +1,7 @@
 //! The interface of a law of one branch, and the two macros that write what every law has in common.
 
-use super::MOST_MOMENTS;
-use crate::increment::IncrementMemory;
-use crate::real::Real;
-
-/// Change of the states along a move: yⱼ by ownⱼ − lost yⱼ.
-pub(super) struct Change<T> {
-    pub lost: T,
-    pub own: [T; MOST_MOMENTS],
-}
-
-impl<T: Real> Change<T> {
-    /// Change of a single state by an increment.
-    #[inline(always)]
-    pub fn of_one(increment: T) -> Self {
-        let mut own = [T::of(0.0); MOST_MOMENTS];
-        if let Some(slot) = own.first_mut() {
-            *slot = increment;
-        }
-        Self { lost: T::of(0.0), own }
-    }
-}
+use crate::ParameterError;
+use crate::real::{Real, Scalar};
 
 /// The law of a branch: states y, weights w, v = Σ wⱼ yⱼ; s = sign Δu.
 ///
@@ -28,41 +9,70 @@ impl<T: Real> Change<T> {
 /// keep the provided methods of these names; its numbers are `SHAPE[0]`, `SHAPE[1]`, … there, in the order of
 /// the fields. It may call `relaxation`, `log_distance`, `moments`, `rising_root` and the `increment` of a
 /// Bouc–Wen operator with n = 1.
-pub(super) trait BranchLaw<T: Real> {
+pub trait BranchLaw<S: Scalar> {
     /// The law in C99.
     const C: &'static str;
+    /// Most states.
+    const MOST_STATES: usize = 1;
+    /// Whether sound numbers keep the states bounded under a bounded drive.
+    const IS_BOUNDED: bool = true;
 
-    /// Whether the numbers are finite and in order, and the law has so many states.
-    fn is_sound(&self, states: usize) -> bool;
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// [`ParameterError`] with the first number that is not finite or out of its range.
+    fn check(&self) -> Result<(), ParameterError<S::Real>>;
 
     /// The states, virgin at `u`: all the same.
     #[inline(always)]
-    fn virgin(&self, u: T) -> T {
+    fn virgin(&self, u: S) -> S {
         let _ = u;
-        T::of(0.0)
+        S::constant(S::Real::of(0.0))
     }
 
     /// Output of a state at `u`.
     #[inline(always)]
-    fn output(&self, state: T, u: T) -> T {
+    fn output(&self, state: S, u: S) -> S {
         let _ = u;
         state
     }
 
-    /// Change of the states along a monotone move.
-    fn change(&self, memory: &[IncrementMemory<T>], from: T, to: T) -> Change<T>;
+    /// Change of the first state along a monotone move.
+    fn increment(&self, y: S, from: S, to: S) -> S;
+
+    /// Replaces every state by its change along a monotone move.
+    #[inline(always)]
+    fn increments(&self, states: &mut [S], from: S, to: S) {
+        if let [y] = states {
+            *y = self.increment(*y, from, to);
+        }
+    }
 }
 
-/// The single state of a law that has one.
+/// Checks one number.
 #[inline(always)]
-pub(super) fn single<T: Real>(memory: &[IncrementMemory<T>]) -> T {
-    memory.first().map_or(T::of(0.0), IncrementMemory::z)
+pub(super) fn number<T: Real>(
+    name: &'static str,
+    value: T,
+    is_sound: bool,
+    must: &'static str,
+) -> Result<(), ParameterError<T>> {
+    if is_sound { Ok(()) } else { Err(ParameterError::Number { name, value, must }) }
 }
 
-/// Finite and above 0.
-#[inline(always)]
-pub(super) fn is_positive<T: Real>(x: T) -> bool {
-    x.is_finite() && x > T::of(0.0)
+/// Checks that a number is finite.
+pub(super) fn finite<T: Real>(name: &'static str, value: T) -> Result<(), ParameterError<T>> {
+    number(name, value, value.is_finite(), "finite")
+}
+
+/// Checks that a number is finite and above 0.
+pub(super) fn positive<T: Real>(name: &'static str, value: T) -> Result<(), ParameterError<T>> {
+    number(name, value, value.is_finite() && value > T::of(0.0), "positive and finite")
+}
+
+/// Checks that a number is finite and not below 0.
+pub(super) fn not_negative<T: Real>(name: &'static str, value: T) -> Result<(), ParameterError<T>> {
+    number(name, value, value.is_finite() && value >= T::of(0.0), "finite and not negative")
 }
 
 /// The numbers of a law, in one type of numbers.
@@ -72,6 +82,19 @@ macro_rules! law_numbers {
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct $law<T> {
             $($(#[$meaning])* pub $number: T,)+
+        }
+
+        impl<S: Scalar> $law<S> {
+            /// Names of the numbers.
+            pub const NUMBERS: &'static [&'static str] = &[$(stringify!($number)),+];
+
+            /// The law with these numbers, in the order of the fields; NaN for one that is missing.
+            #[inline(always)]
+            pub fn of(numbers: &[S]) -> Self {
+                let mut numbers = numbers.iter();
+                $(let $number = numbers.next().copied().unwrap_or(S::constant(S::Real::of(f64::NAN)));)+
+                Self { $($number),+ }
+            }
         }
 
         impl<T: Copy> $law<T> {
@@ -132,7 +155,11 @@ macro_rules! branch_laws {
 
             /// Whether the numbers are finite and in order, and the law has so many states.
             pub(crate) fn is_sound(&self, states: usize) -> bool {
-                match self { $(Self::$law(law) => law.is_sound(states),)+ }
+                match self {
+                    $(Self::$law(law) => {
+                        (1..=<$law<T> as BranchLaw<T>>::MOST_STATES).contains(&states) && law.check().is_ok()
+                    })+
+                }
             }
 
             /// The states, virgin at `u`: all the same.
@@ -147,10 +174,10 @@ macro_rules! branch_laws {
                 match self { $(Self::$law(law) => law.output(state, u),)+ }
             }
 
-            /// Change of the states along a monotone move.
+            /// Replaces every state by its change along a monotone move.
             #[inline(always)]
-            fn change(&self, memory: &[IncrementMemory<T>], from: T, to: T) -> Change<T> {
-                match self { $(Self::$law(law) => law.change(memory, from, to),)+ }
+            fn increments(&self, states: &mut [T], from: T, to: T) {
+                match self { $(Self::$law(law) => law.increments(states, from, to),)+ }
             }
         }
     };

@@ -11,13 +11,12 @@ mod root;
 mod song_der_kiureghian;
 mod takacs;
 
-pub use jiles_atherton::{GAUSS_LEGENDRE, MOST_PANELS, langevin, langevin_slope};
-pub use moments::{MOST_MOMENTS, moments};
-pub use root::rising_root;
+pub use jiles_atherton::MOST_PANELS;
+pub use law::BranchLaw;
+pub use moments::MOST_MOMENTS;
 
 use crate::increment::IncrementMemory;
 use crate::real::Real;
-use law::{BranchLaw, Change};
 
 law::branch_laws! {
     dahl::Dahl,
@@ -38,23 +37,34 @@ impl<T: Real> Branch<T> {
     /// Σ wⱼ yⱼ after a monotone move from `from` to `to`; nothing is moved.
     #[inline]
     pub(crate) fn look(&self, weights: &[T], memory: &[IncrementMemory<T>], from: T, to: T) -> T {
-        let Change { lost, own } = self.change(memory, from, to);
-        let states = weights.iter().zip(memory).zip(own);
-        states.fold(T::of(0.0), |sum, ((weight, memory), own)| {
-            let y = memory.z();
-            sum + *weight * self.output(y + (own - lost * y), to)
+        let increments = self.increments_of(memory, from, to);
+        let states = weights.iter().zip(memory).zip(increments);
+        states.fold(T::of(0.0), |sum, ((weight, memory), increment)| {
+            sum + *weight * self.output(memory.z() + increment, to)
         })
     }
 
     /// As [`Self::look`], and the states of the memory make the move.
     #[inline]
     pub(crate) fn advance(&self, weights: &[T], memory: &mut [IncrementMemory<T>], from: T, to: T) -> T {
-        let Change { lost, own } = self.change(memory, from, to);
+        let increments = self.increments_of(memory, from, to);
         let mut sum = T::of(0.0);
-        for ((weight, memory), own) in weights.iter().zip(memory).zip(own) {
-            let y = memory.advance(own - lost * memory.z());
-            sum = sum + *weight * self.output(y, to);
+        for ((weight, memory), increment) in weights.iter().zip(memory).zip(increments) {
+            sum = sum + *weight * self.output(memory.advance(increment), to);
         }
         sum
+    }
+
+    /// Change of every state along a monotone move.
+    #[inline(always)]
+    fn increments_of(&self, memory: &[IncrementMemory<T>], from: T, to: T) -> [T; MOST_MOMENTS] {
+        let mut states = [T::of(0.0); MOST_MOMENTS];
+        for (state, memory) in states.iter_mut().zip(memory) {
+            *state = memory.z();
+        }
+        if let Some(states) = states.get_mut(..memory.len()) {
+            self.increments(states, from, to);
+        }
+        states
     }
 }

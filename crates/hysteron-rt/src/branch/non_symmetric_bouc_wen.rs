@@ -1,9 +1,11 @@
 //! Zhu's and Wang's law: Bouc–Wen with a term that makes its loop asymmetric.
 
-use super::law::{BranchLaw, Change, is_positive, law_numbers, single};
-use super::{moments, rising_root};
-use crate::increment::IncrementMemory;
-use crate::real::Real;
+use super::law::{BranchLaw, finite, law_numbers, number};
+use super::moments::moments;
+use super::root::rising_root;
+use crate::ParameterError;
+use crate::real::{Real, Scalar};
+use crate::series::signed;
 
 law_numbers! {
     /// dy/du = 1 − (β s + γ sgn y) y + δ s u, β ≥ |γ| (W. Zhu, D.-H. Wang 2012,
@@ -18,63 +20,67 @@ law_numbers! {
     }
 }
 
-impl<T: Real> BranchLaw<T> for NonSymmetricBoucWen<T> {
+impl<S: Scalar> BranchLaw<S> for NonSymmetricBoucWen<S> {
     const C: &'static str = include_str!("non_symmetric_bouc_wen.c");
 
-    fn is_sound(&self, states: usize) -> bool {
-        let Self { beta, gamma, delta } = *self;
-        states == 1 && is_positive(beta) && beta >= gamma.abs() && delta.is_finite()
+    fn check(&self) -> Result<(), ParameterError<S::Real>> {
+        let [beta, gamma, delta] = [self.beta, self.gamma, self.delta].map(S::value);
+        finite("non-symmetrical Bouc–Wen γ", gamma)?;
+        finite("non-symmetrical Bouc–Wen δ", delta)?;
+        let is_sound = beta.is_finite() && beta > S::Real::of(0.0) && beta >= gamma.abs();
+        number("non-symmetrical Bouc–Wen β", beta, is_sound, "finite, positive and at least |γ|")
     }
 
-    #[inline(always)]
-    fn change(&self, memory: &[IncrementMemory<T>], from: T, to: T) -> Change<T> {
-        let Self { beta, gamma, delta } = *self;
-        Change::of_one(increment([beta, gamma, delta], single(memory), from, to))
-    }
-}
-
-/// Where y and 1 + δ s u keep their signs, Δy = t m₀(κt) (s + δu − κy) + δ s t² m₁(κt), t = |Δu|, κ = β + s γ
-/// sgn y; a move is split where one of them changes sign.
-#[inline]
-fn increment<T: Real>([beta, gamma, delta]: [T; 3], y: T, from: T, to: T) -> T {
-    let zero = T::of(0.0);
-    let s = if to < from { -T::of(1.0) } else { T::of(1.0) };
-    let law = [beta, gamma, delta];
-    if delta != zero {
-        let turn = -s / delta;
-        if (turn - from) * s > zero && (to - turn) * s > zero {
-            let first = leg(law, s, y, from, turn);
-            return first + leg(law, s, y + first, turn, to);
+    /// Where y and 1 + δ s u keep their signs, Δy = t m₀(κt) (s + δu − κy) + δ s t² m₁(κt), t = |Δu|, κ = β +
+    /// s γ sgn y; a move is split where one of them changes sign.
+    #[inline]
+    fn increment(&self, y: S, from: S, to: S) -> S {
+        let zero = S::Real::of(0.0);
+        let down = to.value() < from.value();
+        if self.delta.value() != zero {
+            let turn = S::constant(signed(S::Real::of(-1.0), down)) / self.delta;
+            if signed(turn - from, down).value() > zero && signed(to - turn, down).value() > zero {
+                let first = self.leg(down, y, from, turn);
+                return first + self.leg(down, y + first, turn, to);
+            }
         }
+        self.leg(down, y, from, to)
     }
-    leg(law, s, y, from, to)
 }
 
-/// A move on which 1 + δ s u keeps its sign.
-fn leg<T: Real>([beta, gamma, delta]: [T; 3], s: T, y: T, from: T, to: T) -> T {
-    let zero = T::of(0.0);
-    let way = (to - from) * s;
-    let drive = s + delta * (T::of(0.5) * from + T::of(0.5) * to);
-    let negative = if y == zero { drive < zero } else { y < zero };
-    let kappa = |negative: bool| beta + if negative { -(s * gamma) } else { s * gamma };
-    let rate = kappa(negative);
-    let end = along(delta, rate, s, from, y, way);
-    if if negative { y + end <= zero } else { y + end >= zero } {
-        return end;
+impl<S: Scalar> NonSymmetricBoucWen<S> {
+    /// A move on which 1 + δ s u keeps its sign.
+    fn leg(&self, down: bool, y: S, from: S, to: S) -> S {
+        let [zero, half] = [0.0, 0.5].map(S::Real::of);
+        let s = signed(S::Real::of(1.0), down);
+        let way = signed(to - from, down);
+        let drive = s + self.delta.value() * (half * from.value() + half * to.value());
+        let negative = if y.value() == zero { drive < zero } else { y.value() < zero };
+        let kappa =
+            |negative: bool| if negative == down { self.beta + self.gamma } else { self.beta - self.gamma };
+        let rate = kappa(negative);
+        let end = along([self.delta, rate, from, y], s, way);
+        let state = y.value() + end.value();
+        if if negative { state <= zero } else { state >= zero } {
+            return end;
+        }
+        // y passes 0 once, towards the drive, with the slope s + δu there.
+        let values = [self.delta, rate, from, y].map(S::value);
+        let [delta, kappa_there, u, _] = values;
+        let outwards = |t: S::Real| {
+            let state = y.value() + along(values, s, t);
+            let slope = s + delta * (u + s * t) - kappa_there * state;
+            if negative { (state, slope) } else { (-state, -slope) }
+        };
+        let t = rising_root(outwards, zero, way.value(), half * way.value());
+        let t = S::implicit(t, || s + delta * (u + s * t), |t| y + along([self.delta, rate, from, y], s, t));
+        -y + along([self.delta, kappa(!negative), from + signed(t, down), S::constant(zero)], s, way - t)
     }
-    // y passes 0 once, towards the drive, with the slope s + δu there.
-    let outwards = |t: T| {
-        let state = y + along(delta, rate, s, from, y, t);
-        let slope = s + delta * (from + s * t) - rate * state;
-        if negative { (state, slope) } else { (-state, -slope) }
-    };
-    let t = rising_root(outwards, zero, way, T::of(0.5) * way);
-    -y + along(delta, kappa(!negative), s, from + s * t, zero, way - t)
 }
 
-/// Δy after a way t at the rate κ.
+/// Δy after a way t at the rate κ, from u.
 #[inline(always)]
-fn along<T: Real>(delta: T, kappa: T, s: T, u: T, y: T, t: T) -> T {
+fn along<S: Scalar>([delta, kappa, u, y]: [S; 4], s: S::Real, t: S) -> S {
     let [m_0, m_1, ..] = moments(kappa * t, 2);
-    t * m_0 * (s + delta * u - kappa * y) + delta * s * t * t * m_1
+    t * m_0 * ((delta * u).shift(s) - kappa * y) + delta.scale(s) * t * t * m_1
 }

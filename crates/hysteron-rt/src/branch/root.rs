@@ -7,7 +7,7 @@ const MOST: u8 = 80;
 
 /// The zero of a function that rises from `low` to `high`, given with its slope.
 #[inline]
-pub fn rising_root<T: Real>(f: impl Fn(T) -> (T, T), mut low: T, mut high: T, start: T) -> T {
+pub(super) fn rising_root<T: Real>(f: impl Fn(T) -> (T, T), mut low: T, mut high: T, start: T) -> T {
     let zero = T::of(0.0);
     let mut x = if start < low { low } else { start };
     x = if x > high { high } else { x };

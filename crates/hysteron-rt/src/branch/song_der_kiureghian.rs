@@ -1,9 +1,10 @@
 //! Song's and Der Kiureghian's law: Bouc–Wen without the symmetry of rising and falling.
 
-use super::law::{BranchLaw, Change, law_numbers, single};
-use crate::bouc_wen::BoucWen;
-use crate::increment::IncrementMemory;
-use crate::real::Real;
+use super::law::{BranchLaw, finite, law_numbers};
+use crate::ParameterError;
+use crate::bouc_wen::unit_increment;
+use crate::real::{Real, Scalar};
+use crate::series::signed;
 
 law_numbers! {
     /// dy/du = 1 − |y| (β₁ sgn(u̇y) + β₂ sgn(u u̇) + β₃ sgn(uy) + β₄ s + β₅ sgn y + β₆ sgn u) (J. Song, A.
@@ -24,41 +25,40 @@ law_numbers! {
     }
 }
 
-impl<T: Real> BranchLaw<T> for SongDerKiureghian<T> {
+impl<S: Scalar> BranchLaw<S> for SongDerKiureghian<S> {
     const C: &'static str = include_str!("song_der_kiureghian.c");
+    const IS_BOUNDED: bool = false;
 
-    fn is_sound(&self, states: usize) -> bool {
-        let mut finite = true;
-        self.for_each_number(|_, beta| finite &= beta.is_finite());
-        states == 1 && finite
+    fn check(&self) -> Result<(), ParameterError<S::Real>> {
+        let mut checked = Ok(());
+        self.for_each_number(|_, beta| {
+            checked = checked.and(finite("coefficient of Song and Der Kiureghian", beta.value()));
+        });
+        checked
     }
 
-    #[inline(always)]
-    fn change(&self, memory: &[IncrementMemory<T>], from: T, to: T) -> Change<T> {
-        Change::of_one(self.increment(single(memory), from, to))
-    }
-}
-
-impl<T: Real> SongDerKiureghian<T> {
     /// At u of one sign a move is one of Bouc–Wen with β = β₁ + s (β₃ sgn u + β₅), γ = s (β₂ sgn u + β₄) + β₆
     /// sgn u; it is split where u passes 0.
     #[inline]
-    fn increment(&self, y: T, from: T, to: T) -> T {
-        let zero = T::of(0.0);
-        let Self { beta_1: b1, beta_2: b2, beta_3: b3, beta_4: b4, beta_5: b5, beta_6: b6 } = *self;
-        let leg = |negative: bool, y: T, by: T| {
-            let side = |x: T| if negative { -x } else { x };
-            let s = |x: T| if by < zero { -x } else { x };
-            let (beta, gamma) = (b1 + s(side(b3) + b5), s(side(b2) + b4) + side(b6));
-            match BoucWen::unit(beta, gamma, T::of(1.0)) {
-                Ok(operator) => operator.increment(y, by),
-                Err(_) => T::of(f64::NAN),
-            }
-        };
-        if from * to < zero {
-            let first = leg(from < zero, y, -from);
-            return first + leg(to < zero, y + first, to);
+    fn increment(&self, y: S, from: S, to: S) -> S {
+        let zero = S::Real::of(0.0);
+        let (below, ends_below) = (from.value() < zero, to.value() < zero);
+        if from.value() * to.value() < zero {
+            let first = self.leg(below, y, -from);
+            return first + self.leg(ends_below, y + first, to);
         }
-        leg(if to == zero { from < zero } else { to < zero }, y, to - from)
+        self.leg(if to.value() == zero { below } else { ends_below }, y, to - from)
+    }
+}
+
+impl<S: Scalar> SongDerKiureghian<S> {
+    /// A move on one side of u = 0.
+    #[inline(always)]
+    fn leg(&self, negative: bool, y: S, by: S) -> S {
+        let Self { beta_1: b1, beta_2: b2, beta_3: b3, beta_4: b4, beta_5: b5, beta_6: b6 } = *self;
+        let down = by.value() < S::Real::of(0.0);
+        let beta = b1 + signed(signed(b3, negative) + b5, down);
+        let gamma = signed(signed(b2, negative) + b4, down) + signed(b6, negative);
+        unit_increment(beta, gamma, y, by)
     }
 }

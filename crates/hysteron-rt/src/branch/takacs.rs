@@ -1,9 +1,9 @@
 //! Takács' law: branches of hyperbolic tangents.
 
-use super::law::{BranchLaw, Change, is_positive, law_numbers, single};
-use crate::increment::IncrementMemory;
+use super::law::{BranchLaw, finite, law_numbers, not_negative, positive};
+use crate::ParameterError;
 use crate::real::{Real, Scalar};
-use crate::series::relaxation;
+use crate::series::{passed, signed};
 
 law_numbers! {
     /// y = s (1 − A (1 − tanh z)), z = (s (u − `centre`) − `coercive`)/`width`, A such that a branch begins
@@ -19,34 +19,40 @@ law_numbers! {
     }
 }
 
-impl<S: Scalar> Takacs<S> {
-    /// Change of the state along a monotone move: s (1 − s y) (1 − e^(−2|Δu|/width)) (1 + tanh z)/2, z at its
-    /// end.
-    #[inline]
-    pub fn increment(&self, y: S, from: S, to: S) -> S {
-        let Self { centre, width, coercive } = *self;
-        let down = to.value() < from.value();
-        let side = |x: S| if down { -x } else { x };
-        let one = S::Real::of(1.0);
-        let way = side(to - from) / width;
-        let (_, passed) = relaxation(S::constant(one), way.scale(S::Real::of(2.0)));
-        let z = (side(to - centre) - coercive) / width;
-        side((-side(y)).shift(one) * (passed * risen(z)))
+impl<S: Scalar> BranchLaw<S> for Takacs<S> {
+    const C: &'static str = include_str!("takacs.c");
+
+    fn check(&self) -> Result<(), ParameterError<S::Real>> {
+        finite("centre of Takács' loop", self.centre.value())?;
+        positive("width of Takács' branches", self.width.value())?;
+        not_negative("coercive voltage of Takács' loop", self.coercive.value())
     }
 
-    /// The state, virgin at `u`: where ever smaller loops about `u` end, as steep upwards as downwards.
+    /// s (1 − s y) (1 − e^(−2|Δu|/width)) (1 + tanh z)/2, z at its
+    /// end.
     #[inline]
-    pub fn virgin_state(&self, u: S) -> S {
+    fn increment(&self, y: S, from: S, to: S) -> S {
+        let Self { centre, width, coercive } = *self;
+        let down = to.value() < from.value();
+        let way = signed(to - from, down) / width;
+        let z = (signed(to - centre, down) - coercive) / width;
+        let change =
+            signed(y, !down).shift(S::Real::of(1.0)) * (passed(way.scale(S::Real::of(2.0))) * risen(z));
+        signed(change, down)
+    }
+
+    /// Where ever smaller loops about `u` end, as steep upwards as downwards.
+    #[inline]
+    fn virgin(&self, u: S) -> S {
         let Self { centre, width, coercive } = *self;
         let one = S::Real::of(1.0);
         let x = (u - centre) / width;
         let negative = x.value() < S::Real::of(0.0);
-        let side = |x: S| if negative { -x } else { x };
         let tail = |x: S| x.scale(S::Real::of(-2.0)).exp();
-        let q = tail(side(x));
+        let q = tail(signed(x, negative));
         let tails = q * q;
         let sum = tails.shift(one) + (q * tail(coercive / width)).scale(S::Real::of(2.0));
-        side((-tails).shift(one) / sum)
+        signed((-tails).shift(one) / sum, negative)
     }
 }
 
@@ -61,29 +67,10 @@ fn risen<S: Scalar>(z: S) -> S {
     S::constant(one) / (-z.scale(two)).exp().shift(one)
 }
 
-impl<T: Real> BranchLaw<T> for Takacs<T> {
-    const C: &'static str = include_str!("takacs.c");
-
-    fn is_sound(&self, states: usize) -> bool {
-        let Self { centre, width, coercive } = *self;
-        let held = coercive.is_finite() && coercive >= T::of(0.0);
-        states == 1 && centre.is_finite() && is_positive(width) && held
-    }
-
-    #[inline(always)]
-    fn virgin(&self, u: T) -> T {
-        self.virgin_state(u)
-    }
-
-    #[inline(always)]
-    fn change(&self, memory: &[IncrementMemory<T>], from: T, to: T) -> Change<T> {
-        Change::of_one(self.increment(single(memory), from, to))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::increment::IncrementMemory;
 
     const LAW: Takacs<f64> = Takacs { centre: 0.7, width: 1.3, coercive: 0.4 };
 
@@ -97,7 +84,7 @@ mod tests {
 
     #[test]
     fn a_move_follows_its_branch() {
-        let (mut y, mut u) = (LAW.virgin_state(0.2), 0.2);
+        let (mut y, mut u) = (LAW.virgin(0.2), 0.2);
         for to in [1.5, -1.0, 0.3, 0.31, 3.0, -2.5, -2.4, 2.0, 0.7] {
             let wanted = branch(LAW, y, u, to);
             y += LAW.increment(y, u, to);
@@ -114,21 +101,21 @@ mod tests {
                 assert!((y + up - 1.0).abs() < 1e-15 && (y + down + 1.0).abs() < 1e-15, "{far} {y}");
                 assert!(LAW.increment(y, -2.0 * far, -far).abs() < 1e-15);
             }
-            assert_eq!([LAW.virgin_state(far), LAW.virgin_state(-far)], [1.0, -1.0]);
+            assert_eq!([LAW.virgin(far), LAW.virgin(-far)], [1.0, -1.0]);
         }
     }
 
     #[test]
     fn single_precision_does_not_drift_in_small_moves() {
         let single = LAW.map(|x| x as f32);
-        let mut memory = [IncrementMemory::new(single.virgin_state(0.0))];
-        let (mut y, mut u, mut worst) = (LAW.virgin_state(0.0), 0.0, 0.0_f64);
+        let mut memory = [IncrementMemory::new(single.virgin(0.0))];
+        let (mut y, mut u, mut worst) = (LAW.virgin(0.0), 0.0, 0.0_f64);
         // Ramps of 4 V in 2¹⁶ samples.
         for k in 0..(5_u32 << 16) {
             let ramp = f64::from(k & 0xffff) / f64::from(1_u32 << 14);
             let to = if (k >> 16) & 1 == 0 { ramp } else { 4.0 - ramp };
-            let own = single.change(&memory, u as f32, to as f32).own;
-            memory[0].advance(own[0]);
+            let increment = single.increment(memory[0].z(), u as f32, to as f32);
+            memory[0].advance(increment);
             y += LAW.increment(y, u, to);
             u = to;
             worst = worst.max((f64::from(memory[0].z()) - y).abs());
@@ -138,7 +125,7 @@ mod tests {
 
     #[test]
     fn numbers_that_are_none_are_refused() {
-        assert!(LAW.is_sound(1) && !LAW.is_sound(2));
+        assert_eq!(LAW.check(), Ok(()));
         for bad in [
             Takacs { centre: f64::NAN, ..LAW },
             Takacs { width: 0.0, ..LAW },
@@ -146,7 +133,7 @@ mod tests {
             Takacs { coercive: -0.1, ..LAW },
             Takacs { coercive: f64::INFINITY, ..LAW },
         ] {
-            assert!(!bad.is_sound(1), "{bad:?}");
+            assert!(bad.check().is_err(), "{bad:?}");
         }
     }
 }

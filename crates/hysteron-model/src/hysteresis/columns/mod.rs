@@ -9,7 +9,7 @@ mod relaxing;
 
 pub use pass::ColumnSensitivities;
 pub(super) use pass::{differentiate, simulate};
-pub(super) use relaxing::RelaxingState;
+pub(super) use relaxing::{RelaxingState, branch_kernel};
 
 use hysteron_rt::Scalar;
 
