@@ -41,7 +41,7 @@ impl Stamps {
 
     fn times_s(self) -> Vec<f64> {
         let step = |k: usize| match self {
-            Self::TwoRates if k % 20_000 == 0 => 2000.0,
+            Self::TwoRates if k.is_multiple_of(20_000) => 2000.0,
             Self::TwoRates if k % 20_000 >= 10_000 => 5.0,
             Self::Uniform | Self::TwoRates => 1.0,
             // A share of the golden section: no two are equal.
