@@ -106,7 +106,7 @@ bench-python: python-tools ## what Python costs over the library
 	VIRTUAL_ENV=$(abspath $(PYTHON)) $(PYTHON)/bin/maturin develop --release --locked --quiet
 	$(PYTHON)/bin/python bench/python_overhead.py
 
-STUDIES := optimum full-size seeds parameters rates blocks track coverage information afm
+STUDIES := optimum full-size seeds parameters rates blocks track coverage information afm stamps
 study: check-toolchain ## what the joint identification promises, measured on simulated devices (QUICK=1: a rehearsal)
 	cargo build --release --locked -p hysteron-bench --bin hysteron-study
 	@for study in $(STUDIES); do echo "== $$study"; target/release/hysteron-study $$study $(if $(QUICK),2); done

@@ -168,23 +168,23 @@ impl Model {
     ) -> Result<Vec<f64>, SimulationError> {
         check_length("time stamps", times_s.len(), u.len())?;
         let (extended, prologue, rest_voltage_v) = extend(start, u)?;
-        let times_s = with_prologue(&even_times(times_s), prologue);
+        let times_s = with_prologue(even_times(times_s), prologue);
         let knots = Knots::new(&times_s, &extended, self.inter_sample, self.hysteresis.form().depends_on());
         let (memory, origin) = self.origin(start, rest_voltage_v)?;
         let mut v = vec![0.0; knots.drive_v.len()];
         self.hysteresis.simulate_every(
-            DriveGrid::of_paces(&knots.paces, 1),
+            DriveGrid { paces: knots.paces.as_deref(), ..DriveGrid::from(1) },
             &knots.drive_v,
             origin,
             &mut v,
         )?;
         let rest = self.hysteresis.at_rest(rest_voltage_v, memory);
         v.iter_mut().for_each(|v| *v -= rest);
-        let scored = times_s.get(prologue..).unwrap_or_default().to_vec();
+        let scored = times_s.get(prologue..).unwrap_or_default();
         let g = match &self.dynamics {
             Dynamics::None => {
                 let hold = self.inter_sample == InterSample::Hold;
-                let mut y = delayed(&knots.times_s, &v, &scored, self.delay_s, hold);
+                let mut y = delayed(&knots.times_s, &v, scored, self.delay_s, hold);
                 y.iter_mut().for_each(|y| *y += rest + self.offset);
                 return Ok(y);
             }
@@ -194,7 +194,7 @@ impl Model {
         if self.scheme.parameters_belong_to_sample_rate() {
             return Err(SimulationError::NoSampleRate);
         }
-        let plan = StampedPlan::new(knots.times_s, scored, self.inter_sample == InterSample::Hold)?;
+        let plan = StampedPlan::new(knots.times_s, scored.to_vec(), self.inter_sample == InterSample::Hold)?;
         let mut response = plan.empty_response();
         plan.response(g, None, self.delay_s, &mut response)?;
         let mut y = vec![0.0; plan.samples()];
@@ -252,7 +252,7 @@ impl Model {
         let times_s = match timing {
             Timing::Stamps(times_s) => {
                 check_length("time stamps", times_s.len(), u.len())?;
-                Some(with_prologue(&even_times(times_s), prologue))
+                Some(with_prologue(even_times(times_s), prologue))
             }
             Timing::Unknown | Timing::Rate(_) => None,
         };
@@ -341,12 +341,12 @@ impl Model {
 }
 
 /// Times with those of `prologue` samples in front, whole repetitions of the first of them.
-fn with_prologue(times_s: &[f64], prologue: usize) -> Vec<f64> {
+fn with_prologue(times_s: Vec<f64>, prologue: usize) -> Vec<f64> {
     let period = prologue / SETTLING_PERIODS;
     if period == 0 {
-        return times_s.to_vec();
+        return times_s;
     }
-    times_before(times_s, period, 0..period).chain(times_s.iter().copied()).collect()
+    times_before(&times_s, period, 0..period).chain(times_s.iter().copied()).collect()
 }
 
 /// Times of `rows` of a cycle of `period` samples, that a record begins with, in every cycle that ran before

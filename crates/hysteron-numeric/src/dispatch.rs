@@ -10,7 +10,12 @@ use super::complex_exponential::exponentials_less_one_kernel;
 use super::elementary::{exp, sin_cos};
 use super::feedback_tangent::{FeedbackTangent, Forcing, Lanes, TangentState, feedback_tangent_kernel};
 use super::relaxation::{Relaxations, relaxations_kernel, relaxations_with_slopes_kernel};
-use super::relaxation_bank::{BankWeights, Line, RelaxationBank, bank_advance_kernel, bank_read_kernel};
+use super::relaxation_bank::{
+    Abreast, BankWeights, Lines, RelaxationBank, bank_advance_kernel, bank_read_kernel,
+};
+use super::resonance_bank::{
+    Propagators, ResonanceBank, propagators_kernel, resonances_advance_kernel, resonances_read_kernel,
+};
 use super::series::{SeriesPanel, series_evaluate_kernel, series_power_kernel, series_product_kernel};
 
 /// Instruction set a kernel runs with. Results do not depend on it.
@@ -189,17 +194,36 @@ dispatched! {
 
 dispatched! {
     /// [`RelaxationBank::advance`].
-    bank_advance => bank_advance_kernel(bank: &mut RelaxationBank, line: Line)
+    bank_advance => bank_advance_kernel(bank: &mut RelaxationBank, lines: &Lines, length_s: f64)
 }
 
 dispatched! {
     /// [`RelaxationBank::read`].
     bank_read => bank_read_kernel(
-        bank: &mut RelaxationBank, line: Line, weights: &[BankWeights], sums: &mut [f64])
+        bank: &mut RelaxationBank, lines: &Lines, length_s: f64, weights: &[BankWeights],
+        sums: &mut [Abreast])
 }
 
 dispatched! {
-    /// [`super::exponentials_less_one`] where no angle is too large.
+    /// Propagators of a pole from their first, which is there.
+    propagators => propagators_kernel(
+        inverse: Complex64, lengths_s: &[f64], with_derivatives: bool, of: &mut Propagators)
+}
+
+dispatched! {
+    /// [`ResonanceBank::advance`] with the propagators of a place in the stretch.
+    resonances_advance => resonances_advance_kernel(bank: &mut ResonanceBank, lines: &Lines, place: usize)
+}
+
+dispatched! {
+    /// [`ResonanceBank::read`] with the propagators of a place in the stretch.
+    resonances_read => resonances_read_kernel(
+        bank: &ResonanceBank, lines: &Lines, place: usize, weights: &[&[(Complex64, Complex64)]],
+        sums: &mut [Abreast])
+}
+
+dispatched! {
+    /// [`super::complex_exponential::exponentials_less_one`] where no angle is too large.
     exponentials_less_one => exponentials_less_one_kernel(pole: Complex64, times: &[f64], re: &mut [f64], im: &mut [f64])
 }
 

@@ -16,11 +16,11 @@ pub mod normal;
 pub mod number;
 mod relaxation;
 mod relaxation_bank;
+mod resonance_bank;
 mod series;
 mod stop;
 mod triangular;
 
-pub use complex_exponential::exponentials_less_one;
 pub use dispatch::{
     InstructionSet, accumulate_power, accumulate_tangent, filter_every, half_turns, multiply,
     multiply_quotient, quotient_parts, quotient_tangent, rotate, rotate_and_add, scale,
@@ -29,7 +29,8 @@ pub use feedback_tangent::{FeedbackTangent, Forcing, LANES, Lanes, TangentState,
 pub use inner_product::{dot, root_mean_square};
 pub use non_negative::non_negative_least_squares;
 pub use relaxation::Relaxations;
-pub use relaxation_bank::{BankWeights, Line, RelaxationBank};
+pub use relaxation_bank::{ABREAST, Abreast, BankWeights, Lines, RelaxationBank};
+pub use resonance_bank::ResonanceBank;
 pub use rustfft::num_complex::Complex;
 pub use series::SeriesPanel;
 pub use stop::Stop;

@@ -22,6 +22,7 @@ use hysteron_model::Start;
 use hysteron_model::dynamics::{Linearised, PlanInput, PlanResponse, PlanWorkspace, RecordPlan, Sampling};
 use hysteron_model::hysteresis::{Columns, DriveGrid, HysteresisForm};
 use hysteron_model::record::Pace;
+use hysteron_numeric::ABREAST;
 use hysteron_optimize::Stop;
 use rayon::prelude::*;
 
@@ -112,6 +113,8 @@ struct Operators {
 struct Lane {
     plan: PlanWorkspace,
     prepared: PlanInput,
+    /// Inputs of derivatives that are worked out together.
+    inputs: Vec<PlanInput>,
     /// As long as the record at its own rate, where that is not what is worked on.
     own: Vec<f64>,
     input: Vec<f64>,
@@ -169,6 +172,7 @@ impl JointRecord {
         let lane = || Lane {
             plan: self.plan.workspace(),
             prepared: self.plan.empty_input(),
+            inputs: Vec::new(),
             own: vec![0.0; own],
             input: vec![0.0; self.plan.inputs()],
             sum: Vec::new(),
@@ -292,10 +296,10 @@ impl JointRecord {
         let samples = self.samples();
         let count = columns.len() / samples;
         let degree = count - hysteresis.inputs.len();
-        let column = |index: usize, column: &mut [f64], lane: &mut Lane| {
-            let input = if index < degree { &self.powers[index] } else { &hysteresis.inputs[index - degree] };
-            let done = !is_stopped(&hysteresis.columns)
-                && self.plan.apply(response, input, &mut lane.plan, column).is_ok();
+        let input = |index: usize| {
+            if index < degree { &self.powers[index] } else { &hysteresis.inputs[index - degree] }
+        };
+        let finish = |index: usize, column: &mut [f64]| {
             self.end(column);
             if let Some(unit) = &self.rest {
                 let rest_v = rest_voltage(self.before, &self.drive);
@@ -307,16 +311,25 @@ impl JointRecord {
                 column.iter_mut().zip(unit).for_each(|(c, unit)| *c += at_rest * unit);
             }
             self.weighting.apply(column);
-            done
         };
         let share = count.div_ceil(lanes.len());
+        let together = self.together(share);
         let done = columns
             .par_chunks_mut(share * samples)
             .zip(&mut *lanes)
             .enumerate()
             .map(|(at, (columns, lane))| {
-                let columns = columns.chunks_exact_mut(samples).enumerate();
-                columns.map(|(index, own)| column(at * share + index, own, lane)).fold(true, |a, b| a & b)
+                let mut done = true;
+                for (group, columns) in columns.chunks_mut(together * samples).enumerate() {
+                    let first = at * share + group * together;
+                    let mut columns: Vec<&mut [f64]> = columns.chunks_exact_mut(samples).collect();
+                    let inputs: Vec<&PlanInput> = (first..first + columns.len()).map(input).collect();
+                    done = done
+                        && !is_stopped(&hysteresis.columns)
+                        && self.plan.apply_each(response, &inputs, &mut lane.plan, &mut columns).is_ok();
+                    columns.into_iter().enumerate().for_each(|(k, column)| finish(first + k, column));
+                }
+                done
             })
             .reduce(|| true, |a, b| a & b);
         transient_shares.clear();
@@ -344,6 +357,11 @@ impl JointRecord {
             ws.local.project(&mut ws.target);
         }
         true
+    }
+
+    /// Of so many inputs of the dynamics, how many are taken in one pass.
+    fn together(&self, inputs: usize) -> usize {
+        if self.is_on_stamps() { inputs.clamp(1, ABREAST) } else { 1 }
     }
 
     /// Takes off a response what belongs beyond the end of the record.

@@ -179,6 +179,27 @@ impl RecordPlan {
         }
     }
 
+    /// [`Self::apply`] to several inputs, one output beside each: on stamps in one pass.
+    ///
+    /// # Errors
+    /// As [`Self::apply`].
+    pub fn apply_each(
+        &self,
+        response: &PlanResponse,
+        inputs: &[&PlanInput],
+        workspace: &mut PlanWorkspace,
+        outputs: &mut [&mut [f64]],
+    ) -> Result<(), DynamicsError> {
+        if let (Self::Stamped(plan), PlanResponse::Stamped(response), PlanWorkspace::Stamped(workspace)) =
+            (self, response, &mut *workspace)
+        {
+            let inputs = inputs.iter().map(|input| input.knots()).collect::<Result<Vec<_>, _>>()?;
+            return plan.apply_each(response, &inputs, workspace, outputs);
+        }
+        let mut each = inputs.iter().zip(outputs);
+        each.try_for_each(|(input, output)| self.apply(response, input, workspace, output))
+    }
+
     /// As [`Self::apply`] for derivative `which` of the response.
     ///
     /// # Errors
@@ -240,6 +261,13 @@ impl PlanInput {
         match self {
             Self::Spectrum(spectrum) => spectrum.clear(),
             Self::Knots(knots) => knots.fill(0.0),
+        }
+    }
+
+    fn knots(&self) -> Result<&[f64], DynamicsError> {
+        match self {
+            Self::Knots(knots) => Ok(knots),
+            Self::Spectrum(_) => Err(FOREIGN),
         }
     }
 

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::super::super::projection::Projection;
 use super::{JointRecord, Lane, RecordWorkspace, is_stopped};
-use hysteron_model::dynamics::{PlanInput, PlanResponse};
+use hysteron_model::dynamics::{DynamicsError, PlanInput, PlanResponse};
 use hysteron_model::hysteresis::Columns;
 
 /// A direction in which a record's output is differentiated.
@@ -24,9 +24,6 @@ pub(crate) enum Direction {
 
 /// A direction, where there is one, and the derivative along it.
 type Wanted<'a> = (Option<Direction>, &'a mut [f64]);
-
-/// Tangent numbers of the response, and the derivatives along them.
-type Together<'a> = Vec<(usize, &'a mut [f64])>;
 
 /// What is known of a candidate when its derivatives are worked out.
 struct Known<'a> {
@@ -73,98 +70,84 @@ impl JointRecord {
     /// [`Self::respond`] with derivatives and [`Self::combine`].
     pub(crate) fn differentiate(&self, wanted: Vec<Wanted<'_>>, weights: &[f64], ws: &mut RecordWorkspace) {
         let (known, lanes) = ws.split();
-        let (dynamics, others) = self.dealt(wanted);
-        // Dealt out one by one, since some take three times as long as others; what is made together first.
-        let deal = Mutex::new(dynamics.into_iter());
-        let singly = Mutex::new(others.into_iter());
+        // Dealt out one by one, since some take three times as long as others.
+        let deal = Mutex::new(self.dealt(wanted, lanes.len()).into_iter());
         lanes.par_iter_mut().for_each(|lane| {
-            while let Some(wanted) = deal.lock().ok().and_then(|mut deal| deal.next()) {
-                self.derivatives_of_dynamics(wanted, &known, lane);
-            }
-            while let Some((direction, out)) = singly.lock().ok().and_then(|mut deal| deal.next()) {
-                let written = !is_stopped(known.hysteresis)
-                    && direction.is_some_and(|d| self.derivative(d, weights, &known, lane, out));
-                if !written {
-                    out.fill(0.0);
-                }
+            while let Some(group) = deal.lock().ok().and_then(|mut deal| deal.next()) {
+                self.derivatives(group, weights, &known, lane);
             }
         });
     }
 
-    /// Derivatives along the dynamics, which take one pass together on stamps, and those that are worked out
-    /// one by one.
-    fn dealt<'a>(&self, wanted: Vec<Wanted<'a>>) -> (Option<Together<'a>>, Vec<Wanted<'a>>) {
+    /// The directions in groups that are worked out together, those that take longest first: on stamps the
+    /// derivatives along the dynamics take one pass, and others share one.
+    fn dealt<'a>(&self, wanted: Vec<Wanted<'a>>, lanes: usize) -> Vec<Vec<Wanted<'a>>> {
         if !self.is_on_stamps() {
-            return (None, wanted);
+            return wanted.into_iter().map(|wanted| vec![wanted]).collect();
         }
-        let (mut together, mut others) = (Vec::new(), Vec::new());
-        for (direction, out) in wanted {
-            match direction {
-                Some(Direction::Dynamics(which)) => together.push((which, out)),
-                _ => others.push((direction, out)),
-            }
+        let is_dynamic = |(direction, _): &Wanted<'_>| matches!(direction, Some(Direction::Dynamics(_)));
+        let (dynamics, others): (Vec<_>, Vec<_>) = wanted.into_iter().partition(is_dynamic);
+        let together = self.together(others.len().div_ceil(lanes.max(1)));
+        let mut groups = vec![dynamics];
+        let mut others = others.into_iter().peekable();
+        while others.peek().is_some() {
+            groups.push(others.by_ref().take(together).collect());
         }
-        ((!together.is_empty()).then_some(together), others)
+        groups
     }
 
-    /// The derivatives along the dynamics, in one pass; zero where they cannot be worked out.
-    fn derivatives_of_dynamics(&self, mut wanted: Together<'_>, known: &Known<'_>, lane: &mut Lane) {
-        let written = !is_stopped(known.hysteresis)
-            && self.plan.apply_tangents(known.response, &mut wanted, known.total, &mut lane.plan).is_ok();
-        for (_, out) in wanted {
-            if written {
-                self.end(out);
-                self.finish(known, out);
-            } else {
-                out.fill(0.0);
-            }
-        }
-    }
-
-    /// The derivative in one direction. `false` where it cannot be worked out.
-    fn derivative(
-        &self,
-        direction: Direction,
-        weights: &[f64],
-        known: &Known<'_>,
-        lane: &mut Lane,
-        out: &mut [f64],
-    ) -> bool {
+    /// The derivatives in some directions; zero where they cannot be worked out.
+    fn derivatives(&self, wanted: Vec<Wanted<'_>>, weights: &[f64], known: &Known<'_>, lane: &mut Lane) {
         let samples = self.samples();
-        let rest = match direction {
-            Direction::Column(index) => {
-                out.copy_from_slice(&known.columns[index * samples..(index + 1) * samples]);
-                return true;
-            }
-            Direction::Shape(which) => {
-                let of_shape = known.hysteresis.partials.iter().filter(|partial| partial.shape == which);
-                let parts = of_shape.map(|p| (weights[p.column], &p.values[..], p.rest));
-                self.input_of_sum(parts, lane)
-            }
-            Direction::Memory => {
-                let Columns { by_memory, rest_by_memory, .. } = known.hysteresis;
-                let parts = weights.iter().zip(by_memory).zip(rest_by_memory);
-                self.input_of_sum(parts.map(|((&w, values), &rest)| (w, &values[..], rest)), lane)
-            }
-            Direction::Dynamics(which) => {
-                if self.plan.apply_tangent(known.response, which, known.total, &mut lane.plan, out).is_err() {
-                    return false;
+        let (mut tangents, mut outputs, mut rests) = (Vec::new(), Vec::new(), Vec::new());
+        for (direction, out) in wanted {
+            let rest = match direction.filter(|_| !is_stopped(known.hysteresis)) {
+                Some(Direction::Column(index)) => {
+                    out.copy_from_slice(&known.columns[index * samples..(index + 1) * samples]);
+                    continue;
                 }
-                self.end(out);
-                self.finish(known, out);
-                return true;
+                Some(Direction::Dynamics(which)) => {
+                    tangents.push((which, out));
+                    continue;
+                }
+                Some(Direction::Shape(which)) => {
+                    let of_shape = known.hysteresis.partials.iter().filter(|partial| partial.shape == which);
+                    let parts = of_shape.map(|p| (weights[p.column], &p.values[..], p.rest));
+                    self.input_of_sum(parts, lane)
+                }
+                Some(Direction::Memory) => {
+                    let Columns { by_memory, rest_by_memory, .. } = known.hysteresis;
+                    let parts = weights.iter().zip(by_memory).zip(rest_by_memory);
+                    self.input_of_sum(parts.map(|((&w, values), &rest)| (w, &values[..], rest)), lane)
+                }
+                None => None,
+            };
+            let Some(rest) = rest else {
+                out.fill(0.0);
+                continue;
+            };
+            if lane.inputs.len() == rests.len() {
+                lane.inputs.push(self.plan.empty_input());
             }
-        };
-        let Some(rest) = rest else { return false };
-        if self.plan.apply(known.response, &lane.prepared, &mut lane.plan, out).is_err() {
-            return false;
+            std::mem::swap(&mut lane.inputs[rests.len()], &mut lane.prepared);
+            outputs.push(out);
+            rests.push(rest);
         }
-        self.end(out);
-        if let Some(unit) = &self.rest {
-            out.iter_mut().zip(unit).for_each(|(o, unit)| *o += rest * unit);
+        let Lane { plan, inputs, .. } = lane;
+        let inputs: Vec<&PlanInput> = inputs.iter().take(rests.len()).collect();
+        let done = self.plan.apply_each(known.response, &inputs, plan, &mut outputs);
+        for (out, rest) in outputs.into_iter().zip(rests) {
+            // Which one is not finite must not count for those beside it, which depend on the threads.
+            let done = match done {
+                Err(DynamicsError::OutputNotFinite) => out.iter().all(|x| x.is_finite()),
+                ref done => done.is_ok(),
+            };
+            self.finish(known, done, rest, out);
         }
-        self.finish(known, out);
-        true
+        let done = self.plan.apply_tangents(known.response, &mut tangents, known.total, plan).is_ok();
+        for (_, out) in tangents {
+            self.finish(known, done, 0.0, out);
+        }
     }
 
     /// Input made of the weighted sum of `parts` (weight, output of an operator, the same before the first
@@ -192,8 +175,17 @@ impl JointRecord {
         done.then_some(rest)
     }
 
-    /// Weights a derivative and takes its part in the local columns off.
-    fn finish(&self, known: &Known<'_>, out: &mut [f64]) {
+    /// Weights a derivative, with what it was at rest, and takes its part in the local columns off; zero where
+    /// it is not `done`.
+    fn finish(&self, known: &Known<'_>, done: bool, rest: f64, out: &mut [f64]) {
+        if !done {
+            out.fill(0.0);
+            return;
+        }
+        self.end(out);
+        if let Some(unit) = self.rest.as_ref().filter(|_| rest != 0.0) {
+            out.iter_mut().zip(unit).for_each(|(o, unit)| *o += rest * unit);
+        }
         self.weighting.apply(out);
         known.local.project(out);
     }

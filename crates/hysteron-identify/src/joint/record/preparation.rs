@@ -19,8 +19,8 @@ pub(crate) enum Clock {
     /// straight lines.
     Stamps {
         knots_s: Vec<f64>,
-        /// Rate and duration of the move to each knot.
-        paces: Vec<Pace>,
+        /// Rate and duration of the move to each knot, where the hysteresis depends on either.
+        paces: Option<Vec<Pace>>,
         outputs_s: Vec<f64>,
         held: bool,
     },
@@ -104,7 +104,7 @@ impl JointRecord {
             }
             Clock::Stamps { knots_s, paces, outputs_s, held } => {
                 let plan = StampedPlan::new(knots_s, outputs_s, held)?;
-                (RecordPlan::Stamped(plan), DriveGrid::from(every), Some(paces))
+                (RecordPlan::Stamped(plan), DriveGrid::from(every), paces)
             }
         };
         let rest_v = rest_voltage(parts.before, parts.drive);

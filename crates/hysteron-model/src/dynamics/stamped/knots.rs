@@ -19,8 +19,8 @@ pub struct Knots {
     pub times_s: Vec<f64>,
     /// Drive there \[V\].
     pub drive_v: Vec<f64>,
-    /// Rate and duration of the move to each knot.
-    pub paces: Vec<Pace>,
+    /// Rate and duration of the move to each knot, where the hysteresis depends on either.
+    pub paces: Option<Vec<Pace>>,
 }
 
 impl Knots {
@@ -37,21 +37,32 @@ impl Knots {
             Dependence::Order => LARGEST_MOVE,
             Dependence::Time | Dependence::Rate => LARGEST_MOVE_IN_TIME,
         } * (high - low);
-        let mut knots = Self::default();
+        let travel: f64 = u.windows(2).map(|two| (two[1] - two[0]).abs()).sum();
+        let between = Some(travel / largest).filter(|knots| knots.is_finite() && rule != InterSample::Hold);
+        let count = u.len() + between.unwrap_or(0.0) as usize;
+        let paces = (depends_on != Dependence::Order).then(|| paces_on(times_s, u));
+        let mut knots = Self {
+            times_s: Vec::with_capacity(count),
+            drive_v: Vec::with_capacity(count),
+            paces: paces.as_ref().map(|_| Vec::with_capacity(count)),
+        };
+        let rate_to =
+            |sample: usize| paces.as_ref().and_then(|paces| paces.get(sample)).map_or(0.0, |to| to.rate);
         if let (Some(&time), Some(&voltage)) = (times_s.first(), u.first()) {
             knots.push(time, voltage, 0.0);
         }
-        let paces = paces_on(times_s, u);
-        for ((times, u), paces) in times_s.windows(2).zip(u.windows(2)).zip(paces.windows(2)) {
+        for (sample, (times, u)) in times_s.windows(2).zip(u.windows(2)).enumerate() {
             let ([before, time], [from, voltage]) = ([times[0], times[1]], [u[0], u[1]]);
-            let [rate_before, rate] = [paces[0].rate, paces[1].rate];
+            let [rate_before, rate] = [rate_to(sample), rate_to(sample + 1)];
             if rule != InterSample::Hold {
                 if depends_on == Dependence::Rate && rate < rate_before {
                     knots.push(before, from, rate);
                 }
-                let parts = ((voltage - from).abs() / largest).ceil().clamp(1.0, MOST_PARTS);
-                for part in 1..parts as usize {
-                    let share = part as f64 / parts;
+                let moves = ((voltage - from).abs() / largest).clamp(0.0, MOST_PARTS);
+                // Rounded up, without a call of the library.
+                let parts = moves as usize + usize::from((moves as usize as f64) < moves);
+                for part in 1..parts {
+                    let share = part as f64 / parts as f64;
                     knots.push(before + share * (time - before), from + share * (voltage - from), rate);
                 }
             }
@@ -64,7 +75,9 @@ impl Knots {
         let interval_s = self.times_s.last().map_or(0.0, |before| time_s - before);
         self.times_s.push(time_s);
         self.drive_v.push(drive_v);
-        self.paces.push(Pace { rate, interval_s });
+        if let Some(paces) = &mut self.paces {
+            paces.push(Pace { rate, interval_s });
+        }
     }
 }
 
@@ -80,10 +93,11 @@ mod tests {
         assert_eq!(seen.times_s[..4], [0.0, 1.0, 1.0, 3.0]);
         assert_eq!(seen.drive_v[..4], [0.0, 1e-3, 1e-3, 1.9e-3]);
         let expected = [0.0, 1e-3, 4.5e-4, 4.5e-4];
-        assert!(seen.paces.iter().zip(expected).all(|(pace, expected)| (pace.rate - expected).abs() < 1e-15));
-        assert!(seen.paces[4..].iter().all(|pace| (pace.rate - 0.9981).abs() < 1e-15));
-        assert_eq!([seen.paces[1], seen.paces[2]].map(|pace| pace.interval_s), [1.0, 0.0]);
-        assert!((seen.paces.iter().map(|pace| pace.interval_s).sum::<f64>() - 4.0).abs() < 1e-12);
+        let paces = seen.paces.unwrap_or_default();
+        assert!(paces.iter().zip(expected).all(|(pace, expected)| (pace.rate - expected).abs() < 1e-15));
+        assert!(paces[4..].iter().all(|pace| (pace.rate - 0.9981).abs() < 1e-15));
+        assert_eq!([paces[1], paces[2]].map(|pace| pace.interval_s), [1.0, 0.0]);
+        assert!((paces.iter().map(|pace| pace.interval_s).sum::<f64>() - 4.0).abs() < 1e-12);
         assert_eq!((plain.times_s.len(), seen.times_s.len()), (4 + 399, 4 + 1 + 998));
         // A held drive jumps; it has no corners.
         assert_eq!(Knots::new(&times_s, &u, InterSample::Hold, Dependence::Rate).times_s, times_s);
@@ -94,6 +108,6 @@ mod tests {
         let knots = Knots::new(&[0.0, 1.0, 2.0], &[3.0; 3], InterSample::Linear, Dependence::Rate);
         assert_eq!(knots.times_s, [0.0, 1.0, 2.0]);
         let still = |interval_s| Pace { rate: 0.0, interval_s };
-        assert_eq!(knots.paces, [still(0.0), still(1.0), still(1.0)]);
+        assert_eq!(knots.paces, Some(vec![still(0.0), still(1.0), still(1.0)]));
     }
 }

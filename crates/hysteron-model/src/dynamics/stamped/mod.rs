@@ -15,16 +15,16 @@ mod knots;
 mod oracle;
 mod readout;
 mod relaxation_fit;
-mod resonances;
 mod resonant_poles;
 
 use super::{DynamicsError, Linearised, Stability, TransferFunction, stability};
 use crate::dynamics_error::{check_finite, check_length};
-use hysteron_numeric::{BankWeights, Complex64, InstructionSet, Line, RelaxationBank};
+use hysteron_numeric::{
+    ABREAST, Abreast, BankWeights, Complex64, InstructionSet, Lines, RelaxationBank, ResonanceBank,
+};
 pub use knots::Knots;
 use readout::Readout;
 use relaxation_fit::RelaxationFit;
-use resonances::Resonances;
 use resonant_poles::ResonantPole;
 
 /// Derivatives of the terms of a transfer function, where they are asked for.
@@ -47,9 +47,7 @@ pub struct StampedPlan {
 pub struct StampedResponse {
     /// Knot before each output, and the time since then \[s\]; `None` before the first knot.
     places: Vec<Option<(usize, f64)>>,
-    /// −p of the real poles \[rad/s\].
-    own_rates: Vec<f64>,
-    /// The other poles.
+    /// \[rad/s\].
     poles: Vec<Complex64>,
     value: Readout,
     /// One for each parameter, then that of the delay.
@@ -59,12 +57,14 @@ pub struct StampedResponse {
 /// Buffers of one thread.
 #[derive(Clone, Debug, Default)]
 pub struct StampedWorkspace {
-    /// At the rates of the fit, and at those of real poles.
-    banks: [RelaxationBank; 2],
+    relaxations: RelaxationBank,
     /// Of each output that is read.
-    weights: [Vec<BankWeights>; 2],
-    resonances: Resonances,
-    sums: Vec<f64>,
+    weights: Vec<BankWeights>,
+    resonances: ResonanceBank,
+    lines: Lines,
+    /// Inputs at the next knot.
+    next: Vec<Abreast>,
+    sums: Vec<Abreast>,
 }
 
 impl StampedPlan {
@@ -77,7 +77,7 @@ impl StampedPlan {
     pub fn new(knots_s: Vec<f64>, outputs_s: Vec<f64>, held: bool) -> Result<Self, DynamicsError> {
         let mut steps: Vec<f64> =
             knots_s.windows(2).map(|two| two[1] - two[0]).filter(|step| *step > 0.0).collect();
-        steps.sort_by(f64::total_cmp);
+        steps.sort_unstable_by(f64::total_cmp);
         let duration: f64 = steps.iter().sum();
         let shortest = steps.get((SHORT_STEPS * steps.len() as f64) as usize).copied();
         let Some(shortest) = shortest.filter(|step| step.is_finite() && duration.is_finite()) else {
@@ -101,7 +101,6 @@ impl StampedPlan {
     pub fn empty_response(&self) -> StampedResponse {
         StampedResponse {
             places: Vec::new(),
-            own_rates: Vec::new(),
             poles: Vec::new(),
             value: Readout::default(),
             tangents: Vec::new(),
@@ -134,7 +133,8 @@ impl StampedPlan {
         let resonances = ResonantPole::of(tf, linearised)?;
         let (value, tangents) = self.fit.weights(tf, linearised, &resonances)?;
         self.locate(delay_s, &mut response.places);
-        (response.own_rates, response.poles) = readout::places(&resonances);
+        response.poles.clear();
+        response.poles.extend(resonances.iter().map(|pole| pole.place));
         response.value = Readout::of_value(value, &resonances);
         response.tangents.clear();
         if let Some(linearised) = linearised {
@@ -143,7 +143,7 @@ impl StampedPlan {
                 readout.is_zero = linearised.is_still(which);
                 readout
             }));
-            let delayed = response.value.delayed(&self.fit.rates, &response.own_rates, &response.poles);
+            let delayed = response.value.delayed(&self.fit.rates, &response.poles);
             response.tangents.push(delayed);
         }
         Ok(())
@@ -174,7 +174,22 @@ impl StampedPlan {
         workspace: &mut StampedWorkspace,
         output: &mut [f64],
     ) -> Result<(), DynamicsError> {
-        self.read(response, &[&response.value], input, workspace, &mut [output])
+        self.apply_each(response, &[input], workspace, &mut [output])
+    }
+
+    /// [`Self::apply`] to several inputs in one pass: an output for each. The outputs do not depend on what
+    /// is worked out beside them.
+    ///
+    /// # Errors
+    /// As [`Self::apply`].
+    pub fn apply_each(
+        &self,
+        response: &StampedResponse,
+        inputs: &[&[f64]],
+        workspace: &mut StampedWorkspace,
+        outputs: &mut [&mut [f64]],
+    ) -> Result<(), DynamicsError> {
+        self.read(response, &[&response.value], inputs, workspace, outputs)
     }
 
     /// As [`Self::apply`] for derivative `which` of the response: a parameter's, or the delay's, which is the
@@ -217,78 +232,100 @@ impl StampedPlan {
                 outputs.push(&mut **output);
             }
         }
-        if readouts.is_empty() {
-            return Ok(());
-        }
-        self.read(response, &readouts, input, workspace, &mut outputs)
+        self.read(response, &readouts, &[input], workspace, &mut outputs)
     }
 
+    /// The outputs of the first readout for every input, then those of the next.
     fn read(
         &self,
         response: &StampedResponse,
         readouts: &[&Readout],
-        input: &[f64],
+        inputs: &[&[f64]],
         workspace: &mut StampedWorkspace,
         outputs: &mut [&mut [f64]],
     ) -> Result<(), DynamicsError> {
-        check_length("input", input.len(), self.knots())?;
+        if outputs.is_empty() {
+            return Ok(());
+        }
+        for input in inputs {
+            check_length("input", input.len(), self.knots())?;
+            check_finite("input", input)?;
+        }
+        check_length("outputs", outputs.len(), inputs.len() * readouts.len())?;
         for output in &*outputs {
             check_length("output", output.len(), self.samples())?;
         }
         check_length("response", response.places.len(), self.samples())?;
-        check_finite("input", input)?;
-        let StampedWorkspace { banks, weights, resonances, sums } = workspace;
-        sums.resize(readouts.len(), 0.0);
-        weights.iter_mut().for_each(|weights| weights.resize_with(readouts.len(), BankWeights::default));
-        let [fitted, own] = &mut *weights;
-        for ((readout, fitted), own) in readouts.iter().zip(fitted).zip(own) {
-            readout.weigh(fitted, own);
+        let StampedWorkspace { relaxations, weights, resonances, lines, next, sums } = workspace;
+        weights.resize_with(readouts.len(), BankWeights::default);
+        for (readout, weights) in readouts.iter().zip(&mut *weights) {
+            weights.set(&readout.relaxations);
         }
-        let rates = [&self.fit.rates, &response.own_rates];
-        for ((bank, rates), weights) in banks.iter_mut().zip(rates).zip(&*weights) {
-            let rates = if weights.iter().all(BankWeights::is_zero) { &[] } else { &rates[..] };
-            bank.reset(rates, weights.iter().any(BankWeights::asks_for_derivatives));
+        let rates = if weights.iter().all(BankWeights::is_zero) { &[] } else { &self.fit.rates[..] };
+        relaxations.reset(rates, inputs.len());
+        let of_poles: Vec<&[_]> = readouts.iter().map(|readout| &readout.resonances[..]).collect();
+        let moved = of_poles.iter().copied().flatten().any(|(_, of_moved)| *of_moved != Complex64::ZERO);
+        resonances.reset(&response.poles, inputs.len(), moved);
+        let width = inputs.len().div_ceil(ABREAST);
+        for row in [&mut lines.from, &mut lines.slope, &mut *next] {
+            row.clear();
+            row.resize(width, [0.0; ABREAST]);
         }
-        resonances.reset(&response.poles, readouts);
+        sums.resize(width * readouts.len(), [0.0; ABREAST]);
         let set = InstructionSet::detected();
         let length_s = |knot: usize| match (self.knots_s.get(knot), self.knots_s.get(knot + 1)) {
             (Some(from), Some(to)) => to - from,
             _ => 0.0,
         };
-        let line = |knot: usize| {
-            let length_s = length_s(knot);
-            let slope = match input.get(knot + 1) {
-                Some(next) if !self.held && length_s > 0.0 => (next - input[knot]) / length_s,
-                _ => 0.0,
-            };
-            Line { from: input[knot], slope, length_s }
-        };
         let since_s = |output: usize| response.places.get(output).copied().flatten().map_or(0.0, |(_, s)| s);
-        let (mut at, mut along) = (0, line(0));
+        let at_knot = |knot: usize, values: &mut [Abreast]| {
+            for (value, input) in values.as_flattened_mut().iter_mut().zip(inputs) {
+                *value = input.get(knot).copied().unwrap_or(*value);
+            }
+        };
+        let leave = |knot: usize, lines: &mut Lines, next: &mut [Abreast]| {
+            let length_s = length_s(knot);
+            lines.from.copy_from_slice(next);
+            at_knot(knot + 1, next);
+            let per_s = if !self.held && length_s > 0.0 { 1.0 / length_s } else { 0.0 };
+            for (slope, (from, to)) in lines.slope.iter_mut().zip(lines.from.iter().zip(next)) {
+                *slope = std::array::from_fn(|i| (to[i] - from[i]) * per_s);
+            }
+            length_s
+        };
+        let remembers = !rates.is_empty() || !response.poles.is_empty();
+        at_knot(0, next);
+        let (mut at, mut along_s) = (0, leave(0, lines, next));
         let mut finite = true;
         for (index, place) in response.places.iter().enumerate() {
             let Some((knot, since)) = *place else {
                 outputs.iter_mut().for_each(|output| output[index] = 0.0);
                 continue;
             };
+            if at < knot && !remembers {
+                at = knot;
+                at_knot(at, next);
+                along_s = leave(at, lines, next);
+            }
             while at < knot {
-                if along.length_s > 0.0 {
-                    banks.iter_mut().for_each(|bank| bank.advance(set, along));
-                    resonances.advance(set, along, at, length_s);
+                if along_s > 0.0 {
+                    relaxations.advance(set, lines, along_s);
+                    resonances.advance(set, lines, at, length_s);
                 }
                 at += 1;
-                along = line(at);
+                along_s = leave(at, lines, next);
             }
-            let part = Line { length_s: since, ..along };
-            let input = part.from + part.slope * since;
-            for (sum, readout) in sums.iter_mut().zip(readouts) {
-                *sum = readout.input * input + readout.slope * part.slope;
+            for (sums, readout) in sums.chunks_exact_mut(width).zip(readouts) {
+                for (sum, (from, slope)) in sums.iter_mut().zip(lines.from.iter().zip(&lines.slope)) {
+                    *sum = std::array::from_fn(|i| {
+                        readout.input * (from[i] + slope[i] * since) + readout.slope * slope[i]
+                    });
+                }
             }
-            for (bank, weights) in banks.iter_mut().zip(&*weights) {
-                bank.read(set, part, weights, sums);
-            }
-            resonances.read(set, part, readouts, (index, since_s), sums);
-            for (output, sum) in outputs.iter_mut().zip(&*sums) {
+            relaxations.read(set, lines, since, weights, sums);
+            resonances.read(set, lines, (index, since_s), &of_poles, sums);
+            let sums = sums.chunks_exact(width).flat_map(|sums| &sums.as_flattened()[..inputs.len()]);
+            for (output, sum) in outputs.iter_mut().zip(sums) {
                 output[index] = *sum;
                 finite &= sum.is_finite();
             }

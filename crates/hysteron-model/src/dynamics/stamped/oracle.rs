@@ -82,19 +82,8 @@ impl States {
     }
 }
 
-/// Rates, poles and the weights of both in an output, real poles among the others.
-fn terms(plan: &StampedPlan, response: &StampedResponse) -> (Vec<f64>, Vec<Complex64>) {
-    let real = response.own_rates.iter().map(|rate| Complex64::new(-rate, 0.0));
-    (plan.fit.rates.clone(), real.chain(response.poles.iter().copied()).collect())
-}
-
 fn output(plan: &StampedPlan, response: &StampedResponse, readout: &Readout, input: &[f64]) -> Vec<f64> {
-    let (rates, poles) = terms(plan, response);
-    // R x + M ∂x/∂p of a real pole is told by its weights of ξ and ∂ξ/∂λ.
-    let real = readout.own.iter().zip(&response.own_rates).map(|(&(of_state, of_moved), rate)| {
-        (Complex64::from(of_state * rate + of_moved), Complex64::from(-of_moved * rate))
-    });
-    let weights: Vec<_> = real.chain(readout.resonances.iter().copied()).collect();
+    let (rates, poles, weights) = (&plan.fit.rates, &response.poles, &readout.resonances);
     let mut states = States {
         relaxations: vec![0.0; rates.len()],
         resonances: vec![(Complex64::ZERO, Complex64::ZERO); poles.len()],
@@ -108,12 +97,11 @@ fn output(plan: &StampedPlan, response: &StampedResponse, readout: &Readout, inp
         let Some((knot, since)) = *place else { return 0.0 };
         while at < knot {
             states =
-                states.after(plan.knots_s[at + 1] - plan.knots_s[at], &rates, &poles, input[at], slope(at));
+                states.after(plan.knots_s[at + 1] - plan.knots_s[at], rates, poles, input[at], slope(at));
             at += 1;
         }
-        let then = states.after(since, &rates, &poles, input[at], slope(at));
-        let resonant =
-            then.resonances.iter().zip(&weights).map(|((x, moved), (r, m))| (x * r + moved * m).re);
+        let then = states.after(since, rates, poles, input[at], slope(at));
+        let resonant = then.resonances.iter().zip(weights).map(|((x, moved), (r, m))| (x * r + moved * m).re);
         hysteron_numeric::dot(&then.relaxations, &readout.relaxations)
             + resonant.sum::<f64>()
             + readout.input * (input[at] + slope(at) * since)
@@ -144,7 +132,17 @@ fn worst(form: DynamicForm, p: &[f64], delay_s: f64, held: bool) -> f64 {
     for which in 0..=response.tangents.len() {
         let readout = match which.checked_sub(1) {
             None => {
+                // Beside others, in more than one row.
+                let scaled: Vec<Vec<f64>> =
+                    (0..11_i32).map(|k| input.iter().map(|u| u * 2_f64.powi(k)).collect()).collect();
+                let inputs: Vec<&[f64]> = scaled.iter().map(Vec::as_slice).collect();
+                let mut all = vec![vec![0.0; plan.samples()]; inputs.len()];
+                let mut outputs: Vec<&mut [f64]> = all.iter_mut().map(Vec::as_mut_slice).collect();
+                plan.apply_each(&response, &inputs, &mut workspace, &mut outputs).unwrap();
                 plan.apply(&response, &input, &mut workspace, &mut found).unwrap();
+                for (output, k) in all.iter().zip(0..) {
+                    assert!(output.iter().zip(&found).all(|(y, one)| *y == one * 2_f64.powi(k)));
+                }
                 &response.value
             }
             Some(which) => {

@@ -1,0 +1,305 @@
+//! Resonances behind each of several inputs that go along straight lines, moved together.
+//!
+//! x' = p x + u with u = u₀ + s t has the solution x(t) = x₀ + m x₀ + a u₀ + b s, m = e^(pt) − 1, a = m/p, b =
+//! (a − t)/p. Where they are asked for, derivatives D = ∂x/∂p go along: D(t) = D₀ + m D₀ + m' x₀ + a' u₀ + b'
+//! s, with m' = t e^(pt), a' = (m' − a)/p, b' = (a' − b)/p. Six numbers a pole and a length are all that
+//! depends on these; they are worked out for a stretch of lengths at once and serve every input.
+
+use super::Complex64;
+use super::complex_exponential::exponentials_less_one;
+use super::dispatch::{InstructionSet, propagators, resonances_advance, resonances_read};
+use super::relaxation_bank::{ABREAST, Abreast, Lines};
+
+/// Lengths whose propagators are worked out together.
+const STRETCH: usize = 64;
+
+/// x of every pole and input and, where asked for, ∂x/∂p.
+#[derive(Clone, Debug, Default)]
+pub struct ResonanceBank {
+    poles: Vec<Complex64>,
+    /// Pole by pole.
+    states: Vec<State>,
+    with_derivatives: bool,
+    steps: Stretch,
+    readings: Stretch,
+}
+
+/// x and ∂x/∂p of one pole and a row of inputs, real and imaginary parts.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct State {
+    x: [Abreast; 2],
+    moved: [Abreast; 2],
+}
+
+/// Propagators of every pole for a stretch of numbered lengths.
+#[derive(Clone, Debug, Default)]
+struct Stretch {
+    first: usize,
+    lengths_s: Vec<f64>,
+    of: Vec<Propagators>,
+}
+
+/// m, a, b, m', a', b' of one pole for a stretch of lengths, real parts, then imaginary ones.
+#[derive(Clone, Debug)]
+pub struct Propagators([[[f64; STRETCH]; 2]; 6]);
+
+/// m, a, b and their derivatives of one pole and one length.
+type Propagator = [Complex64; 6];
+
+impl Stretch {
+    /// Place of length `index` within the stretch, which is made anew from there on where it is not in it.
+    fn place(
+        &mut self,
+        set: InstructionSet,
+        poles: &[Complex64],
+        with_derivatives: bool,
+        index: usize,
+        length_s: impl Fn(usize) -> f64,
+    ) -> usize {
+        let within = index.checked_sub(self.first).filter(|at| *at < self.lengths_s.len());
+        if let Some(at) = within {
+            return at;
+        }
+        self.first = index;
+        self.lengths_s.clear();
+        self.lengths_s.extend((index..index + STRETCH).map(length_s));
+        self.of.resize(poles.len(), Propagators([[[0.0; STRETCH]; 2]; 6]));
+        for (pole, of) in poles.iter().zip(&mut self.of) {
+            let [re, im] = &mut of.0[0];
+            exponentials_less_one(set, *pole, &self.lengths_s, re, im);
+            propagators(set, pole.inv(), &self.lengths_s, with_derivatives, of);
+        }
+        0
+    }
+}
+
+impl Propagators {
+    #[inline(always)]
+    fn at(&self, place: usize) -> Propagator {
+        self.0.each_ref().map(|[re, im]| Complex64::new(re[place % STRETCH], im[place % STRETCH]))
+    }
+}
+
+impl ResonanceBank {
+    /// At rest at 0 behind so many inputs; with derivatives where asked for. Keeps its buffers.
+    pub fn reset(&mut self, poles: &[Complex64], inputs: usize, with_derivatives: bool) {
+        self.poles.clear();
+        self.poles.extend_from_slice(poles);
+        self.states.clear();
+        self.states.resize(poles.len() * inputs.div_ceil(ABREAST), State::default());
+        self.with_derivatives = with_derivatives;
+        // The poles may be others than last time.
+        self.steps.lengths_s.clear();
+        self.readings.lengths_s.clear();
+    }
+
+    /// Moves the states along the `index`-th line of each input; `length_s`: how long the lines are \[s\].
+    pub fn advance(
+        &mut self,
+        set: InstructionSet,
+        lines: &Lines,
+        index: usize,
+        length_s: impl Fn(usize) -> f64,
+    ) {
+        if !self.poles.is_empty() {
+            let place = self.steps.place(set, &self.poles, self.with_derivatives, index, length_s);
+            resonances_advance(set, self, lines, place);
+        }
+    }
+
+    /// Adds the weighted sum of x and ∂x/∂p over the poles, its real part, on the line of each input, to
+    /// `sums`: all inputs of the first weights, in rows, then of the next. `length_s`: how far along the lines
+    /// the `index`-th reading is \[s\]. The states stay where they are.
+    pub fn read(
+        &mut self,
+        set: InstructionSet,
+        lines: &Lines,
+        (index, length_s): (usize, impl Fn(usize) -> f64),
+        weights: &[&[(Complex64, Complex64)]],
+        sums: &mut [Abreast],
+    ) {
+        if !self.poles.is_empty() {
+            let place = self.readings.place(set, &self.poles, self.with_derivatives, index, length_s);
+            resonances_read(set, self, lines, place, weights, sums);
+        }
+    }
+}
+
+/// All but m, which is there.
+#[inline(always)]
+pub(super) fn propagators_kernel(
+    inverse: Complex64,
+    lengths_s: &[f64],
+    with_derivatives: bool,
+    of: &mut Propagators,
+) {
+    let [m, a, b, m_moved, a_moved, b_moved] = &mut of.0;
+    let lengths_s: &[f64; STRETCH] = match lengths_s.try_into() {
+        Ok(lengths_s) => lengths_s,
+        Err(_) => return,
+    };
+    let put = |to: &mut [[f64; STRETCH]; 2], k: usize, z: Complex64| (to[0][k], to[1][k]) = (z.re, z.im);
+    for k in 0..STRETCH {
+        let m = Complex64::new(m[0][k], m[1][k]);
+        let first = m * inverse;
+        put(a, k, first);
+        put(b, k, (first - lengths_s[k]) * inverse);
+    }
+    if !with_derivatives {
+        return;
+    }
+    for k in 0..STRETCH {
+        let first = Complex64::new(a[0][k], a[1][k]);
+        let second = Complex64::new(b[0][k], b[1][k]);
+        let moved = Complex64::new((1.0 + m[0][k]) * lengths_s[k], m[1][k] * lengths_s[k]);
+        let first_moved = (moved - first) * inverse;
+        put(m_moved, k, moved);
+        put(a_moved, k, first_moved);
+        put(b_moved, k, (first_moved - second) * inverse);
+    }
+}
+
+/// x and ∂x/∂p at the end of a line.
+#[inline(always)]
+fn at_end(state: &State, by: &Propagator, from: &Abreast, slope: &Abreast, with_derivatives: bool) -> State {
+    let [m, a, b, m_moved, a_moved, b_moved] = by;
+    let State { x: [re, im], moved: [moved_re, moved_im] } = state;
+    let mut end = *state;
+    for i in 0..ABREAST {
+        end.x[0][i] = re[i] + ((m.re * re[i] - m.im * im[i]) + (a.re * from[i] + b.re * slope[i]));
+        end.x[1][i] = im[i] + ((m.re * im[i] + m.im * re[i]) + (a.im * from[i] + b.im * slope[i]));
+    }
+    if with_derivatives {
+        for i in 0..ABREAST {
+            let by_state =
+                (m.re * moved_re[i] - m.im * moved_im[i]) + (m_moved.re * re[i] - m_moved.im * im[i]);
+            let by_input = a_moved.re * from[i] + b_moved.re * slope[i];
+            end.moved[0][i] = moved_re[i] + (by_state + by_input);
+            let by_state =
+                (m.re * moved_im[i] + m.im * moved_re[i]) + (m_moved.re * im[i] + m_moved.im * re[i]);
+            let by_input = a_moved.im * from[i] + b_moved.im * slope[i];
+            end.moved[1][i] = moved_im[i] + (by_state + by_input);
+        }
+    }
+    end
+}
+
+#[inline(always)]
+pub(super) fn resonances_advance_kernel(bank: &mut ResonanceBank, lines: &Lines, place: usize) {
+    let rows = lines.from.len().max(1);
+    for (states, of) in bank.states.chunks_exact_mut(rows).zip(&bank.steps.of) {
+        let by = of.at(place);
+        for (state, (from, slope)) in states.iter_mut().zip(lines.from.iter().zip(&lines.slope)) {
+            *state = at_end(state, &by, from, slope, bank.with_derivatives);
+        }
+    }
+}
+
+#[inline(always)]
+pub(super) fn resonances_read_kernel(
+    bank: &ResonanceBank,
+    lines: &Lines,
+    place: usize,
+    weights: &[&[(Complex64, Complex64)]],
+    sums: &mut [Abreast],
+) {
+    let rows = lines.from.len().max(1);
+    for (pole, (states, of)) in bank.states.chunks_exact(rows).zip(&bank.readings.of).enumerate() {
+        let by = of.at(place);
+        let lines = lines.from.iter().zip(&lines.slope);
+        for (row, (state, (from, slope))) in states.iter().zip(lines).enumerate() {
+            let State { x, moved } = at_end(state, &by, from, slope, bank.with_derivatives);
+            for (weights, sums) in weights.iter().zip(sums.chunks_exact_mut(rows)) {
+                let (Some((of_x, of_moved)), Some(sum)) = (weights.get(pole), sums.get_mut(row)) else {
+                    continue;
+                };
+                for i in 0..ABREAST {
+                    sum[i] += of_x.re * x[0][i] - of_x.im * x[1][i];
+                }
+                if bank.with_derivatives {
+                    for i in 0..ABREAST {
+                        sum[i] += of_moved.re * moved[0][i] - of_moved.im * moved[1][i];
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// x and ∂x/∂p at the end of a line by Taylor's series in t, in parts short enough for it.
+    fn oracle(pole: Complex64, state: &mut [Complex64; 2], [mut from, slope]: [f64; 2], length_s: f64) {
+        let parts = (pole.norm() * length_s).ceil().max(1.0);
+        let step = length_s / parts;
+        for _ in 0..parts as usize {
+            // Derivatives of order k in t, times step^k/k!.
+            let (mut x, mut moved) = (state[0], state[1]);
+            let mut input = [from * step, slope * step * step];
+            for k in 1..30 {
+                let next = (x * pole * step + input[0]) / f64::from(k);
+                moved = (moved * pole + x) * step / f64::from(k);
+                x = next;
+                state[0] += x;
+                state[1] += moved;
+                input = [input[1], 0.0];
+            }
+            from += slope * step;
+        }
+    }
+
+    #[test]
+    fn steps_of_any_length_and_every_instruction_set_meet_the_series() {
+        let poles = [Complex64::new(-0.3, 2.0), Complex64::new(-1.0, 0.0), Complex64::new(-0.02, 0.4)];
+        // Every state in its turn.
+        let weights: Vec<Vec<(Complex64, Complex64)>> = (0..12)
+            .map(|which| {
+                let mut weights = vec![(Complex64::ZERO, Complex64::ZERO); poles.len()];
+                // Re (−i z) = Im z.
+                let one = if which % 2 == 0 { Complex64::ONE } else { -Complex64::I };
+                let of = &mut weights[which / 4];
+                if which % 4 < 2 {
+                    of.0 = one
+                } else {
+                    of.1 = one
+                }
+                weights
+            })
+            .collect();
+        let weights: Vec<&[_]> = weights.iter().map(Vec::as_slice).collect();
+        let mut same: Option<Vec<f64>> = None;
+        for set in InstructionSet::available() {
+            let mut bank = ResonanceBank::default();
+            // The last of nine inputs, in a row of its own.
+            bank.reset(&poles, 9, true);
+            let mut lines = Lines { from: vec![[0.0; ABREAST]; 2], slope: vec![[0.0; ABREAST]; 2] };
+            let mut states = [[Complex64::ZERO; 2]; 3];
+            let mut all = Vec::new();
+            let length_s = |k: usize| 10_f64.powf(2.0 * (0.37 * k as f64).sin() - 1.5);
+            for k in 0..500 {
+                let wave = (1.7 * k as f64).sin();
+                let line = [wave, 0.1 * wave - 0.3];
+                (lines.from[1][0], lines.slope[1][0]) = (line[0], line[1]);
+                let since_s = |k: usize| 0.3 * length_s(k);
+                let mut sums = vec![[0.0; ABREAST]; 2 * weights.len()];
+                bank.read(set, &lines, (k, since_s), &weights, &mut sums);
+                let mut ahead = states;
+                for (pole, (ahead, state)) in poles.iter().zip(ahead.iter_mut().zip(&mut states)) {
+                    oracle(*pole, ahead, line, since_s(k));
+                    oracle(*pole, state, line, length_s(k));
+                }
+                let expected = ahead.as_flattened().iter().flat_map(|z| [z.re, z.im]);
+                let found: Vec<f64> = sums.chunks_exact(2).map(|rows| rows[1][0]).collect();
+                for (which, (found, expected)) in found.iter().zip(expected).enumerate() {
+                    assert!((found - expected).abs() < 1e-11, "{k} {which}: {found} {expected}");
+                }
+                bank.advance(set, &lines, k, length_s);
+                all.extend(found);
+            }
+            assert!(same.as_ref().is_none_or(|same| *same == all), "{set:?} rounds differently");
+            same = Some(all);
+        }
+    }
+}
