@@ -55,12 +55,9 @@ impl<T: Real, const P: usize> Add for Dual<T, P> {
 impl<T: Real, const P: usize> Neg for Dual<T, P> {
     type Output = Self;
     #[inline(always)]
-    fn neg(mut self) -> Self {
-        self.value = -self.value;
-        for p in &mut self.partials {
-            *p = -*p;
-        }
-        self
+    // Not in place: rustc 1.95 at optimisation level 1 lets a closure that inlines it change the caller's copy.
+    fn neg(self) -> Self {
+        Self { value: -self.value, partials: self.partials.map(|p| -p) }
     }
 }
 

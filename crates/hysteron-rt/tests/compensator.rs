@@ -336,7 +336,10 @@ proptest! {
         let reached = block.reach(output, target, [-2.0, 10.0], guess);
         prop_assert!(!reached.missed);
         prop_assert!((reached.output - target).abs() <= 4e-15 * (1.0 + largest), "{reached:?} {target}");
-        prop_assert!((reached.voltage - to).abs() <= 1e-13, "{reached:?} {to}");
+        prop_assert!((block.look(reached.voltage) - target).abs() <= 4e-15 * (1.0 + largest), "{reached:?}");
+        // Bouc–Wen in saturation can fall behind a turn, and two voltages have the same output.
+        let falls = matches!(kind, Kind::BoucWen(_)) && block.look(to + 1e-6) < target;
+        prop_assert!(falls || (reached.voltage - to).abs() <= 1e-13, "{reached:?} {to}");
         let beyond = block.reach(output, 1e3, [-2.0, 10.0], guess);
         prop_assert!(beyond.missed && beyond.voltage == 10.0);
     }

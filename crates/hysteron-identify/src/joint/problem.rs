@@ -23,7 +23,7 @@ use hysteron_model::dynamics::{DynamicForm, Linearised};
 use hysteron_model::hysteresis::{Hysteresis, HysteresisForm};
 use hysteron_model::model_file::polynomial_name;
 use hysteron_numeric::{dot, non_negative_least_squares};
-use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, Stop, root_mean_square};
+use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, Range, Stop, root_mean_square};
 
 /// Roles of the parameters of a joint fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -179,8 +179,11 @@ impl JointProblem {
         let best =
             self.stop.is_requested().then(|| self.best.lock().unwrap_or_else(PoisonError::into_inner))?;
         // The optimiser's unit box rounds a point that is handed to it.
-        let same = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-12 * a.abs();
-        best.as_ref().filter(|best| best.x.iter().zip(x).all(same)).cloned()
+        let same = |best: &&Evaluated| {
+            let apart = |(range, (a, b)): (&Range, (&f64, &f64))| range.to_unit(*a) - range.to_unit(*b);
+            self.bounds.ranges.iter().zip(best.x.iter().zip(x)).map(apart).all(|by| by.abs() <= 1e-12)
+        };
+        best.as_ref().filter(same).cloned()
     }
 
     /// Keeps the point just eliminated at if it is the best so far; its cost.
@@ -201,7 +204,7 @@ impl JointProblem {
     /// [`Self::eliminate`] for a search; given up where a stop is asked for meanwhile.
     fn evaluate(&self, x: &[f64], derivatives: Derivatives<'_>, ws: &mut JointWorkspace) -> bool {
         ws.set_stop(&self.stop);
-        !self.stop.is_requested() && self.eliminate(x, derivatives, ws)
+        self.eliminate(x, derivatives, ws)
     }
 
     pub(in super::super) fn layout(&self) -> &JointLayout {
@@ -242,9 +245,12 @@ impl JointProblem {
         self.layout.form.iter().map(|role| role.value(x)).collect()
     }
 
-    /// Columns of every record at `x`, in the records' workspaces.
+    /// Columns of every record at `x`, in the records' workspaces; not after a stop.
     fn respond(&self, x: &[f64], derivatives: Derivatives<'_>, ws: &mut JointWorkspace) -> bool {
         ws.at.clear();
+        if self.stop.is_requested() {
+            return false;
+        }
         let (Some(candidate), Some(form)) = (self.candidate(x), self.form_values(x)) else { return false };
         if self.form.linearise(&form, &mut ws.dynamics).is_err() {
             return false;
@@ -427,13 +433,12 @@ impl Problem for JointProblem {
     fn workspace(&self) -> JointWorkspace {
         let (degree, weights) = (self.degree(), self.layout.weights.len());
         let parameters = self.layout.form.len();
-        let count = self.residual_count();
+        // None after a stop: nothing is evaluated then, and the memory of long records takes a while to clear.
+        let records: &[JointRecord] = if self.stop.is_requested() { &[] } else { &self.records };
+        let count = if records.is_empty() { 0 } else { self.residual_count() };
+        let of_record = |record: &JointRecord| record.workspace(degree, weights, parameters);
         JointWorkspace {
-            records: self
-                .records
-                .iter()
-                .map(|record| record.workspace(degree, weights, parameters))
-                .collect(),
+            records: records.iter().map(of_record).collect(),
             dynamics: Linearised::default(),
             column: vec![0.0; count],
             target: vec![0.0; count],
@@ -469,8 +474,8 @@ impl LeastSquaresProblem for JointProblem {
         }
         // Most trial points are taken and differentiated next.
         let done = self.evaluate(x, self.derivatives(), ws);
-        out.copy_from_slice(&ws.target);
         if done {
+            out.copy_from_slice(&ws.target);
             self.keep(x, ws);
             ws.at.extend_from_slice(x);
         }

@@ -171,7 +171,7 @@ impl JointRecord {
         };
         let lane = || Lane {
             plan: self.plan.workspace(),
-            prepared: self.plan.empty_input(),
+            prepared: PlanInput::none(),
             inputs: Vec::new(),
             own: vec![0.0; own],
             input: vec![0.0; self.plan.inputs()],
@@ -181,7 +181,8 @@ impl JointRecord {
         RecordWorkspace {
             hysteresis: Operators {
                 columns: Columns::default(),
-                inputs: (0..hysteretic).map(|_| self.plan.empty_input()).collect(),
+                // Made one by one: room for dozens of them at once would hold up a stop.
+                inputs: (0..hysteretic).map(|_| PlanInput::none()).collect(),
                 of: None,
                 derived: false,
             },
@@ -332,12 +333,15 @@ impl JointRecord {
                 done
             })
             .reduce(|| true, |a, b| a & b);
+        if !done {
+            return false;
+        }
         transient_shares.clear();
         if !self.transients.is_empty() && derivatives.is_some() {
             transient_shares.extend(columns.chunks_exact(samples).map(|column| local.coefficients(column)));
         }
         columns.par_chunks_exact_mut(samples).for_each(|column| local.project(column));
-        done
+        true
     }
 
     /// The local columns of the candidate, and the target without them.

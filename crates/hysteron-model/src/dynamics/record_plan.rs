@@ -24,6 +24,17 @@ pub enum PlanInput {
     Knots(Vec<f64>),
 }
 
+impl PlanInput {
+    /// Room for no input: it is made where one is prepared.
+    pub const fn none() -> Self {
+        Self::Knots(Vec::new())
+    }
+
+    fn is_none(&self) -> bool {
+        matches!(self, Self::Knots(knots) if knots.is_empty())
+    }
+}
+
 /// A transfer function with delay, prepared for many inputs.
 #[derive(Clone, Debug)]
 pub enum PlanResponse {
@@ -77,7 +88,8 @@ impl RecordPlan {
         }
     }
 
-    /// Prepares an input; it starts from 0 (on a uniform record: as its plan says).
+    /// Prepares an input; it starts from 0 (on a uniform record: as its plan says). Makes room where there is
+    /// none ([`PlanInput::none`]).
     ///
     /// # Errors
     /// As [`SimulationPlan::transform_into`].
@@ -87,6 +99,9 @@ impl RecordPlan {
         workspace: &mut PlanWorkspace,
         prepared: &mut PlanInput,
     ) -> Result<(), DynamicsError> {
+        if prepared.is_none() {
+            *prepared = self.empty_input();
+        }
         match (self, workspace, prepared) {
             (Self::Uniform(plan), PlanWorkspace::Uniform(workspace), PlanInput::Spectrum(spectrum)) => {
                 plan.transform_into(input, workspace, spectrum)

@@ -25,7 +25,7 @@ impl JointProblem {
     /// along the searched numbers; residuals beside them. Local columns are taken off all of them.
     pub(in super::super::super) fn linearise(&self, x: &[f64]) -> Option<Linearisation> {
         let mut ws = self.workspace();
-        if self.stop.is_requested() || !self.evaluate(x, self.derivatives(), &mut ws) {
+        if !self.evaluate(x, self.derivatives(), &mut ws) {
             return None;
         }
         let coefficients = self.coefficients(x, &mut ws);
@@ -69,7 +69,7 @@ impl JointProblem {
         ws: &mut JointWorkspace,
     ) -> bool {
         ws.set_stop(&self.stop);
-        if self.stop.is_requested() || !self.respond(x, wanted, ws) {
+        if !self.respond(x, wanted, ws) {
             return false;
         }
         let JointWorkspace { records, column, target, .. } = ws;

@@ -127,7 +127,7 @@ impl JointRecord {
                 continue;
             };
             if lane.inputs.len() == rests.len() {
-                lane.inputs.push(self.plan.empty_input());
+                lane.inputs.push(PlanInput::none());
             }
             std::mem::swap(&mut lane.inputs[rests.len()], &mut lane.prepared);
             outputs.push(out);
