@@ -99,9 +99,24 @@ impl Projection {
         }
     }
 
+    /// The columns of `matrix` in place of all others.
+    pub(super) fn decompose(&mut self, matrix: &[f64]) {
+        self.clear();
+        for column in matrix.chunks_exact(self.rows.max(1)) {
+            self.push(|q| q.copy_from_slice(column));
+        }
+    }
+
     /// Coefficients c of the columns A that minimise ‖x − A c‖; 0 for a dependent column.
     pub(super) fn coefficients(&self, x: &[f64]) -> Vec<f64> {
-        let mut c: Vec<f64> = self.basis().map(|q| dot(q, x)).collect();
+        let mut c = vec![0.0; self.columns];
+        self.coefficients_into(x, &mut c);
+        c
+    }
+
+    /// [`Self::coefficients`] into `c`.
+    pub(super) fn coefficients_into(&self, x: &[f64], c: &mut [f64]) {
+        c.iter_mut().zip(self.basis()).for_each(|(c, q)| *c = dot(q, x));
         for i in (0..self.columns).rev() {
             let pivot = self.r[i * self.capacity + i];
             c[i] = if pivot > 0.0 { c[i] / pivot } else { 0.0 };
@@ -109,7 +124,18 @@ impl Projection {
                 c[j] -= self.r[i * self.capacity + j] * c[i];
             }
         }
-        c
+    }
+
+    /// v ← v − Q R⁻ᵀ u, that is v − (A⁺)ᵀ u. Overwrites `u`.
+    pub(super) fn subtract_pseudo_inverse_transposed(&self, u: &mut [f64], v: &mut [f64]) {
+        for k in 0..self.columns {
+            let r = &self.r[k * self.capacity..=k * self.capacity + k];
+            let known = dot(&r[..k], &u[..k]);
+            u[k] = if r[k] > 0.0 { (u[k] - known) / r[k] } else { 0.0 };
+        }
+        for (u, q) in u.iter().zip(self.basis()) {
+            subtract(v, *u, q);
+        }
     }
 
     fn basis(&self) -> impl Iterator<Item = &[f64]> {
@@ -164,6 +190,7 @@ fn subtract_four(q: &[f64], x: &mut [f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::{DMatrix, DVector};
 
     #[test]
     fn finds_the_coefficients_of_an_exact_combination() {
@@ -221,5 +248,46 @@ mod tests {
         let mut y = [1.0, 2.0, -1.0, 0.5, 0.7];
         projection.project(&mut y);
         assert!(dot(&y, &a).abs() < 1e-14 && dot(&y, &b).abs() < 1e-14);
+    }
+
+    fn matrix(rows: usize, columns: usize) -> Vec<f64> {
+        (0..rows * columns).map(|k| ((k * k + 3 * k) % 17) as f64 - 7.5 + 0.01 * k as f64).collect()
+    }
+
+    #[test]
+    fn solution_and_transposed_pseudo_inverse_are_those_of_the_singular_value_decomposition() {
+        let (rows, columns) = (9, 4);
+        let a = matrix(rows, columns);
+        let mut projection = Projection::new(rows, columns);
+        projection.decompose(&a);
+        let dense = DMatrix::from_column_slice(rows, columns, &a);
+        let pseudo = dense.clone().pseudo_inverse(1e-12).unwrap();
+        let b: Vec<f64> = (0..rows).map(|i| (i as f64 * 1.3).sin()).collect();
+        let mut c = vec![0.0; columns];
+        projection.coefficients_into(&b, &mut c);
+        let oracle = &pseudo * DVector::from_column_slice(&b);
+        assert!((DVector::from_column_slice(&c) - oracle).norm() < 1e-12);
+        let mut rest = b.clone();
+        projection.project(&mut rest);
+        assert!((dense.tr_mul(&DVector::from_column_slice(&rest))).norm() < 1e-12);
+        let mut u = vec![1.0, -2.0, 0.5, 3.0];
+        let expected = -pseudo.transpose() * DVector::from_column_slice(&u);
+        let mut v = vec![0.0; rows];
+        projection.subtract_pseudo_inverse_transposed(&mut u, &mut v);
+        assert!((DVector::from_column_slice(&v) - expected).norm() < 1e-12);
+    }
+
+    #[test]
+    fn a_dependent_column_gets_the_coefficient_zero() {
+        let mut a = matrix(6, 3);
+        for i in 0..6 {
+            a[12 + i] = 2.0 * a[i] - a[6 + i];
+        }
+        let mut projection = Projection::new(6, 3);
+        projection.decompose(&a);
+        let b: Vec<f64> = (0..6).map(|i| 3.0 * a[i] + a[6 + i]).collect();
+        let mut c = vec![0.0; 3];
+        projection.coefficients_into(&b, &mut c);
+        assert!((c[0] - 3.0).abs() < 1e-12 && (c[1] - 1.0).abs() < 1e-12 && c[2] == 0.0, "{c:?}");
     }
 }

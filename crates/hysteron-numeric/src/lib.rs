@@ -11,6 +11,7 @@ mod elementary;
 mod feedback_tangent;
 pub mod fft;
 mod inner_product;
+mod least_squares;
 mod non_negative;
 pub mod normal;
 pub mod number;
@@ -27,6 +28,7 @@ pub use dispatch::{
 };
 pub use feedback_tangent::{FeedbackTangent, Forcing, LANES, Lanes, TangentState, Target};
 pub use inner_product::{dot, root_mean_square};
+pub use least_squares::{LeastSquares, least_squares};
 pub use non_negative::non_negative_least_squares;
 pub use relaxation::Relaxations;
 pub use relaxation_bank::{ABREAST, Abreast, BankWeights, Lines, RelaxationBank};

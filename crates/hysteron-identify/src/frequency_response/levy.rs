@@ -2,8 +2,8 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+use super::super::projection::Projection;
 use super::FrequencyResponse;
-use super::projection::Projection;
 use crate::IdentifyError;
 use hysteron_model::dynamics::{Term, TransferFunction};
 use hysteron_numeric::Complex64;
@@ -62,7 +62,7 @@ pub fn levy(
             (target[i], target[points + i]) = (known.re, known.im);
         }
         projection.decompose(&matrix);
-        projection.solve(&target, &mut solution);
+        projection.coefficients_into(&target, &mut solution);
         if !solution.iter().all(|c| c.is_finite()) {
             return Err(undetermined());
         }

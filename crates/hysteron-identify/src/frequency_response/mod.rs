@@ -27,7 +27,6 @@ mod explained;
 mod fit;
 mod levy;
 mod problem;
-mod projection;
 mod relocation;
 mod start;
 mod structure;

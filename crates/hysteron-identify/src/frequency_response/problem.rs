@@ -6,11 +6,12 @@
 
 use std::f64::consts::{SQRT_2, TAU};
 
-use super::projection::{Projection, dot};
+use super::super::projection::Projection;
 use super::{FrequencyResponse, Structure, Weighting};
 use crate::IdentifyError;
 use hysteron_model::record::NOISY;
 use hysteron_numeric::Complex64;
+use hysteron_numeric::dot;
 use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, root_mean_square};
 
 /// A structure against a response.
@@ -74,7 +75,7 @@ impl ResponseProblem {
             }
         }
         ws.projection.decompose(&ws.functions);
-        ws.projection.solve(&self.target, &mut ws.coefficients);
+        ws.projection.coefficients_into(&self.target, &mut ws.coefficients);
         ws.residuals.iter_mut().zip(&self.target).for_each(|(r, t)| *r = -t);
         for (c, column) in ws.coefficients.iter().zip(ws.functions.chunks_exact(rows)) {
             ws.residuals.iter_mut().zip(column).for_each(|(r, a)| *r += c * a);
@@ -179,7 +180,7 @@ impl LeastSquaresProblem for ResponseProblem {
             let derivative = &ws.derivatives[j * width * rows..(j + 1) * width * rows];
             column.fill(0.0);
             add_products(derivative, rows, &ws.coefficients, column);
-            ws.projection.remove(column);
+            ws.projection.project(column);
             for (product, d) in ws.products.iter_mut().zip(derivative.chunks_exact(rows)) {
                 *product = dot(d, &ws.residuals);
             }

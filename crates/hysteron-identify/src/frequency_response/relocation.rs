@@ -8,8 +8,9 @@ use std::f64::consts::TAU;
 
 use nalgebra::DMatrix;
 
-use super::projection::Projection;
+use super::super::projection::Projection;
 use hysteron_numeric::Complex64;
+use hysteron_numeric::dot;
 
 /// What is fitted: relative weights, so that the target is 1 everywhere.
 pub(super) struct Relocation<'a> {
@@ -54,15 +55,14 @@ impl Relocation<'_> {
             target[i] = 1.0;
         }
         // Columns of unit length: poles at low and at high frequency differ by decades.
-        let lengths: Vec<f64> =
-            matrix.chunks_exact(rows).map(|c| super::projection::dot(c, c).sqrt()).collect();
+        let lengths: Vec<f64> = matrix.chunks_exact(rows).map(|c| dot(c, c).sqrt()).collect();
         for (column, length) in matrix.chunks_exact_mut(rows).zip(&lengths) {
             column.iter_mut().for_each(|x| *x /= length.max(f64::MIN_POSITIVE));
         }
         let mut projection = Projection::new(rows, columns);
         projection.decompose(&matrix);
         let mut solution = vec![0.0; columns];
-        projection.solve(&target, &mut solution);
+        projection.coefficients_into(&target, &mut solution);
         let first = constant + order;
         let residues: Vec<f64> =
             solution[first..].iter().zip(&lengths[first..]).map(|(c, length)| c / length).collect();

@@ -8,6 +8,7 @@ use super::roots::inside_the_circle;
 use super::{bridged, is_valid};
 use hysteron_model::dynamics::DynamicsError;
 use hysteron_model::dynamics::arx::ArxRecord;
+use hysteron_numeric::least_squares;
 
 /// B and F.
 type Polynomials = (Vec<f64>, Vec<f64>);
@@ -84,32 +85,18 @@ fn regression(
         }
     });
     let right = DVector::from_fn(rows.len(), |row, _| signals[rows[row].0].1[rows[row].1]);
-    let x = least_squares(matrix, right)?;
+    let x = solved(matrix, right)?;
     Ok((x[..nb].to_vec(), x[nb..nb + nf].to_vec()))
 }
 
-/// Least squares by QR of the column-scaled matrix.
-pub(super) fn least_squares(
-    mut matrix: DMatrix<f64>,
-    mut right: DVector<f64>,
-) -> Result<Vec<f64>, DynamicsError> {
+/// Least squares with one right side.
+fn solved(matrix: DMatrix<f64>, right: DVector<f64>) -> Result<Vec<f64>, DynamicsError> {
     let columns = matrix.ncols();
-    let norms: Vec<f64> = matrix.column_iter().map(|c| c.norm()).collect();
-    if let Some(column) = norms.iter().position(|n| !(*n > 0.0 && n.is_finite())) {
-        return Err(DynamicsError::Dependent { column, columns });
+    let right = DMatrix::from_column_slice(right.len(), 1, right.as_slice());
+    match least_squares(matrix, right, DEPENDENT) {
+        Ok(found) => Ok(found.solution.as_slice().to_vec()),
+        Err(column) => Err(DynamicsError::Dependent { column, columns }),
     }
-    for (mut column, norm) in matrix.column_iter_mut().zip(&norms) {
-        column /= *norm;
-    }
-    let qr = matrix.qr();
-    qr.q_tr_mul(&mut right);
-    let r = qr.unpack_r();
-    if let Some(column) = (0..columns).find(|&j| r[(j, j)].abs() < DEPENDENT) {
-        return Err(DynamicsError::Dependent { column, columns });
-    }
-    let solved = r.solve_upper_triangular(&right.rows(0, columns));
-    let solved = solved.ok_or(DynamicsError::Dependent { column: columns.saturating_sub(1), columns })?;
-    Ok(solved.iter().zip(&norms).map(|(x, norm)| x / norm).collect())
 }
 
 /// Sum of squares of y − B/F v, each record's mean removed.
@@ -158,7 +145,7 @@ pub(super) fn noise_start(
         -segments[i][k - 1 - j]
     });
     let right = DVector::from_fn(autoregression.len(), |r, _| at(autoregression[r]));
-    let Ok(a) = least_squares(lagged, right) else { return zeros() };
+    let Ok(a) = solved(lagged, right) else { return zeros() };
     let innovations: Vec<Vec<f64>> = segments
         .iter()
         .map(|w| {
@@ -175,7 +162,7 @@ pub(super) fn noise_start(
         let (i, k) = regression[r];
         segments[i][k] - innovations[i][k]
     });
-    match least_squares(matrix, right) {
+    match solved(matrix, right) {
         Ok(x) => (inside_the_circle(&x[..nc]), inside_the_circle(&x[nc..])),
         Err(_) => zeros(),
     }

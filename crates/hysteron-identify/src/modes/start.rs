@@ -9,8 +9,11 @@ use hysteron_model::axes::{
     CommonPoles, FeedbackStrain, FrequencyMatrix, InfluenceMatrix, LevelLaw, ScheduledModes, StrainLaw,
     Trajectory, VectorFit, frequency, linear_states, spectrum, spread_poles,
 };
-use hysteron_numeric::Complex64;
+use hysteron_numeric::{Complex64, LeastSquares, least_squares};
 use hysteron_optimize::Stop;
+
+/// Share of a column outside the span of the others below which it is dependent.
+const DEPENDENT: f64 = 1e-14;
 
 /// Poles start between these shares of the highest excited frequency, with this damping.
 const SPREAD: (f64, f64) = (0.1, 1.05);
@@ -221,22 +224,17 @@ fn refit_outputs(model: &mut ScheduledModes, pieces: &[&Piece]) {
     let stack = |from: &[Vec<Complex64>], columns: usize| {
         DMatrix::from_fn(2 * count, columns, |k, c| part(&from[k % count][c], k < count))
     };
-    let mut matrix = stack(&rows, states + n);
-    let scale: Vec<f64> = matrix.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
-    matrix.column_iter_mut().zip(&scale).for_each(|(mut c, s)| c /= *s);
-    let qr = matrix.qr();
-    let Some(solution) = qr.r().solve_upper_triangular(&(qr.q().transpose() * stack(&targets, m))) else {
+    let Ok(LeastSquares { solution, .. }) =
+        least_squares(stack(&rows, states + n), stack(&targets, m), DEPENDENT)
+    else {
         return;
     };
-    if !solution.iter().all(|x| x.is_finite()) {
-        return;
-    }
     for o in 0..m {
         for k in 0..states {
-            model.output[o * states + k] = solution[(k, o)] / scale[k];
+            model.output[o * states + k] = solution[(k, o)];
         }
         for i in 0..n {
-            model.feedthrough[o * n + i] = solution[(states + i, o)] / scale[states + i];
+            model.feedthrough[o * n + i] = solution[(states + i, o)];
         }
     }
 }

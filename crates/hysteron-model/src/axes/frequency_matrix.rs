@@ -10,8 +10,8 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::{AxesError, SteadyPeriod};
-use hysteron_numeric::Complex64;
 use hysteron_numeric::fft::RealFft;
+use hysteron_numeric::{Complex64, least_squares};
 
 /// Lines on either side of the one in the middle, at least.
 pub const HALF_WINDOW: usize = 4;
@@ -19,7 +19,7 @@ pub const HALF_WINDOW: usize = 4;
 const COEFFICIENTS: usize = 3;
 /// Power of a line over that of the strongest above which it is excited.
 const EXCITED: f64 = 1e-5;
-/// Diagonal of the triangular factor over its largest below which unknowns are not told apart.
+/// Share of a column outside the span of the others below which unknowns are not told apart.
 const DEPENDENT: f64 = 1e-6;
 
 /// Outputs over inputs at the excited lines of a period.
@@ -156,14 +156,7 @@ fn local(
         let ((_, y), line) = place(row);
         y[line * m + output]
     });
-    let qr = matrix.qr();
-    let r = qr.r();
-    let diagonal = || (0..r.nrows()).map(|k| r[(k, k)].norm());
-    let largest = diagonal().fold(0.0, f64::max);
-    if diagonal().any(|d| d <= DEPENDENT * largest || !d.is_finite()) {
-        return None;
-    }
-    let solution = r.solve_upper_triangular(&(qr.q().adjoint() * measured))?;
+    let solution = least_squares(matrix, measured, DEPENDENT).ok()?.solution;
     Some(
         (0..m)
             .flat_map(|output| (0..n).map(move |input| (input, output)))

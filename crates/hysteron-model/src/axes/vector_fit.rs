@@ -8,7 +8,10 @@
 use nalgebra::DMatrix;
 
 use super::{AxesError, FrequencyMatrix};
-use hysteron_numeric::Complex64;
+use hysteron_numeric::{Complex64, least_squares};
+
+/// Share of a column outside the span of the others below which poles coincide.
+const DEPENDENT: f64 = 1e-14;
 
 /// An imaginary part below which a pole is real.
 const REAL: f64 = 1e-9;
@@ -87,19 +90,10 @@ impl VectorFit {
     /// # Errors
     /// [`AxesError::NoPoles`] where poles coincide.
     pub fn residues(&self, poles: &CommonPoles) -> Result<Vec<Vec<Complex64>>, AxesError> {
-        let basis = self.basis(poles, true);
-        let scale: Vec<f64> = basis.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
-        let mut scaled = basis;
-        scaled.column_iter_mut().zip(&scale).for_each(|(mut c, s)| c /= *s);
-        let qr = scaled.qr();
-        let measured = stacked(&self.entries);
-        let solution = qr
-            .r()
-            .solve_upper_triangular(&(qr.q().transpose() * measured))
-            .filter(|x| x.iter().all(|x| x.is_finite()))
-            .ok_or(AxesError::NoPoles)?;
+        let found = least_squares(self.basis(poles, true), stacked(&self.entries), DEPENDENT);
+        let solution = found.map_err(|_| AxesError::NoPoles)?.solution;
         let pairs = poles.pairs.len();
-        let of = |entry: usize, row: usize| solution[(row, entry)] / scale[row];
+        let of = |entry: usize, row: usize| solution[(row, entry)];
         let entry = |e: usize| {
             let complex = (0..pairs).map(|k| Complex64::new(of(e, 2 * k), of(e, 2 * k + 1)));
             let real = (2 * pairs..solution.nrows()).map(|row| Complex64::new(of(e, row), 0.0));

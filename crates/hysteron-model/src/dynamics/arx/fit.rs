@@ -1,10 +1,11 @@
 //! Least-squares fit of an ARX model.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use super::Arx;
 use crate::dynamics::DynamicsError;
 use crate::dynamics_error::{check_finite, check_length};
+use hysteron_numeric::least_squares;
 
 /// A diagonal element of R below this fraction of its (unit) column makes the column dependent.
 const DEPENDENT: f64 = 1e-12;
@@ -111,58 +112,27 @@ pub(super) fn fit_after(
             0.0
         }
     };
-    let mut matrix = DMatrix::from_fn(equations.len(), unknowns, entry);
-    let mut right = DVector::from_fn(equations.len(), |row, _| {
+    let matrix = DMatrix::from_fn(equations.len(), unknowns, entry);
+    let right = DMatrix::from_fn(equations.len(), 1, |row, _| {
         let (index, k) = equations[row];
         records[index].output[k]
     });
-    let solution = least_squares(&mut matrix, &mut right)?;
-    let theta = &solution.estimate;
+    let dependent = |column| DynamicsError::Dependent { column, columns: unknowns };
+    let found = least_squares(matrix, right, DEPENDENT).map_err(dependent)?;
+    let theta = found.solution.as_slice();
+    let residual_squared = found.left.first().copied().unwrap_or(0.0);
+    let sigma = (residual_squared / (equations.len() - unknowns) as f64).sqrt();
+    let deviations = found.deviations().ok_or_else(|| dependent(unknowns - 1))?;
+    let std_error: Vec<f64> = deviations.iter().map(|deviation| sigma * deviation).collect();
     let a: Vec<f64> = theta[..na].to_vec();
     let delayed = |values: &[f64]| [vec![0.0; nk], values.to_vec()].concat();
     let level = 1.0 + a.iter().sum::<f64>();
     Ok(ArxFit {
         model: Arx { b: delayed(&theta[na..na + nb]), a },
         offsets: theta[na + nb..].iter().map(|c| c / level).collect(),
-        a_std_error: solution.std_error[..na].to_vec(),
-        b_std_error: delayed(&solution.std_error[na..na + nb]),
-        prediction_rmse: (solution.residual_squared / equations.len() as f64).sqrt(),
+        a_std_error: std_error[..na].to_vec(),
+        b_std_error: delayed(&std_error[na..na + nb]),
+        prediction_rmse: (residual_squared / equations.len() as f64).sqrt(),
         equations: equations.len(),
-    })
-}
-
-struct Solution {
-    estimate: Vec<f64>,
-    std_error: Vec<f64>,
-    residual_squared: f64,
-}
-
-/// Least squares by Householder QR of the column-scaled matrix.
-fn least_squares(matrix: &mut DMatrix<f64>, right: &mut DVector<f64>) -> Result<Solution, DynamicsError> {
-    let (rows, columns) = matrix.shape();
-    let mut scale = Vec::with_capacity(columns);
-    for (column, mut values) in matrix.column_iter_mut().enumerate() {
-        let norm = values.norm();
-        if !(norm > 0.0 && norm.is_finite()) {
-            return Err(DynamicsError::Dependent { column, columns });
-        }
-        values /= norm;
-        scale.push(norm);
-    }
-    let qr = std::mem::replace(matrix, DMatrix::zeros(0, 0)).qr();
-    qr.q_tr_mul(right);
-    let r = qr.unpack_r();
-    if let Some(column) = (0..columns).find(|&j| r[(j, j)].abs() < DEPENDENT) {
-        return Err(DynamicsError::Dependent { column, columns });
-    }
-    let dependent = DynamicsError::Dependent { column: columns - 1, columns };
-    let solved = r.solve_upper_triangular(&right.rows(0, columns)).ok_or(dependent.clone())?;
-    let inverse = r.solve_upper_triangular(&DMatrix::identity(columns, columns)).ok_or(dependent)?;
-    let residual_squared = right.rows(columns, rows - columns).norm_squared();
-    let sigma = (residual_squared / (rows - columns) as f64).sqrt();
-    Ok(Solution {
-        estimate: solved.iter().zip(&scale).map(|(x, scale)| x / scale).collect(),
-        std_error: (0..columns).map(|j| sigma * inverse.row(j).norm() / scale[j]).collect(),
-        residual_squared,
     })
 }
