@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use hysteron_io::atomic_file::write_atomically_with;
-use hysteron_io::{IoError, load_json, save_json, write_csv_to};
+use hysteron_io::{IoError, JsonFileError, load_json, save_json, write_csv_to};
 use hysteron_model::Advice;
 use hysteron_model::record::{Driven, Quantity, TimeBase};
 use hysteron_rig::excitation::Excitation;
@@ -154,7 +154,7 @@ pub fn read_or_default<T: DeserializeOwned + Default>(path: Option<&Path>, what:
     load_json(path, MAX_BYTES).map_err(|e| {
         let failure = Failure::new(format!("cannot read the {what} {}", path.display()));
         let hint = format!("hysteron rig --out-dir DIR writes the {what} in force to DIR/{what}.json");
-        if matches!(e, IoError::JsonContent { .. }) {
+        if matches!(e, IoError::Json(JsonFileError::Content { .. })) {
             failure.because(e).hint(hint)
         } else {
             failure.because(e)

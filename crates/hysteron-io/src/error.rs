@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 
 use crate::atomic_file::AtomicWriteError;
-use hysteron_model::Advice;
 use hysteron_model::advice::ColumnRole;
 use hysteron_model::model_file::ModelFileError;
 use hysteron_model::record::RecordError;
 
+use crate::json_file::JsonFileError;
 use crate::place::Place;
+use crate::response_file_error::ResponseFileError;
 
 /// Error of this crate: why a file could not be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -306,64 +307,9 @@ pub enum IoError {
         /// The column that gives it away.
         column: String,
     },
-    /// No frequency column where a frequency response is wanted.
-    #[error(
-        "{place}: no frequency among the columns {found}; expected columns such as `f_Hz,re,im` or \
-         `f_Hz,magnitude,phase_deg`"
-    )]
-    NoFrequency {
-        /// Where it stands.
-        place: Place,
-        /// The columns found.
-        found: String,
-    },
-    /// Frequencies without a complex value.
-    #[error(
-        "{place}: no complex response among the columns {found}; expected real and imaginary part (`re,im`, \
-         `stage_re,stage_im`) or magnitude and phase (`magnitude,phase_deg`, `magnitude_dB,phase_rad`)"
-    )]
-    NoResponse {
-        /// Where it stands.
-        place: Place,
-        /// The columns found.
-        found: String,
-    },
-    /// Several responses, or none of the name asked for.
-    #[error("{place}: {problem}; the responses are {available}; choose one")]
-    ChooseResponse {
-        /// Where it stands.
-        place: Place,
-        /// What is the matter.
-        problem: String,
-        /// Names of the responses.
-        available: String,
-        /// Whether it is the response divided by.
-        divisor: bool,
-    },
-    /// A frequency that is not positive.
-    #[error("{place}: found `{found}`, expected a frequency above 0; delete the line")]
-    BadFrequency {
-        /// Where it stands.
-        place: Place,
-        /// The text found.
-        found: String,
-    },
-    /// Two lines at one frequency.
-    #[error("`{file}`: two lines at {frequency_hz} Hz; average them or delete one")]
-    RepeatedFrequency {
-        /// The file.
-        file: String,
-        /// The frequency \[Hz\].
-        frequency_hz: f64,
-    },
-    /// What was read is not a usable frequency response.
-    #[error("`{file}`: {source}")]
-    Response {
-        /// The file.
-        file: String,
-        /// What is wrong with it.
-        source: Box<RecordError>,
-    },
+    /// What was read is no frequency response.
+    #[error(transparent)]
+    ResponseFile(#[from] ResponseFileError),
     /// No channel besides time and mask.
     #[error(
         "{place}: no channel besides {found}; expected columns such as `t_s,u_V,y_um`; is the delimiter none \
@@ -528,59 +474,10 @@ pub enum IoError {
         /// What the operating system says.
         source: std::io::Error,
     },
-    /// A JSON file cannot be opened or read.
-    #[error("{}: {cause}", path.display())]
-    JsonUnread {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        cause: std::io::Error,
-    },
-    /// A JSON file is too large to be what it should be.
-    #[error("{}: it has more than {most_bytes} bytes", path.display())]
-    JsonTooLarge {
-        /// The file.
-        path: PathBuf,
-        /// Largest size read \[bytes\].
-        most_bytes: u64,
-    },
-    /// A file is not JSON, or not of what was expected.
-    #[error("{}: {cause}", path.display())]
-    JsonContent {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong, with line and column.
-        cause: serde_json::Error,
-    },
-    /// A model file cannot be opened or read.
-    #[error("cannot read {}: {problem}", path.display())]
-    ModelUnread {
-        /// The file.
-        path: PathBuf,
-        /// Answer of the operating system.
-        problem: std::io::Error,
-    },
+    /// A JSON or model file cannot be read.
+    #[error(transparent)]
+    Json(#[from] JsonFileError),
     /// A model file that holds no sound model.
     #[error(transparent)]
     Model(#[from] ModelFileError),
-}
-
-impl IoError {
-    /// Remedy, where there is one that the user can choose.
-    pub fn advice(&self) -> Option<Advice> {
-        let column = |role| Some(Advice::ChooseColumn { role, example: None });
-        match self {
-            Self::NoSuchColumn { role, .. } | Self::AmbiguousColumn { role, .. } => column(*role),
-            Self::NotTime { .. } => column(ColumnRole::Time),
-            Self::ChooseResponse { divisor, .. } => Some(Advice::ChooseResponse { divisor: *divisor }),
-            Self::LengthMismatch { .. }
-            | Self::ArrayType { .. }
-            | Self::ArrayShape { .. }
-            | Self::ChooseArrays { .. } => Some(Advice::ChooseColumns),
-            Self::ChooseRate { .. } => Some(Advice::GiveSampleRate),
-            Self::NotANumber { .. } | Self::TooManyValues { .. } => Some(Advice::ChooseColumns),
-            Self::Record { source, .. } => source.advice(),
-            _ => None,
-        }
-    }
 }

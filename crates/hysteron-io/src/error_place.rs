@@ -1,4 +1,7 @@
-//! Where an error stands, for front ends that show file, line and column apart.
+//! Where an error stands, for front ends that show file, line and column apart, and its remedy.
+
+use hysteron_model::Advice;
+use hysteron_model::advice::ColumnRole;
 
 use crate::IoError;
 use crate::place::{Part, Place};
@@ -32,10 +35,6 @@ impl IoError {
             | Self::AmbiguousColumn { place, .. }
             | Self::NotTime { place, .. }
             | Self::FrequencyResponse { place, .. }
-            | Self::NoFrequency { place, .. }
-            | Self::NoResponse { place, .. }
-            | Self::ChooseResponse { place, .. }
-            | Self::BadFrequency { place, .. }
             | Self::NoChannels { place, .. }
             | Self::NotANumber { place, .. }
             | Self::MissingValue { place, .. }
@@ -48,11 +47,28 @@ impl IoError {
             | Self::TimeDecreases { place, .. }
             | Self::TextCondition { place, .. }
             | Self::RenamedUnit { place, .. } => Some(place.clone()),
-            Self::Open { file, .. }
-            | Self::Empty { file, .. }
-            | Self::RepeatedFrequency { file, .. }
-            | Self::Response { file, .. }
-            | Self::Record { file, .. } => Some(Place::new(file, Part::Whole)),
+            Self::Open { file, .. } | Self::Empty { file, .. } | Self::Record { file, .. } => {
+                Some(Place::new(file, Part::Whole))
+            }
+            Self::ResponseFile(error) => Some(error.place()),
+            _ => None,
+        }
+    }
+
+    /// Remedy, where there is one that the user can choose.
+    pub fn advice(&self) -> Option<Advice> {
+        let column = |role| Some(Advice::ChooseColumn { role, example: None });
+        match self {
+            Self::NoSuchColumn { role, .. } | Self::AmbiguousColumn { role, .. } => column(*role),
+            Self::NotTime { .. } => column(ColumnRole::Time),
+            Self::ResponseFile(error) => error.advice(),
+            Self::LengthMismatch { .. }
+            | Self::ArrayType { .. }
+            | Self::ArrayShape { .. }
+            | Self::ChooseArrays { .. } => Some(Advice::ChooseColumns),
+            Self::ChooseRate { .. } => Some(Advice::GiveSampleRate),
+            Self::NotANumber { .. } | Self::TooManyValues { .. } => Some(Advice::ChooseColumns),
+            Self::Record { source, .. } => source.advice(),
             _ => None,
         }
     }

@@ -11,7 +11,7 @@ use hysteron_numeric::Complex64;
 
 use crate::columns::{Columns, Heading, Headings, SEPARATORS, Wanted};
 use crate::read::{open, read_columns};
-use crate::{IoError, ReadOptions};
+use crate::{IoError, ReadOptions, ResponseFileError};
 
 /// Which of a file's responses is wanted.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -61,7 +61,7 @@ fn read(file: &str, source: impl Read, options: &ResponseOptions) -> Result<Freq
     let layout = Layout::new(&columns.headings, options)?;
     columns.check_lengths(layout.frequency.0, layout.parts())?;
     to_hertz(&mut columns, layout.frequency)?;
-    let failed = |source| IoError::Response { file: file.to_string(), source: Box::new(source) };
+    let failed = |source| ResponseFileError::Unusable { file: file.to_string(), source: Box::new(source) };
     let mut response = layout.response.assemble(file, &columns.values, layout.frequency.0)?;
     if let Some(over) = &layout.over {
         let over = over.assemble(file, &columns.values, layout.frequency.0)?;
@@ -72,12 +72,12 @@ fn read(file: &str, source: impl Read, options: &ResponseOptions) -> Result<Freq
 }
 
 /// Makes hertz of the frequency column by a factor; all must be positive.
-fn to_hertz(columns: &mut Columns, (column, factor): (usize, f64)) -> Result<(), IoError> {
+fn to_hertz(columns: &mut Columns, (column, factor): (usize, f64)) -> Result<(), ResponseFileError> {
     let values = columns.values.get_mut(column).map(Vec::as_mut_slice).unwrap_or_default();
     let below = values.iter().position(|&value| value.is_nan() || value * factor <= 0.0);
     if let Some(at) = below {
         let found = values[at].to_string();
-        return Err(IoError::BadFrequency { place: columns.place(column, at), found });
+        return Err(ResponseFileError::BadFrequency { place: columns.place(column, at), found });
     }
     values.iter_mut().for_each(|value| *value *= factor);
     Ok(())
@@ -112,7 +112,7 @@ struct Layout {
 }
 
 impl Layout {
-    fn new(headings: &Headings, options: &ResponseOptions) -> Result<Self, IoError> {
+    fn new(headings: &Headings, options: &ResponseOptions) -> Result<Self, ResponseFileError> {
         let columns = &headings.columns;
         let place = || headings.place();
         let is_read = |column: &Heading| !column.is_unreadable() && !column.is_alias();
@@ -120,7 +120,7 @@ impl Layout {
         let frequencies: Vec<(usize, f64)> =
             readable.clone().filter_map(|(i, c)| Some((i, hertz(c)?))).collect();
         if frequencies.is_empty() {
-            return Err(IoError::NoFrequency { place: place(), found: headings.list() });
+            return Err(ResponseFileError::NoFrequency { place: place(), found: headings.list() });
         }
         let mut groups: Vec<Group> = Vec::new();
         for (i, column) in readable.filter(|(_, column)| hertz(column).is_none()) {
@@ -142,10 +142,10 @@ impl Layout {
         }
         groups.retain(Group::is_complete);
         if groups.is_empty() {
-            return Err(IoError::NoResponse { place: place(), found: headings.list() });
+            return Err(ResponseFileError::NoResponse { place: place(), found: headings.list() });
         }
         let available = groups.iter().map(|g| format!("`{}`", g.shown_name())).collect::<Vec<_>>().join(", ");
-        let choose = |problem: String, divisor| IoError::ChooseResponse {
+        let choose = |problem: String, divisor| ResponseFileError::Choose {
             place: place(),
             problem,
             available: available.clone(),
@@ -169,7 +169,7 @@ impl Layout {
             return Err(choose(format!("`{}` has frequencies of its own", over.shown_name()), true));
         }
         let Some(frequency) = frequency else {
-            return Err(IoError::NoFrequency { place: place(), found: headings.list() });
+            return Err(ResponseFileError::NoFrequency { place: place(), found: headings.list() });
         };
         Ok(Self { frequency, response, over })
     }
@@ -215,7 +215,7 @@ impl Group {
         file: &str,
         columns: &[Vec<f64>],
         frequency: usize,
-    ) -> Result<FrequencyResponse, IoError> {
+    ) -> Result<FrequencyResponse, ResponseFileError> {
         let column = |i: usize| columns.get(i).map_or(&[][..], Vec::as_slice);
         let of = |part| self.column(|p| p == part).map(|(_, i)| column(i));
         let values: Vec<Complex64> = match (of(Part::Real), of(Part::Imaginary)) {
@@ -234,7 +234,7 @@ impl Group {
         order.sort_by(|&a, &b| frequencies[a].total_cmp(&frequencies[b]));
         if let Some(two) = order.windows(2).find(|two| frequencies[two[0]] == frequencies[two[1]]) {
             let frequency_hz = frequencies[two[0]];
-            return Err(IoError::RepeatedFrequency { file: file.to_string(), frequency_hz });
+            return Err(ResponseFileError::RepeatedFrequency { file: file.to_string(), frequency_hz });
         }
         let response = FrequencyResponse {
             name: self.shown_name().to_string(),
@@ -244,9 +244,10 @@ impl Group {
             unit: self.unit.clone(),
             source: None,
         };
-        response
-            .check()
-            .map_err(|source| IoError::Response { file: file.to_string(), source: Box::new(source) })?;
+        response.check().map_err(|source| ResponseFileError::Unusable {
+            file: file.to_string(),
+            source: Box::new(source),
+        })?;
         Ok(response)
     }
 }

@@ -85,6 +85,7 @@ mod place;
 mod read;
 mod reader;
 mod rename;
+mod response_file_error;
 mod roles;
 mod tdms;
 mod write;
@@ -96,7 +97,7 @@ pub use csv_write::{write_csv, write_csv_to};
 pub use error::IoError;
 pub use frequency_response::{ResponseOptions, read_frequency_response, read_frequency_response_bytes};
 pub use hash::sha256;
-pub use json_file::{load_json, save_json};
+pub use json_file::{JsonFileError, load_json, save_json};
 pub use mat_write::write_mat;
 pub use model_file::{load_model, load_model_and_source, save_model};
 pub use npz_write::write_npz;
@@ -107,4 +108,5 @@ pub use read::{
     read_part, read_record, read_record_bytes, read_reference,
 };
 pub use rename::{Rename, RenameError};
+pub use response_file_error::ResponseFileError;
 pub use write::write_record;

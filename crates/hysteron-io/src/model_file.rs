@@ -8,9 +8,9 @@ use hysteron_model::Model;
 use hysteron_model::model_file::MAX_BYTES;
 use hysteron_model::record::Source;
 
-use crate::IoError;
 use crate::atomic_file::write_atomically;
 use crate::hash::sha256;
+use crate::{IoError, JsonFileError};
 
 /// The model in the file at `path`, of any kind.
 ///
@@ -25,7 +25,7 @@ pub fn load_model(path: &Path) -> Result<Model, IoError> {
 /// # Errors
 /// As [`load_model`].
 pub fn load_model_and_source(path: &Path) -> Result<(Model, Source), IoError> {
-    let unreadable = |problem| IoError::ModelUnread { path: path.to_owned(), problem };
+    let unreadable = |cause| JsonFileError::Unread { path: path.to_owned(), cause };
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(unreadable)?;
     file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;

@@ -1,7 +1,7 @@
 //! Model files on disk.
 #![allow(clippy::unwrap_used)]
 
-use hysteron_io::{IoError, load_model, save_model};
+use hysteron_io::{IoError, JsonFileError, load_model, save_model};
 use hysteron_model::dynamics::{Dynamics, Scheme};
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 use hysteron_model::model_file::{ModelFile, Quantity, SignalUnits};
@@ -31,5 +31,5 @@ fn a_file_written_is_the_file_read_and_what_is_not_sound_is_not_written() {
     let full = folder.path().join("absent").join("model.json");
     assert!(matches!(save_model(&full, &model), Err(IoError::Write(_))));
     let absent = load_model(&folder.path().join("absent.json"));
-    assert!(matches!(absent, Err(IoError::ModelUnread { .. })));
+    assert!(matches!(absent, Err(IoError::Json(JsonFileError::Unread { .. }))));
 }
