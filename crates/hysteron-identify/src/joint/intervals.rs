@@ -217,7 +217,7 @@ impl Fit for Whole<'_> {
 mod tests {
     use super::super::drive::Thinning;
     use super::super::knowledge::knowledge;
-    use super::super::problem::JointLayout;
+    use super::super::parameter_layout::JointLayout;
     use super::super::record::{Clock, Ingredients};
     use super::*;
     use hysteron_model::Start;

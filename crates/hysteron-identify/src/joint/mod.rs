@@ -10,6 +10,7 @@ mod intervals;
 mod knowledge;
 mod model;
 mod objective;
+mod parameter_layout;
 mod parameters;
 mod problem;
 mod profile;

@@ -2,7 +2,8 @@
 
 use super::super::layout::Role;
 use super::drive::fine_drive;
-use super::problem::{JointLayout, JointProblem};
+use super::parameter_layout::JointLayout;
+use super::problem::JointProblem;
 use super::record::{Clock, Ingredients, JointRecord};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Creep, DynamicForm, Modes, Sampling, Scheme};
