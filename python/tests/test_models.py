@@ -140,7 +140,7 @@ def test_progress_is_told_and_an_exception_in_it_stops_the_fit(loops: hy.Record)
     def stop(*_: object) -> None:
         raise RuntimeError("enough")
 
-    stage = hy.Hammerstein("dead-zone-plays", "fractional", optimizer="de-abc", generations=10**6)
+    stage = hy.Hammerstein("dead-zone-plays", "integer", optimizer="de-abc", generations=10**6)
     begun = time.monotonic()
     with pytest.raises(RuntimeError, match="enough"):
         stage.fit(loops, progress=stop)
