@@ -133,15 +133,22 @@ pub(in super::super) fn identify(
     };
     // Without a delay that slow drive does not tell.
     let searched = problem.bounds().clone();
-    let (problem, x, small, at_small) = if shows_delay || asked_delay != Choice::Auto || engine.is_stopped() {
-        (problem, x, small, at_small)
+    let asked = Options { delay_s: Choice::Auto, ..options.clone() };
+    let setup = setup.with(form, &asked);
+    let freed = if shows_delay || asked_delay != Choice::Auto || engine.is_stopped() {
+        None
     } else {
-        let asked = Options { delay_s: Choice::Auto, ..options.clone() };
-        let setup = setup.with(form, &asked);
         let (problem, x) = with_no_delay(&setup, degree, false, &x)?;
-        let small = small.map(|_| with_no_delay(&setup, degree, true, &at_small)).transpose()?;
-        let (small, at_small) = small.map_or((None, at_small), |(small, x)| (Some(small), x));
-        (problem, x, small, at_small)
+        // A stop from here on leaves the model of this point.
+        problem.cost(&x, &mut problem.workspace()).is_finite().then_some((problem, x))
+    };
+    let (problem, x, small, at_small) = match freed {
+        None => (problem, x, small, at_small),
+        Some((problem, x)) => {
+            let small = small.map(|_| with_no_delay(&setup, degree, true, &at_small)).transpose()?;
+            let (small, at_small) = small.map_or((None, at_small), |(small, x)| (Some(small), x));
+            (problem, x, small, at_small)
+        }
     };
     let certain = engine.enter(ERRORS);
     let smoothed = if certain { smoothed(&problem, &x) } else { None };
