@@ -1,4 +1,4 @@
-//! What the standard errors and the search say of a fit.
+//! Findings on the precision of a fit: standard errors, and searches that ended too early.
 
 use super::engine::Search;
 use super::result::Identification;

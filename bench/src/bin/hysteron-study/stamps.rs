@@ -1,5 +1,5 @@
-//! What uneven time stamps cost: one evaluation of the joint objective with derivatives and one simulation, on
-//! one thread, against the same drive at one rate.
+//! Computing time on uneven time stamps: one evaluation of the joint objective with derivatives and one
+//! simulation, on one thread, relative to the same drive at one rate.
 
 use std::f64::consts::TAU;
 use std::hint::black_box;
