@@ -152,6 +152,8 @@ def test_progress_is_told_and_an_exception_in_it_stops_the_fit(loops: hy.Record)
 def test_ctrl_c_keeps_the_best_so_far(tmp_path: Path) -> None:
     script = f"""
 import hysteron_models as hy, os, signal, threading, time
+# Where the tests run behind a shell's &, SIGINT is ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 record = hy.read({str(Path(__file__).parents[2] / "examples/piezo-p885-200hz/identification_1hz.csv")!r}, stop=4.0)
 stage = hy.Hammerstein(optimizer="de-abc", generations=10**7)
 sent = []
