@@ -159,6 +159,12 @@ def time(prediction: Prediction, ax: Axes | None = None) -> Axes:
             lw=0,
             label=f"{level}band",
         )
+        # The data set the scale: a band wider than that is cut off.
+        shown = [y for y in (prediction.measured, prediction.y) if y is not None]
+        low, high = min(np.nanmin(y) for y in shown), max(np.nanmax(y) for y in shown)
+        margin = (high - low) or 1.0
+        bottom, top = ax.get_ylim()
+        ax.set_ylim(max(bottom, low - margin), min(top, high + margin))
     ax.set(xlabel="time [s]", ylabel=f"output [{_unit(prediction.unit)}]", title=prediction.name)
     ax.legend()
     return ax
