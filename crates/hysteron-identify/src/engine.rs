@@ -27,6 +27,16 @@ pub struct Search {
 /// The model at a point of a search, for those who want to see it grow; `None`: it is not shown.
 pub(super) type Show<'s> = Option<&'s dyn Fn(&[f64]) -> Option<Model>>;
 
+/// The small fits that choose a structure: structures are told apart by far larger differences.
+pub(super) fn quick() -> LeastSquaresOptions {
+    LeastSquaresOptions { cost_tolerance: 1e-8, ..Default::default() }
+}
+
+/// A few iterations: where other fits begin.
+pub(super) fn rough() -> LeastSquaresOptions {
+    LeastSquaresOptions { iterations: 12, cost_tolerance: 1e-4, ..Default::default() }
+}
+
 pub(super) struct Engine<'a, 'w> {
     algorithm: Option<&'a Algorithm>,
     settings: Settings,
@@ -110,39 +120,11 @@ impl<'a, 'w> Engine<'a, 'w> {
         problem: &P,
         starts: Vec<Vec<f64>>,
     ) -> Result<Search, OptimizeError> {
-        // Structures are told apart by far larger differences.
-        self.local_fits(
-            step,
-            problem,
-            starts,
-            LeastSquaresOptions { cost_tolerance: 1e-8, ..Default::default() },
-            None,
-        )
+        self.local_fits(step, problem, starts, quick(), None)
     }
 
-    /// Least squares from the given starts only, to the end.
-    pub(super) fn fit_from<P: LeastSquaresProblem>(
-        &mut self,
-        step: &str,
-        problem: &P,
-        starts: Vec<Vec<f64>>,
-        show: Show<'_>,
-    ) -> Result<Search, OptimizeError> {
-        self.local_fits(step, problem, starts, LeastSquaresOptions::default(), show)
-    }
-
-    /// A few iterations of least squares from each start: where other fits begin.
-    pub(super) fn rough_fit<P: LeastSquaresProblem>(
-        &mut self,
-        step: &str,
-        problem: &P,
-        starts: Vec<Vec<f64>>,
-    ) -> Result<Search, OptimizeError> {
-        let options = LeastSquaresOptions { iterations: 12, cost_tolerance: 1e-4, ..Default::default() };
-        self.local_fits(step, problem, starts, options, None)
-    }
-
-    fn local_fits<P: LeastSquaresProblem>(
+    /// Least squares from the given starts only.
+    pub(super) fn local_fits<P: LeastSquaresProblem>(
         &mut self,
         step: &str,
         problem: &P,

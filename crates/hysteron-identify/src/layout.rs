@@ -27,6 +27,14 @@ impl Role {
         }
     }
 
+    /// Where it stands in the search, if it is searched.
+    pub(super) fn index(self) -> Option<usize> {
+        match self {
+            Role::Searched(index) => Some(index),
+            Role::Fixed(_) | Role::Projected | Role::OneSided(_) => None,
+        }
+    }
+
     /// Whether linear least squares eliminates it.
     pub(super) fn is_eliminated(self) -> bool {
         matches!(self, Role::Projected | Role::OneSided(_))

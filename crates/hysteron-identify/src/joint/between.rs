@@ -3,6 +3,7 @@
 use super::super::engine::Engine;
 use super::super::options::{Choice, Options};
 use super::super::{Finding, FindingKind, IdentifyError};
+use super::normalised::quick_fit;
 use super::problem::JointProblem;
 use super::setup::JointSetup;
 use crate::findings::say;
@@ -106,7 +107,7 @@ pub(super) fn compared<'a>(
     for (index, options) in others.iter().enumerate() {
         let rule = options.inter_sample();
         let problem = setup.anew(options).problem(degree, false)?;
-        let fit = engine.quick_fit(&format!("between samples: {rule}"), &problem, vec![x.to_vec()]);
+        let fit = quick_fit(engine, &format!("between samples: {rule}"), &problem, vec![x.to_vec()]);
         let Some(fit) = engine.unless_stopped(fit)?.filter(|_| !engine.is_stopped()) else { return Ok(None) };
         costs.push((rule, fit.outcome.cost));
         if fit.outcome.cost < best.as_ref().map_or(cost, |best| best.cost) {

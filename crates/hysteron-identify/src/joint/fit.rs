@@ -2,20 +2,20 @@
 
 use super::super::engine::Engine;
 use super::super::options::{Choice, DynamicsChoice, Method, Options, RecordRole};
-use super::super::result::{Identification, RecordFit, Reduction, StructureChoice};
+use super::super::result::{Identification, RecordFit, StructureChoice};
 use super::super::sines::SineResponse;
 use super::super::static_step::OFFSET;
 use super::super::{IdentifyError, RecordFacts, findings};
 use super::band::{self, OutputUncertainty};
 use super::between;
 use super::campaign::JointMember;
+use super::fitted::{ALL_SAMPLES, DELAY, Fitted};
 use super::intervals::intervals;
 use super::knowledge::{self, Covariance};
 use super::model::assemble;
 use super::parameter_layout::JointSolution;
 use super::parameters;
-use super::problem::JointProblem;
-use super::search::{Optimum, information, search};
+use super::search::search;
 use super::setup::{self, JointSetup, memory_name};
 use super::smoothing::smoothed;
 use crate::watch::Plan;
@@ -25,11 +25,9 @@ use hysteron_model::hammerstein::Model;
 use hysteron_model::model_file::polynomial_name;
 use hysteron_model::record::range_of;
 use hysteron_model::validate::{Scoring, choose_start, mean_residual, score};
-use hysteron_optimize::{LeastSquaresProblem, OptimizeError, Problem};
+use hysteron_optimize::{OptimizeError, Problem};
 use rayon::prelude::*;
 
-/// The delay's name among the parameters.
-const DELAY: &str = "delay";
 /// Samples at the beginning of a record that a stopped fit is scored on.
 const BEGINNING: usize = 10_000;
 
@@ -58,7 +56,6 @@ pub(in super::super) const POPULATION_PLAN: Plan = Plan(&[
     (ALL_SAMPLES, 0.05),
     (ERRORS, 0.04),
 ]);
-const ALL_SAMPLES: &str = "all samples";
 const ERRORS: &str = "standard errors and intervals";
 
 /// Identifies both blocks from all records at once.
@@ -91,74 +88,25 @@ pub(in super::super) fn identify(
     let options = &Options { scheme, delay_s, ..options.clone() };
     let setup = JointSetup::new(&members, form, options).stopped_by(engine.stop());
     let reduced = members.iter().any(|member| member.factor > 1);
-    let Optimum { setup, problem, mut search, mut degree, best, degrees } =
-        search(setup, reduced, &mut engine)?;
-    let form = setup.form;
-    let mut small = if reduced { Some(setup.problem(degree, true)?) } else { None };
-    let mut at_small = best.clone();
-    let mut polished = on_all_samples(&setup, (degree, best), reduced, &mut engine)?;
-    let others = between::others(&setup, options);
-    let mut options = options;
-    let mut told_between = None;
-    if let Some((whole, x, cost)) = &polished {
-        let independent = information(whole, x);
-        let fitted = (whole, &x[..], *cost);
-        if let Some((choice, better)) =
-            between::compared(&setup, &others, fitted, (degree, independent), &mut engine)?
-        {
-            told_between = Some(choice);
-            if let Some(better) = better {
-                options = &others[better.index];
-                if reduced {
-                    let thinned = setup.anew(options).problem(degree, true)?;
-                    let fit = engine.quick_fit(ALL_SAMPLES, &thinned, vec![better.x.clone()]);
-                    if let Some(fit) = engine.unless_stopped(fit)? {
-                        at_small = fit.outcome.best;
-                    }
-                    small = Some(thinned);
-                }
-                polished = Some((better.problem, better.x, better.cost));
-            }
-        }
-    }
-    let (problem, x, mut reduction) = if let Some((whole, x, cost)) = polished {
-        (search.outcome.cost, search.outcome.best) = (cost, x.clone());
-        let samples = whole.residual_count();
-        let reduction =
-            small.as_ref().map(|small| Reduction { samples, searched: small.valid(), moved: 0.0 });
-        (whole, x, reduction)
-    } else {
-        degree = problem.degree();
-        (problem, search.outcome.best.clone(), None)
-    };
-    // Without a delay that slow drive does not tell.
-    let searched = problem.bounds().clone();
+    let optimum = search(setup, reduced, &mut engine)?;
+    let others = between::others(&optimum.setup, options);
+    let fitted = Fitted::on_all_samples(optimum, reduced, &others, &mut engine)?;
+    let options = fitted.setup.options();
+    let searched = fitted.problem.bounds().clone();
     let asked = Options { delay_s: Choice::Auto, ..options.clone() };
-    let setup = setup.with(form, &asked);
-    let freed = if shows_delay || asked_delay != Choice::Auto || engine.is_stopped() {
-        None
-    } else {
-        let (problem, x) = with_no_delay(&setup, degree, false, &x)?;
-        // A stop from here on leaves the model of this point.
-        problem.cost(&x, &mut problem.workspace()).is_finite().then_some((problem, x))
-    };
-    let (problem, x, small, at_small) = match freed {
-        None => (problem, x, small, at_small),
-        Some((problem, x)) => {
-            let small = small.map(|_| with_no_delay(&setup, degree, true, &at_small)).transpose()?;
-            let (small, at_small) = small.map_or((None, at_small), |(small, x)| (Some(small), x));
-            (problem, x, small, at_small)
-        }
-    };
+    let is_untold = !shows_delay && asked_delay == Choice::Auto;
+    let fitted = if is_untold && !engine.is_stopped() { fitted.with_free_delay(&asked)? } else { fitted };
+    let form = fitted.setup.form;
+    let Fitted { problem, x, thinned, search, degree, degrees, between, mut reduction, .. } = fitted;
     let certain = engine.enter(ERRORS);
     let smoothed = if certain { smoothed(&problem, &x) } else { None };
-    let (linearisation, known_small) = rayon::join(
+    let (linearisation, known_thinned) = rayon::join(
         || match &smoothed {
             Some((coefficients, _)) => problem.linearise_at(&x, coefficients),
             None if certain => problem.linearise(&x),
             None => None,
         },
-        || small.as_ref().filter(|_| certain).and_then(|small| knowledge::knowledge(small, &at_small)),
+        || thinned.as_ref().filter(|_| certain).and_then(|(thinned, at)| knowledge::knowledge(thinned, at)),
     );
     let solution = match &linearisation {
         Some(linearisation) => problem.solution(&x, &linearisation.coefficients),
@@ -178,8 +126,8 @@ pub(in super::super) fn identify(
         findings::require_fit(&fits, facts, options)?;
     }
     let own = known.as_ref().map(|known| &known.covariance);
-    if let (Some(reduction), Some(own)) = (&mut reduction, own) {
-        reduction.moved = moved(own, &x, &at_small);
+    if let (Some(reduction), Some(own), Some((_, before))) = (&mut reduction, own, &thinned) {
+        reduction.moved = moved(own, &x, before);
     }
     let output_uncertainty = known.as_ref().map(|known| {
         band::give(&problem, known, &mut fits);
@@ -205,13 +153,13 @@ pub(in super::super) fn identify(
             .map(|(samples, _)| samples)
             .collect(),
         smoothing: smoothed.map(|(_, smoothing)| smoothing),
-        between: told_between,
+        between,
     };
     if let Some(known) = &known {
-        let found = match (&small, &known_small) {
+        let found = match (&thinned, &known_thinned) {
             // The likelihood of weights that are drawn together is not that of the records.
             _ if structure.smoothing.is_some() => Vec::new(),
-            (Some(small), Some(at_small)) => intervals(small, at_small, &known.covariance, engine.stop()),
+            (Some((thinned, _)), Some(at)) => intervals(thinned, at, &known.covariance, engine.stop()),
             (Some(_), None) => Vec::new(),
             (None, _) => intervals(&problem, known, &known.covariance, engine.stop()),
         };
@@ -241,27 +189,6 @@ pub(in super::super) fn identify(
     Ok(identification)
 }
 
-/// The problem of all samples, its optimum from the `best` point of the search, and the cost there; `None`
-/// where a stop left none.
-fn on_all_samples(
-    setup: &JointSetup<'_>,
-    (degree, best): (usize, Vec<f64>),
-    reduced: bool,
-    engine: &mut Engine<'_, '_>,
-) -> Result<Option<(JointProblem, Vec<f64>, f64)>, IdentifyError> {
-    if engine.is_stopped() {
-        return Ok(None);
-    }
-    let whole = setup.problem(degree, false)?;
-    if !reduced {
-        let cost = whole.cost(&best, &mut whole.workspace());
-        return Ok(cost.is_finite().then_some((whole, best, cost)));
-    }
-    let polished = engine.quick_fit(ALL_SAMPLES, &whole, vec![best]);
-    let polished = engine.unless_stopped(polished)?.map(|search| search.outcome);
-    Ok(polished.filter(|end| end.cost.is_finite()).map(|end| (whole, end.best, end.cost)))
-}
-
 /// The options for slow records alone: they hold no dynamics but what a jump from rest shows, a lag and the
 /// delay.
 ///
@@ -283,21 +210,6 @@ fn slow(options: &Options, members: &[JointMember<'_>]) -> Result<Options, Ident
         }
     };
     Ok(Options { dynamics, order, ..options.clone() })
-}
-
-/// The problem in which a delay is free, at the point `x` of one without a delay: what slow drive does not
-/// tell is left out of the model, but not of the errors.
-fn with_no_delay(
-    setup: &JointSetup<'_>,
-    degree: usize,
-    reduced: bool,
-    x: &[f64],
-) -> Result<(JointProblem, Vec<f64>), IdentifyError> {
-    let problem = setup.problem(degree, reduced)?;
-    let place = problem.bounds().ranges.iter().position(|range| range.name == DELAY);
-    let mut x = x.to_vec();
-    x.insert(place.map_or(x.len(), |place| place.min(x.len())), 0.0);
-    Ok((problem, x))
 }
 
 /// The model's simulation of every record; of a long one only the beginning where the fit was stopped. Where

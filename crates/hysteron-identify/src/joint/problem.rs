@@ -9,6 +9,7 @@
 //! (doi:10.1007/BF01932995). It leaves out a term in the span of the columns, to which r is orthogonal, so
 //! that the gradient Jᵀr is exact.
 
+mod held_memory;
 mod linearise;
 
 pub(in super::super) use linearise::Linearisation;
@@ -48,6 +49,8 @@ pub(in super::super) struct JointProblem {
     shaped: Vec<bool>,
     bounds: Bounds,
     identity: String,
+    /// A frequency inside the band of the records \[Hz\].
+    inside_hz: f64,
     stop: Stop,
     best: Mutex<Option<Evaluated>>,
 }
@@ -117,8 +120,26 @@ impl JointProblem {
             place(*role, Searched::Memory(record));
         }
         let shaped = layout.shape.iter().map(|role| matches!(role, Role::Searched(_))).collect();
-        let (stop, best) = (Stop::new(), Mutex::default());
-        Self { records, at, hysteresis, form, layout, searched, shaped, bounds, identity, stop, best }
+        let (inside_hz, stop, best) = (1.0, Stop::new(), Mutex::default());
+        Self {
+            records,
+            at,
+            hysteresis,
+            form,
+            layout,
+            searched,
+            shaped,
+            bounds,
+            identity,
+            inside_hz,
+            stop,
+            best,
+        }
+    }
+
+    /// The same, with a frequency inside the band of the records \[Hz\].
+    pub(super) fn with_inside(self, inside_hz: f64) -> Self {
+        Self { inside_hz, ..self }
     }
 
     /// The same, stopped by `stop`: an evaluation is given up.
@@ -171,6 +192,16 @@ impl JointProblem {
     /// The family of the hysteresis.
     pub(in super::super) fn hysteresis(&self) -> HysteresisForm {
         self.hysteresis
+    }
+
+    /// The family of the dynamics.
+    pub(super) fn form(&self) -> DynamicForm {
+        self.form
+    }
+
+    /// A frequency inside the band of the records \[Hz\].
+    pub(super) fn inside_hz(&self) -> f64 {
+        self.inside_hz
     }
 
     pub(in super::super) fn records(&self) -> &[JointRecord] {

@@ -2,22 +2,28 @@
 //! creep and of which degree the polynomial is.
 
 use super::super::IdentifyError;
-use super::super::engine::{Engine, Search, Show};
+use super::super::engine::{Engine, Search, Show, quick};
 use super::super::options::{Choice, DynamicsChoice, Options};
 use super::super::static_step::{BIC_FALL, HIGHEST_AUTOMATIC_DEGREE};
 use super::super::uncertainty::correlation_time;
 use super::model::shown;
+use super::normalised::{local_fits, quick_fit, rough_fit};
 use super::problem::JointProblem;
 use super::setup::JointSetup;
-use super::starts::Starts;
+use super::starts::{Places, Starts};
 use hysteron_model::dynamics::{Creep, DynamicForm};
 use hysteron_model::model_file::polynomial_name;
-use hysteron_optimize::{Algorithm, DeAbcOptions, LeastSquaresProblem, Problem};
+use hysteron_optimize::{Algorithm, DeAbcOptions, LeastSquaresOptions, LeastSquaresProblem, Problem};
 
 /// Degree that the starts are tried with where it is chosen from the data.
 pub(super) const DEGREE_OF_STARTS: usize = 3;
 /// Residuals worth less than this share of their samples are far from white.
 const WHITE: f64 = 0.5;
+/// Evidence for creep that is beyond doubt, over that which is very strong, and the least fall of the cost.
+const EVIDENT: f64 = 10.0;
+const EVIDENT_RATIO: f64 = 1.5;
+/// Starts with creep that must end in the same optimum: one from the fit without, others from lattices.
+const UNLIKE_STARTS: usize = 2;
 /// Starts that must end in the same optimum.
 const AGREEMENT: usize = 3;
 /// Starts with fitted dynamics, beside the best one as it is, before any other.
@@ -48,50 +54,144 @@ pub(super) fn search<'a>(
         Choice::Auto => DEGREE_OF_STARTS,
     };
     let mut problem = setup.problem(first_degree, reduced)?;
+    let creep_is_open = options.dynamics == DynamicsChoice::Auto && options.creep == Creep::None;
+    let with_creep = DynamicForm { creep: Creep::Fractional, ..setup.form };
+    let (mut begun, mut with_creep_found) = (None, None);
+    if creep_is_open
+        && options.algorithm.is_none()
+        && options.start.is_none()
+        && problem.bounds().dimension() > 0
+    {
+        let from = Begun::new(&problem, &setup, engine)?;
+        let creeping = setup.with(with_creep, options);
+        if let Some((richer, mut search)) = try_creep((&problem, from.best()), &creeping, reduced, engine)? {
+            let gain = Gain::new((&problem, from.rough.outcome.cost), (&richer, &search));
+            let is_long_enough = || creeping.with_longer_delays(&richer, &search.outcome.best).is_none();
+            if gain.is_evident() && is_long_enough() {
+                search.outcome.evaluations += from.evaluations();
+                return with_degree(creeping, (richer, reduced), search, engine);
+            }
+            with_creep_found = Some((richer, search));
+        }
+        begun = Some(from);
+    }
     let grown = |x: &[f64]| shown(&problem, x, &setup);
-    let mut search = search_globally((&problem, reduced), &setup, engine, Some(&grown))?;
+    let mut search = search_globally((&problem, reduced), (&setup, begun), engine, Some(&grown))?;
     if let Some(longer) =
         setup.with_longer_delays(&problem, &search.outcome.best).filter(|_| !engine.is_stopped())
     {
         setup = longer;
+        with_creep_found = None;
         problem = setup.problem(first_degree, reduced)?;
         let grown = |x: &[f64]| shown(&problem, x, &setup);
-        let mut wider = search_globally((&problem, reduced), &setup, engine, Some(&grown))?;
+        let mut wider = search_globally((&problem, reduced), (&setup, None), engine, Some(&grown))?;
         let from_edge = vec![search.outcome.best.clone()];
-        take_better(&mut wider, engine.quick_fit("joint fit", &problem, from_edge)?);
+        take_better(&mut wider, quick_fit(engine, "joint fit", &problem, from_edge)?);
         search = wider;
     }
-    if options.dynamics == DynamicsChoice::Auto && options.creep == Creep::None {
-        let creeping = setup.with(DynamicForm { creep: Creep::Fractional, ..setup.form }, options);
-        if let Some(better) = try_creep(&problem, &search, &creeping, first_degree, reduced, engine)? {
-            (setup, (problem, search)) = (creeping, better);
+    if creep_is_open {
+        let creeping = setup.with(with_creep, options);
+        let found = match with_creep_found {
+            None => try_creep((&problem, &search.outcome.best), &creeping, reduced, engine)?,
+            found => found.filter(|_| !engine.is_stopped()),
+        };
+        if let Some((richer, found)) = found
+            && Gain::new((&problem, search.outcome.cost), (&richer, &found)).is_strong()
+        {
+            return with_degree(creeping, (richer, reduced), found, engine);
         }
     }
+    with_degree(setup, (problem, reduced), search, engine)
+}
+
+/// The best point of a search with the degree that it takes.
+fn with_degree<'a>(
+    setup: JointSetup<'a>,
+    (problem, reduced): (JointProblem, bool),
+    search: Search,
+    engine: &mut Engine<'_, '_>,
+) -> Result<Optimum<'a>, IdentifyError> {
     let mut degrees = Vec::new();
-    let (degree, best) = if options.degree == Choice::Auto && !engine.is_stopped() {
+    let (degree, best) = if setup.options.degree == Choice::Auto && !engine.is_stopped() {
         choose_degree(&setup, reduced, &search, engine, &mut degrees)?
     } else {
-        (first_degree, search.outcome.best.clone())
+        (problem.degree(), search.outcome.best.clone())
     };
     Ok(Optimum { setup, problem, search, degree, best, degrees })
+}
+
+/// Where a search can begin, the first few points to fit from, and a rough fit from the best of these.
+struct Begun {
+    places: Places,
+    points: Vec<Vec<f64>>,
+    rough: Search,
+    /// Evaluations before the rough fit.
+    before: usize,
+}
+
+impl Begun {
+    fn new(
+        problem: &JointProblem,
+        setup: &JointSetup<'_>,
+        engine: &mut Engine<'_, '_>,
+    ) -> Result<Self, IdentifyError> {
+        let (places, mut points, before) = first_points(problem, setup, engine)?;
+        let mut ws = problem.workspace();
+        let costs: Vec<f64> = points.iter().map(|x| problem.cost(x, &mut ws)).collect();
+        let best = (0..points.len()).min_by(|&i, &j| costs[i].total_cmp(&costs[j]));
+        let start = best.map(|best| points.remove(best)).into_iter().collect();
+        let rough = rough_fit(engine, "joint fit, first", problem, start)?;
+        points.insert(0, rough.outcome.best.clone());
+        Ok(Self { places, points, rough, before: before + costs.len() })
+    }
+
+    fn best(&self) -> &[f64] {
+        &self.rough.outcome.best
+    }
+
+    fn evaluations(&self) -> usize {
+        self.before + self.rough.outcome.evaluations
+    }
+}
+
+/// Where a search can begin, the first few points to fit from, and the evaluations that it took to find them.
+fn first_points(
+    problem: &JointProblem,
+    setup: &JointSetup<'_>,
+    engine: &mut Engine<'_, '_>,
+) -> Result<(Places, Vec<Vec<f64>>, usize), IdentifyError> {
+    let places = setup.places(problem, engine)?;
+    let Starts { mut points, evaluations } = setup.fitted(problem, &places, 0..FIRST_STARTS, engine)?;
+    points.extend(setup.unfitted(problem, &places));
+    if engine.is_stopped() {
+        points = problem.best().into_iter().collect();
+    }
+    let evaluations = evaluations + places.evaluations;
+    Ok((places, points, evaluations))
 }
 
 /// A few good starts; where they disagree all others, and where these disagree a population search on a
 /// twentieth of its usual budget, polished.
 fn search_globally(
     (problem, reduced): (&JointProblem, bool),
-    setup: &JointSetup<'_>,
+    (setup, begun): (&JointSetup<'_>, Option<Begun>),
     engine: &mut Engine<'_, '_>,
     show: Show<'_>,
 ) -> Result<Search, IdentifyError> {
     if problem.bounds().dimension() == 0 {
-        return Ok(engine.fit_from("joint fit", problem, vec![Vec::new()], show)?);
+        return Ok(engine.local_fits(
+            "joint fit",
+            problem,
+            vec![Vec::new()],
+            LeastSquaresOptions::default(),
+            show,
+        )?);
     }
     if let Some(algorithm) = &setup.options.algorithm {
         let mut search = engine.search("joint fit", problem, setup.guesses(problem)?, show)?;
         if algorithm.name() != "least-squares" && !engine.cancelled {
             let best = search.outcome.best.clone();
-            let polished = engine.quick_fit("joint fit, polished", problem, vec![best])?.outcome;
+            let polished = quick_fit(engine, "joint fit, polished", problem, vec![best])?.outcome;
             (search.outcome.best, search.outcome.cost) = (polished.best, polished.cost);
         }
         return Ok(search);
@@ -99,7 +199,7 @@ fn search_globally(
     let mut search = if setup.options.start.is_some() {
         engine.search("joint fit", problem, setup.guesses(problem)?, show)?
     } else {
-        search_from_places(problem, setup, engine, show)?
+        search_from_places(problem, (setup, begun), engine, show)?
     };
     if agreeing(&search) >= AGREEMENT || engine.cancelled {
         return Ok(search);
@@ -108,9 +208,9 @@ fn search_globally(
         // Creep is small: the optimum without it lies near that with it.
         let without = setup.with(DynamicForm { creep: Creep::None, ..setup.form }, setup.options);
         let plain = without.problem(problem.degree(), reduced)?;
-        let found = search_from_places(&plain, &without, engine, None)?;
+        let found = search_from_places(&plain, (&without, None), engine, None)?;
         let starts = from_plain(&plain, &found.outcome.best, problem, &setup.guesses(problem)?);
-        take_better(&mut search, engine.quick_fit("joint fit with creep", problem, starts)?);
+        take_better(&mut search, quick_fit(engine, "joint fit with creep", problem, starts)?);
     }
     let population = Algorithm::DeAbc(DeAbcOptions::default());
     let generations = (setup.options.generations / 20).max(5);
@@ -118,25 +218,27 @@ fn search_globally(
     let wide = engine.run_for("joint fit, population", problem, &population, starts, generations, show)?;
     search.outcome.evaluations += wide.outcome.evaluations;
     let starts = vec![wide.outcome.best];
-    take_better(&mut search, engine.quick_fit("joint fit, population polished", problem, starts)?);
+    take_better(&mut search, quick_fit(engine, "joint fit, population polished", problem, starts)?);
     Ok(search)
 }
 
 /// Fits from the first few places; from all others where these disagree.
 fn search_from_places(
     problem: &JointProblem,
-    setup: &JointSetup<'_>,
+    (setup, begun): (&JointSetup<'_>, Option<Begun>),
     engine: &mut Engine<'_, '_>,
     show: Show<'_>,
 ) -> Result<Search, IdentifyError> {
-    let places = setup.places(problem, engine)?;
-    let Starts { mut points, evaluations } = setup.fitted(problem, &places, 0..FIRST_STARTS, engine)?;
-    points.extend(setup.unfitted(problem, &places));
-    if engine.is_stopped() {
-        points = problem.best().into_iter().collect();
-    }
-    let mut search = engine.fit_from("joint fit", problem, points, show)?;
-    search.outcome.evaluations += places.evaluations + evaluations;
+    let (places, points, evaluations) = match begun {
+        Some(begun) => {
+            let evaluations = begun.evaluations();
+            (begun.places, begun.points, evaluations)
+        }
+        None => first_points(problem, setup, engine)?,
+    };
+    let to_the_end = LeastSquaresOptions::default();
+    let mut search = local_fits(engine, "joint fit", problem, points, to_the_end, show)?;
+    search.outcome.evaluations += evaluations;
     if agreeing(&search) >= AGREEMENT || engine.cancelled {
         return Ok(search);
     }
@@ -156,31 +258,66 @@ fn take_better(search: &mut Search, other: Search) {
     }
 }
 
-/// The same dynamics with a creep factor, where the residuals are far from white and the evidence for it is
-/// very strong.
+/// What a creep factor gains: the fall of −2 ln of the likelihood, what BIC takes for its parameters, and the
+/// cost without it over that with it.
+struct Gain {
+    likelihood: f64,
+    price: f64,
+    ratio: f64,
+}
+
+impl Gain {
+    /// Of the cost of a fit without creep and a fit with it.
+    fn new((plain, cost): (&JointProblem, f64), (creeping, found): (&JointProblem, &Search)) -> Self {
+        let information = information(creeping, &found.outcome.best);
+        let ratio = cost / found.outcome.cost;
+        let parameters = creeping.bounds().dimension() - plain.bounds().dimension();
+        let price = parameters as f64 * information.ln();
+        Self { likelihood: 2.0 * information * ratio.ln(), price, ratio }
+    }
+
+    /// Whether the evidence for creep is very strong.
+    fn is_strong(&self) -> bool {
+        self.likelihood > BIC_FALL + self.price
+    }
+
+    /// Whether it is beyond doubt though the fit without creep was not followed to its end, which such fits
+    /// of records that creep are long in coming to.
+    fn is_evident(&self) -> bool {
+        self.ratio > EVIDENT_RATIO && self.likelihood > EVIDENT * (BIC_FALL + self.price)
+    }
+}
+
+/// A fit of the same dynamics with a creep factor, from the point of one without; `None` where the residuals
+/// there are not far from white.
 fn try_creep(
-    plain: &JointProblem,
-    found: &Search,
+    (plain, best): (&JointProblem, &[f64]),
     setup: &JointSetup<'_>,
-    degree: usize,
     reduced: bool,
     engine: &mut Engine<'_, '_>,
 ) -> Result<Option<(JointProblem, Search)>, IdentifyError> {
-    let coloured = information(plain, &found.outcome.best) < WHITE * plain.valid() as f64;
+    let coloured = information(plain, best) < WHITE * plain.valid() as f64;
     if !coloured || engine.is_stopped() {
         return Ok(None);
     }
-    let problem = setup.problem(degree, reduced)?;
-    let mut guesses = setup.guesses(&problem)?;
-    guesses.extend(from_plain(plain, &found.outcome.best, &problem, &guesses[..1]));
-    let search = engine.quick_fit("joint fit with creep", &problem, guesses);
-    let Some(search) = engine.unless_stopped(search)?.filter(|_| !engine.is_stopped()) else {
-        return Ok(None);
+    let problem = setup.problem(plain.degree(), reduced)?;
+    let guesses = setup.guesses(&problem)?;
+    let near = from_plain(plain, best, &problem, &guesses[..1]);
+    let options = || LeastSquaresOptions { agreement: Some(UNLIKE_STARTS), ..quick() };
+    let starts = match near.first().and_then(|near| Some((near, problem.holding_memory(near)?))) {
+        // The operators run once, and what they put out serves every point.
+        Some((near, held)) => {
+            let (dimension, memory) = (held.bounds().dimension(), &near[held.bounds().dimension()..]);
+            let starts = [near].into_iter().chain(&guesses).map(|x| x[..dimension].to_vec()).collect();
+            let fit = local_fits(engine, "creep, memory held", &held, starts, options(), None);
+            let Some(fit) = engine.unless_stopped(fit)? else { return Ok(None) };
+            vec![[&fit.outcome.best[..], memory].concat()]
+        }
+        None => near.into_iter().chain(guesses).collect(),
     };
-    let information = information(&problem, &search.outcome.best);
-    let gain = 2.0 * information * (found.outcome.cost / search.outcome.cost).ln();
-    let parameters = problem.bounds().dimension() - plain.bounds().dimension();
-    Ok((gain > BIC_FALL + parameters as f64 * information.ln()).then_some((problem, search)))
+    let search = local_fits(engine, "joint fit with creep", &problem, starts, options(), None);
+    let search = engine.unless_stopped(search)?.filter(|_| !engine.is_stopped());
+    Ok(search.map(|search| (problem, search)))
 }
 
 /// The guesses for a problem with more parameters, with those of a fit with fewer in their place.
@@ -241,7 +378,7 @@ fn choose_degree(
             (found.outcome.cost, found.outcome.best.clone())
         } else {
             let start = found.outcome.best.clone();
-            let fit = engine.quick_fit(&format!("degree {degree}"), &problem, vec![start]);
+            let fit = quick_fit(engine, &format!("degree {degree}"), &problem, vec![start]);
             match engine.unless_stopped(fit)? {
                 Some(fit) if !engine.is_stopped() => (fit.outcome.cost, fit.outcome.best),
                 _ => break,

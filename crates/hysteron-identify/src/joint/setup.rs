@@ -23,6 +23,9 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 /// period in the data.
 const FAR_DELAY_PERIODS: f64 = 1.6;
 
+/// Where coefficients of the dynamics are taken, over the fastest frequency of the drive.
+const INSIDE: f64 = 2.0;
+
 /// Everything that a joint problem of any degree is made from.
 #[derive(Clone)]
 pub(in super::super) struct JointSetup<'a> {
@@ -144,7 +147,7 @@ impl<'a> JointSetup<'a> {
             self.options.scheme(),
         );
         let problem = JointProblem::new(records, (self.hysteresis, self.form), layout, bounds, identity);
-        Ok(problem.stopped_by(&self.stop))
+        Ok(problem.with_inside(INSIDE * self.fastest_hz).stopped_by(&self.stop))
     }
 
     fn prepared(&self, degree: usize, reduced: bool) -> Result<Prepared, IdentifyError> {

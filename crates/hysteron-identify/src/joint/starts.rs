@@ -10,6 +10,7 @@ use super::super::IdentifyError;
 use super::super::engine::{Engine, Search};
 use super::super::layout::pick;
 use super::super::options::Options;
+use super::normalised::rough_fit;
 use super::problem::JointProblem;
 use super::setup::{JointSetup, memory_name, without_number};
 use hysteron_model::dynamics::{Creep, Dynamics, Modes};
@@ -130,7 +131,7 @@ impl JointSetup<'_> {
             let mut point = self.looping(problem.bounds(), found, *motion);
             if held.bounds().dimension() > 0 {
                 let start = self.looping(held.bounds(), found, *motion);
-                let fit = engine.rough_fit(&format!("dynamics, start {}", number + 1), &held, vec![start]);
+                let fit = rough_fit(engine, &format!("dynamics, start {}", number + 1), &held, vec![start]);
                 let Some(fit) = engine.unless_stopped(fit)? else { break };
                 starts.evaluations += fit.outcome.evaluations;
                 let place = |name: &str| held.bounds().ranges.iter().position(|range| range.name == name);
@@ -203,7 +204,7 @@ impl JointSetup<'_> {
         }
         let of = |settled| shapes.iter().filter(move |(shape, _)| shape.settled == settled).take(2);
         let starts = of(false).chain(of(true)).map(|(_, start)| start.clone()).collect();
-        let fit = engine.rough_fit("slowest record", &problem, starts);
+        let fit = rough_fit(engine, "slowest record", &problem, starts);
         let Some(Search { outcome: mut fit, .. }) = engine.unless_stopped(fit)? else {
             return Ok(Vec::new());
         };

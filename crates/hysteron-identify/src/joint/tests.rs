@@ -2,6 +2,7 @@
 
 use super::super::layout::Role;
 use super::drive::fine_drive;
+use super::normalised::Normalised;
 use super::parameter_layout::JointLayout;
 use super::problem::JointProblem;
 use super::record::{Clock, Ingredients, JointRecord};
@@ -322,5 +323,54 @@ fn gradient_is_exact_with_transients() {
         let gradient: f64 = column.iter().zip(&r).map(|(d, r)| d * r).sum();
         let scale: f64 = column.iter().zip(&r).map(|(d, r)| (d * r).abs()).sum();
         assert!((gradient - by_steps).abs() <= 1e-7 * scale, "{}: {gradient} {by_steps}", range.name);
+    }
+}
+
+/// In coefficients at a frequency inside the data a fit has the same points, costs and, by the chain rule,
+/// derivatives; with the memory held it has those of the others.
+#[test]
+fn coefficients_and_a_held_memory_are_the_same_fit() {
+    let before = [REMEMBERING, Start::Rest { voltage_v: 1.0 }];
+    let shape = [("threshold_1", 0.5, 0.5), ("threshold_2", 1.3, 1.3), ("threshold_3", 2.5, 2.5)];
+    let creeping = DynamicForm { modes: Modes::Fractional, creep: Creep::Fractional };
+    let whole = DynamicForm { modes: Modes::Integer { order: 3 }, creep: Creep::None };
+    let two = DynamicForm { modes: Modes::TwoFractional, creep: Creep::None };
+    for (form, numbers) in [
+        (creeping, &[120.0, 0.4, 1.9, 0.9, 0.06, 0.2][..]),
+        (whole, &[120.0, 0.4, 0.002]),
+        (two, &[120.0, 0.4, 1.9, 0.9, 310.0, 0.2, 2.1, 1.1, 0.7]),
+    ] {
+        let records = records(Scheme::BandLimited, false, before, 1);
+        let family = (PLAYS, &shape[..], &[Role::Projected; 3][..]);
+        let problem = of_family(family, form, records, [true, false]).with_inside(40.0);
+        let normalised = Normalised::new(&problem).unwrap();
+        let x = [numbers, &[0.0034, 2.7431]].concat();
+        let point = normalised.coefficients(&x);
+        assert!(point.iter().zip(&x).any(|(a, b)| a != b));
+        for (back, x) in normalised.own(&point).iter().zip(&x) {
+            assert!((back - x).abs() < 1e-12 * x.abs(), "{back} {x}");
+        }
+        let count = problem.residual_count();
+        let mut jacobian = vec![0.0; count * point.len()];
+        let written = normalised.jacobian(&point, &mut normalised.workspace(), &mut jacobian);
+        assert_eq!(written, Derivative::Written);
+        // Numbers of the dynamics alone: the others are those of the problem, which are tested.
+        for (j, column) in jacobian.chunks_exact(count).take(numbers.len()).enumerate() {
+            let along = |d: f64| {
+                let mut at = point.clone();
+                at[j] += d;
+                let mut r = vec![0.0; count];
+                assert!(normalised.residuals(&at, &mut normalised.workspace(), &mut r));
+                vec![r.iter().map(|r| 0.5 * r * r).sum::<f64>()]
+            };
+            let by_steps = difference(2e-3 * point[j], along)[0];
+            let r = residuals(&problem, &x);
+            let gradient: f64 = column.iter().zip(&r).map(|(d, r)| d * r).sum();
+            let scale: f64 = column.iter().zip(&r).map(|(d, r)| (d * r).abs()).sum();
+            assert!((gradient - by_steps).abs() <= 1e-7 * scale, "{j}: {gradient} {by_steps} of {scale}");
+        }
+        let held = problem.holding_memory(&x).unwrap();
+        let same = residuals(&held, &x[..x.len() - 1]);
+        assert_eq!(same, residuals(&problem, &x));
     }
 }

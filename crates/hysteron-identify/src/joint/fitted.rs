@@ -1,0 +1,112 @@
+//! The optimum of a joint fit on all samples, from the best point of its search.
+
+use super::super::IdentifyError;
+use super::super::engine::{Engine, Search};
+use super::super::options::Options;
+use super::super::result::Reduction;
+use super::between::{self, InterSampleChoice};
+use super::normalised::quick_fit;
+use super::problem::JointProblem;
+use super::search::{Optimum, information};
+use super::setup::JointSetup;
+use hysteron_optimize::{LeastSquaresProblem, Problem};
+
+/// The delay's name among the parameters.
+pub(super) const DELAY: &str = "delay";
+pub(super) const ALL_SAMPLES: &str = "all samples";
+
+/// The optimum of a joint fit.
+pub(super) struct Fitted<'a> {
+    pub(super) setup: JointSetup<'a>,
+    /// All samples; those of the search where a stop left no fit of all.
+    pub(super) problem: JointProblem,
+    pub(super) x: Vec<f64>,
+    /// The thinned records that were searched, and the optimum there.
+    pub(super) thinned: Option<(JointProblem, Vec<f64>)>,
+    pub(super) search: Search,
+    pub(super) degree: usize,
+    /// Degrees tried, with cost and BIC.
+    pub(super) degrees: Vec<(usize, f64, f64)>,
+    /// How the rule between samples was chosen, where the records could tell.
+    pub(super) between: Option<InterSampleChoice>,
+    pub(super) reduction: Option<Reduction>,
+}
+
+impl<'a> Fitted<'a> {
+    /// Fits all samples from the optimum of a search on `reduced` records, also under the `other` rules
+    /// between samples.
+    pub(super) fn on_all_samples(
+        optimum: Optimum<'a>,
+        reduced: bool,
+        others: &'a [Options],
+        engine: &mut Engine<'_, '_>,
+    ) -> Result<Self, IdentifyError> {
+        let Optimum { mut setup, problem, mut search, degree, best, degrees } = optimum;
+        let mut thinned = if reduced { Some((setup.problem(degree, true)?, best.clone())) } else { None };
+        let Some((mut whole, mut x, mut cost)) = polished(&setup, (degree, best), reduced, engine)? else {
+            let (x, degree) = (search.outcome.best.clone(), problem.degree());
+            let (between, reduction) = (None, None);
+            return Ok(Self { setup, problem, x, thinned, search, degree, degrees, between, reduction });
+        };
+        let independent = information(&whole, &x);
+        let own = (&whole, &x[..], cost);
+        let (between, better) =
+            between::compared(&setup, others, own, (degree, independent), engine)?.unzip();
+        if let Some(better) = better.flatten() {
+            setup = setup.anew(&others[better.index]);
+            if reduced {
+                let problem = setup.problem(degree, true)?;
+                let fit = quick_fit(engine, ALL_SAMPLES, &problem, vec![better.x.clone()]);
+                let fit = engine.unless_stopped(fit)?.map(|fit| fit.outcome.best);
+                let before = thinned.map_or_else(Vec::new, |(_, x)| x);
+                thinned = Some((problem, fit.unwrap_or(before)));
+            }
+            (whole, x, cost) = (better.problem, better.x, better.cost);
+        }
+        (search.outcome.cost, search.outcome.best) = (cost, x.clone());
+        let samples = whole.residual_count();
+        let reduction =
+            thinned.as_ref().map(|(thinned, _)| Reduction { samples, searched: thinned.valid(), moved: 0.0 });
+        Ok(Self { setup, problem: whole, x, thinned, search, degree, degrees, between, reduction })
+    }
+
+    /// The same optimum with a delay of 0 that is free under the options `asked`: what slow drive does not
+    /// tell is left out of the model, but not of the errors. A stop from here on leaves this point.
+    pub(super) fn with_free_delay(self, asked: &'a Options) -> Result<Self, IdentifyError> {
+        let setup = self.setup.with(self.setup.form, asked);
+        let freed = |reduced: bool, x: &[f64]| -> Result<(JointProblem, Vec<f64>), IdentifyError> {
+            let problem = setup.problem(self.degree, reduced)?;
+            let place = problem.bounds().ranges.iter().position(|range| range.name == DELAY);
+            let mut x = x.to_vec();
+            x.insert(place.map_or(x.len(), |place| place.min(x.len())), 0.0);
+            Ok((problem, x))
+        };
+        let (problem, x) = freed(false, &self.x)?;
+        if !problem.cost(&x, &mut problem.workspace()).is_finite() {
+            return Ok(self);
+        }
+        let thinned = self.thinned.as_ref().map(|(_, x)| freed(true, x)).transpose()?;
+        Ok(Self { setup, problem, x, thinned, ..self })
+    }
+}
+
+/// The problem of all samples, its optimum from the `best` point of the search, and the cost there; `None`
+/// where a stop left none.
+fn polished(
+    setup: &JointSetup<'_>,
+    (degree, best): (usize, Vec<f64>),
+    reduced: bool,
+    engine: &mut Engine<'_, '_>,
+) -> Result<Option<(JointProblem, Vec<f64>, f64)>, IdentifyError> {
+    if engine.is_stopped() {
+        return Ok(None);
+    }
+    let whole = setup.problem(degree, false)?;
+    if !reduced {
+        let cost = whole.cost(&best, &mut whole.workspace());
+        return Ok(cost.is_finite().then_some((whole, best, cost)));
+    }
+    let polished = quick_fit(engine, ALL_SAMPLES, &whole, vec![best]);
+    let polished = engine.unless_stopped(polished)?.map(|search| search.outcome);
+    Ok(polished.filter(|end| end.cost.is_finite()).map(|end| (whole, end.best, end.cost)))
+}

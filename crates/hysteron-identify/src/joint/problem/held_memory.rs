@@ -1,0 +1,37 @@
+//! A joint fit with the memory of its records held.
+
+use std::sync::Arc;
+
+use hysteron_optimize::Bounds;
+
+use super::super::super::layout::Role;
+use super::JointProblem;
+
+impl JointProblem {
+    /// The same with the memory of every record held as it is at `x`, and that point of it; `None` where no
+    /// memory is searched, or shape numbers are, with which the operators run anew at every point anyway.
+    pub(in super::super) fn holding_memory(&self, x: &[f64]) -> Option<Self> {
+        let mut layout = self.layout.clone();
+        // They stand last in the search.
+        let rest = layout.memory.iter().filter_map(|role| role.index()).min()?;
+        if rest == 0 || self.shaped.contains(&true) {
+            return None;
+        }
+        for role in &mut layout.memory {
+            *role = Role::Fixed(role.value(x)?);
+        }
+        let bounds = Bounds { ranges: self.bounds.ranges[..rest].to_vec() };
+        let held = Self::new(
+            Arc::clone(&self.records),
+            (self.hysteresis, self.form),
+            layout,
+            bounds,
+            format!(
+                "{} with memory held {:x?}",
+                self.identity,
+                x[rest..].iter().map(|x| x.to_bits()).collect::<Vec<_>>()
+            ),
+        );
+        Some(held.with_inside(self.inside_hz).stopped_by(&self.stop))
+    }
+}
