@@ -1,4 +1,4 @@
-//! What the printed numbers imply about each other.
+//! Contradictions between the printed numbers.
 
 use super::ArticleError;
 use super::printed::{self, EQ_13, TABLE_2, TABLE_3};

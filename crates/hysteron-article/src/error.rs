@@ -1,4 +1,4 @@
-//! What can go wrong in a reproduction.
+//! Errors of a reproduction.
 
 use hysteron_identify::IdentifyError;
 use hysteron_model::dynamics::DynamicsError;

@@ -1,4 +1,4 @@
-//! What only the program knows of the models it makes.
+//! Program name, version and time of the models that the command writes.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 

@@ -1,4 +1,4 @@
-//! What the device did before a record's first sample.
+//! Flags for the state of the device before a record's first sample.
 
 use std::path::Path;
 

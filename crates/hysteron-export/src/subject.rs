@@ -1,4 +1,4 @@
-//! What is exported: a realised model with what is known about it.
+//! The subject of an export: a realised model with its facts.
 
 use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::model_file::{ModelFile, ScoreEntry, ScoreRole, ValidRange};

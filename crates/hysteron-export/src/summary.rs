@@ -1,4 +1,4 @@
-//! What was exported, for programs.
+//! Summary of an export, for programs.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! What the records of a campaign are good for.
+//! Uses of the records of a campaign.
 
 use super::options::{CampaignRecord, DynamicsChoice, Options, RecordRole};
 use super::{IdentifyError, RecordFacts};

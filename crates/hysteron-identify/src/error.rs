@@ -1,4 +1,4 @@
-//! What can go wrong between records and a model.
+//! Errors between records and a model.
 
 use crate::baselines::BaselineError;
 use crate::structure::UnknownCandidate;

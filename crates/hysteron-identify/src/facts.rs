@@ -1,4 +1,4 @@
-//! What an identification needs to know of a record before any fit.
+//! Facts of a record that an identification needs before any fit.
 
 use super::IdentifyError;
 use hysteron_model::record::{

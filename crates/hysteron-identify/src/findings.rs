@@ -1,4 +1,4 @@
-//! What the fit says about the device and what the records leave open, in plain words.
+//! Findings of a fit about the device, and parameters that the records leave undetermined, in plain words.
 
 use super::defaults::beside_wide_moves;
 use super::facts::amplitudes;

@@ -3,10 +3,11 @@
 
 use super::RecordFacts;
 use super::facts::amplitudes;
-use super::joint::{Covariance, without_number};
+use super::joint::Covariance;
 use super::result::{Identification, Parameter};
 use super::{Finding, FindingKind};
 use hysteron_model::Advice;
+use hysteron_model::dynamics::{DynamicForm, ParameterKind};
 use hysteron_model::hysteresis::Hysteresis;
 use hysteron_numeric::display::short;
 
@@ -221,6 +222,25 @@ struct Advisor<'a> {
     longest_s: f64,
 }
 
+/// Whether a parameter of the dynamics shows in slow motion.
+fn is_slow(kind: ParameterKind) -> bool {
+    match kind {
+        ParameterKind::LowestOrder
+        | ParameterKind::CreepSize
+        | ParameterKind::CreepOrder
+        | ParameterKind::CreepPerDecade
+        | ParameterKind::CreepStart
+        | ParameterKind::CreepShare(_)
+        | ParameterKind::CreepTime(_) => true,
+        ParameterKind::NaturalFrequency(_)
+        | ParameterKind::Damping(_)
+        | ParameterKind::HighestOrder(_)
+        | ParameterKind::MiddleOrder(_)
+        | ParameterKind::Share(_)
+        | ParameterKind::Lag => false,
+    }
+}
+
 impl<'a> Advisor<'a> {
     fn new(facts: &[RecordFacts], result: &'a Identification) -> Self {
         let most = |of: &dyn Fn(&RecordFacts) -> f64| facts.iter().map(of).fold(0.0, f64::max);
@@ -266,7 +286,8 @@ impl<'a> Advisor<'a> {
         let has = |wanted: &dyn Fn(&str) -> bool| names.iter().any(|name| wanted(name));
         let mut help: Vec<String> = Vec::new();
         let hysteretic =
-            |name: &str| ["alpha", "beta", "gamma", "n"].contains(&name) || self.power(name).is_some();
+            |name: &str| self.parameters.iter().any(|p| p.name == name && p.block == "hysteresis");
+        let dynamic = |name: &str| DynamicForm::parameter_named(name).map(|parameter| parameter.kind);
         if has(&hysteretic) {
             help.push(if self.amplitudes <= 1 {
                 "a record with loops at half and a quarter of the amplitude".into()
@@ -277,13 +298,10 @@ impl<'a> Advisor<'a> {
                 format!("slow loops over a wider range than {}{}", short(self.range_v), self.unit)
             });
         }
-        if has(&|name| {
-            ["natural_frequency", "damping", "order2", "order1", "lag", "share", "delay"]
-                .contains(&without_number(name))
-        }) {
+        if has(&|name| name == "delay" || dynamic(name).is_some_and(|kind| !is_slow(kind))) {
             help.push(self.faster());
         }
-        if has(&|name| name.starts_with("creep") || name == "order0") {
+        if has(&|name| dynamic(name).is_some_and(is_slow)) {
             help.push(format!(
                 "a slow record, or a step and hold, longer than {} s",
                 short(LONGER * self.longest_s)

@@ -1,4 +1,4 @@
-//! What is searched, what is projected out and what is held: the roles of the named parameters of one step.
+//! Roles of the named parameters of one step: searched, projected out or held.
 
 use super::IdentifyError;
 use hysteron_optimize::{Bounds, Range};

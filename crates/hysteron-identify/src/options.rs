@@ -1,4 +1,4 @@
-//! What a user can ask of an identification.
+//! Options of an identification.
 
 use super::IdentifyError;
 use super::layout::Demands;

@@ -1,4 +1,4 @@
-//! What an identification hands out.
+//! Results of an identification.
 
 use super::engine::Search;
 use super::joint::{Covariance, InterSampleChoice, Interval, OutputUncertainty, PredictionBand, Smoothing};

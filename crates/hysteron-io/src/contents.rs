@@ -1,4 +1,4 @@
-//! What a file holds, before anything of it is chosen.
+//! Contents of a file, before anything of it is chosen.
 
 use std::io::Read;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! What the user may say about a file.
+//! Options of reading a file.
 
 use hysteron_model::record::Cut;
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! What a format provides: how its files are recognised, and read into columns.
+//! Interface of a format: how its files are recognised, and read into columns.
 
 use std::io::{Cursor, Read};
 

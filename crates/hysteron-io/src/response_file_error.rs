@@ -1,4 +1,4 @@
-//! What can be wrong with a file of a frequency response.
+//! Errors of a file of a frequency response.
 
 use hysteron_model::Advice;
 use hysteron_model::record::RecordError;

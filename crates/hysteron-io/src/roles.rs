@@ -1,4 +1,4 @@
-//! What each column of a record is, decided by its header and by what the caller chose.
+//! Roles of the columns of a record, decided by its header and by the caller's choices.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! What fractional calculus of samples and the dynamic block can refuse.
+//! Errors of fractional calculus of samples and of the dynamic block.
 
 use crate::fractional::Scheme;
 use hysteron_numeric::display::short;

@@ -1,4 +1,4 @@
-//! What was found out about records, a fit or a model, in plain words.
+//! Findings about records, a fit or a model, in plain words.
 
 use std::borrow::Cow;
 use std::fmt;

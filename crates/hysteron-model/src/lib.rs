@@ -1,4 +1,4 @@
-//! What a model of a piezo actuator is and does.
+//! Models of piezo actuators: structure, simulation, inversion, control.
 //!
 //! In the order of the data: [`record`] holds what was measured, channels with units on a time base. A
 //! Hammerstein model has two blocks, [`hysteresis`] (article Eq. 1) and [`dynamics`], a transfer function

@@ -1,4 +1,4 @@
-//! What a device did before a record's first sample.
+//! State of a device before a record's first sample.
 
 use hysteron_numeric::display::short;
 use serde::{Deserialize, Serialize};

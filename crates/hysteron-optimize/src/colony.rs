@@ -1,4 +1,4 @@
-//! What the two bee colonies share: food sources, their acceptance, roulette and exhaustion.
+//! Parts that the two bee colonies share: food sources, their acceptance, roulette and exhaustion.
 
 use super::infinite_as_null;
 use super::ledger::{Scratch, Search};

@@ -1,4 +1,4 @@
-//! What a run found.
+//! Outcome of a run.
 
 use super::{Checkpoint, GenerationRecord, Improvement, StartResult};
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! What is minimised: a cost, or the root mean square of a residual vector.
+//! Problems to be minimised: a cost, or the root mean square of a residual vector.
 
 use super::Bounds;
 

@@ -1,4 +1,4 @@
-//! What Python asks of an identification, by names.
+//! Tasks of an identification from Python, by names.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! What became of every start of a search.
+//! Table of every start of a search.
 
 use crate::number::significant;
 use crate::page::{Block, Column, Table};

@@ -1,4 +1,4 @@
-//! What can be wrong with a simulated bench or its drive.
+//! Errors of a simulated bench or its drive.
 
 use hysteron_numeric::display::short;
 use thiserror::Error;

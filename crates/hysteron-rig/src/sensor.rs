@@ -1,4 +1,4 @@
-//! What the sensor makes of the true displacement.
+//! Sensor of the bench: noise and steps on the true displacement.
 
 use rand::Rng;
 use rand_xoshiro::Xoshiro256PlusPlus;

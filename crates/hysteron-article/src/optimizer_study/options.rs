@@ -1,4 +1,4 @@
-//! What is to be compared.
+//! Options of a study of optimisers.
 
 use super::Competitor;
 use crate::ArticleError;

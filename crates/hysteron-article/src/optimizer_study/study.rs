@@ -1,4 +1,4 @@
-//! What a study found.
+//! Results of a study of optimisers.
 
 use super::competitor::GENERATION;
 use super::{Competitor, Quartiles, StudyOptions, StudyProblem, quartiles};

@@ -1,4 +1,4 @@
-//! What came of the correction, for people and for programs.
+//! Results of a correction, as text and as JSON.
 
 use hysteron_identify::online::{Alarm, FollowMethod, Followed};
 use hysteron_numeric::display::short;

@@ -1,4 +1,4 @@
-//! What the flags ask of the library.
+//! Flags of `hysteron identify` as options of the library.
 
 use clap::ValueEnum;
 use clap::builder::PossibleValue;

@@ -1,4 +1,4 @@
-//! What the flags ask of an oscillator, of modes and of branches.
+//! Flags of oscillators, of modes and of branches as options of the library.
 
 use hysteron_identify::oscillator::Options;
 use hysteron_identify::{Choice, Initial, Method, Task, coupled};

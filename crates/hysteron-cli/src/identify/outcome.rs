@@ -1,4 +1,4 @@
-//! What `hysteron identify` prints.
+//! Output of `hysteron identify`.
 
 use hysteron_identify::{Fit, FitParameter, Interval, IntervalMethod, Place, RecordFit};
 use hysteron_model::Model;

@@ -1,4 +1,4 @@
-//! What the records together can determine.
+//! Parameters that the records determine together.
 
 use hysteron_identify::structure::Prospects;
 use hysteron_model::record::InputOutput;

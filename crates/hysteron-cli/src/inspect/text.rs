@@ -1,4 +1,4 @@
-//! What was found, for people.
+//! Inspections as text.
 
 use hysteron_model::record::{NoiseMethod, TimeBase, Unit};
 use hysteron_report::number::significant;

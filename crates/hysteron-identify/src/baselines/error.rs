@@ -1,4 +1,4 @@
-//! What a baseline can refuse.
+//! Errors of a baseline.
 
 use hysteron_numeric::display::short;
 

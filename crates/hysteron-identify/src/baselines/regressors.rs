@@ -1,4 +1,4 @@
-//! What a NARX model sees of the past: outputs, inputs, and the direction of the drive.
+//! Regressors of a NARX model: past outputs, inputs, and the direction of the drive.
 
 /// Regressors of y_k, with samples one lag interval apart.
 ///

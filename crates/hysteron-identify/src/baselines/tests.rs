@@ -1,4 +1,4 @@
-//! What every baseline keeps to.
+//! Properties of every baseline.
 
 use hysteron_optimize::Stop;
 use std::f64::consts::TAU;

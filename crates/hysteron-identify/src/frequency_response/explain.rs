@@ -1,4 +1,4 @@
-//! What a fitted structure explains, in plain words.
+//! Explanation of a fitted structure in plain words.
 
 use super::{Core, FrequencyResponse, ResponseFit};
 

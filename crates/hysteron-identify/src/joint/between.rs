@@ -1,4 +1,4 @@
-//! What the drive does between its samples, told by the records where it shows.
+//! Choice of the rule of the drive between samples, where the records tell.
 
 use super::super::engine::Engine;
 use super::super::options::{Choice, Options};

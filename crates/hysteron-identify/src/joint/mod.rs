@@ -37,5 +37,5 @@ pub(super) use knowledge::coloured_square;
 pub(super) use model::assemble;
 pub use objective::{JointObjective, JointScratch};
 pub(super) use problem::JointProblem;
-pub(super) use setup::{JointSetup, form, memory_name, scheme, without_number};
+pub(super) use setup::{JointSetup, form, memory_name, scheme};
 pub use smoothing::Smoothing;

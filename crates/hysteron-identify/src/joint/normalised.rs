@@ -8,7 +8,7 @@
 use super::super::engine::{Engine, Search, Show, quick, rough};
 use super::super::layout::Role;
 use super::problem::{JointProblem, JointWorkspace};
-use hysteron_model::dynamics::Modes;
+use hysteron_model::dynamics::{Modes, ParameterKind};
 use hysteron_optimize::{
     Bounds, Derivative, LeastSquaresOptions, LeastSquaresProblem, OptimizeError, Problem, Range,
 };
@@ -54,36 +54,26 @@ pub(super) struct Normalised<'p> {
 impl<'p> Normalised<'p> {
     /// `None` where no factor of the dynamics is searched, or its resonances are within the band.
     pub(super) fn new(problem: &'p JointProblem) -> Option<Self> {
-        let form = problem.form();
+        let (form, layout) = (problem.form(), problem.layout());
         let one_resonance = match form.modes {
             Modes::Fractional | Modes::FractionalFreeLowest | Modes::TwoFractional => true,
             Modes::Integer { order } => order <= 3,
             Modes::None | Modes::Resonances { .. } => false,
         };
-        let names: Vec<&str> = form.parameters().iter().map(|parameter| parameter.name).collect();
-        let role = |wanted: &str| {
-            let place = names.iter().position(|name| *name == wanted)?;
-            problem.layout().form.get(place).copied()
+        let order = |kind: ParameterKind, whole: f64| match layout.role(&form, kind) {
+            Some(Role::Searched(index)) => Order::Searched(index),
+            Some(Role::Fixed(value)) => Order::Held(value),
+            _ => Order::Held(whole),
         };
-        let factor = |name: &str| {
-            let number = name.strip_prefix("natural_frequency")?;
-            let searched = |name: &str| match role(&format!("{name}{number}")) {
-                Some(Role::Searched(index)) => Some(index),
-                _ => None,
-            };
-            let order = |name: &str, whole: f64| match role(&format!("{name}{number}")) {
-                Some(Role::Searched(index)) => Order::Searched(index),
-                Some(Role::Fixed(value)) => Order::Held(value),
-                _ => Order::Held(whole),
-            };
-            let orders = [order("order2", 2.0), order("order1", 1.0)];
+        let factor = |mode: usize| {
+            let highest = order(ParameterKind::HighestOrder(mode), 2.0);
             Some(Factor {
-                natural_frequency: searched("natural_frequency")?,
-                damping: searched("damping")?,
-                orders,
+                natural_frequency: layout.place(&form, ParameterKind::NaturalFrequency(mode))?,
+                damping: layout.place(&form, ParameterKind::Damping(mode))?,
+                orders: [highest, order(ParameterKind::MiddleOrder(mode), 1.0)],
             })
         };
-        let factors: Vec<Factor> = names.iter().filter_map(|name| factor(name)).collect();
+        let factors: Vec<Factor> = (1..=form.parameter_count()).filter_map(factor).collect();
         if !one_resonance || factors.is_empty() {
             return None;
         }

@@ -1,6 +1,7 @@
 //! The parameters of a joint fit: which are searched, held or eliminated, and their values.
 
 use super::super::layout::Role;
+use hysteron_model::dynamics::{DynamicForm, ParameterKind};
 use hysteron_model::hysteresis::{Hysteresis, HysteresisForm};
 use hysteron_model::model_file::polynomial_name;
 
@@ -24,6 +25,17 @@ impl JointLayout {
     /// What the output is linear in: coefficients of u, u², …, then weights.
     pub(in super::super) fn linear(&self) -> impl Iterator<Item = &Role> {
         self.polynomial.iter().chain(&self.weights)
+    }
+
+    /// Role of a parameter of the dynamics, where the family `form` has it.
+    pub(super) fn role(&self, form: &DynamicForm, kind: ParameterKind) -> Option<Role> {
+        let place = form.parameters().iter().position(|parameter| parameter.kind == kind)?;
+        self.form.get(place).copied()
+    }
+
+    /// Where a parameter of the dynamics stands in the search, if it is searched.
+    pub(super) fn place(&self, form: &DynamicForm, kind: ParameterKind) -> Option<usize> {
+        self.role(form, kind).and_then(Role::index)
     }
 
     /// Name of what the output is linear in.

@@ -11,7 +11,7 @@ use super::problem::JointProblem;
 use super::record::JointRecord;
 use super::resonances::{Resonance, resonances};
 use hysteron_model::Start;
-use hysteron_model::dynamics::{DynamicForm, Modes, Scheme};
+use hysteron_model::dynamics::{DynamicForm, FormParameter, Modes, ParameterKind, Scheme};
 use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::model_file::polynomial_name;
 use hysteron_optimize::{Bounds, Problem, Range, Stop};
@@ -193,12 +193,8 @@ impl<'a> JointSetup<'a> {
         let (weights, shape) = self.family(&mut space);
         // Nothing is remembered by a hysteretic part that is not there.
         let hysteretic = weights.iter().any(|weight| *weight != Role::Fixed(0.0));
-        let form = self
-            .form
-            .parameters()
-            .iter()
-            .map(|parameter| space.searched(self.range(parameter.name)))
-            .collect();
+        let form =
+            self.form.parameters().iter().map(|parameter| space.searched(self.range(parameter))).collect();
         let delay = match self.options.delay_s {
             Choice::Given(delay) => Role::Fixed(delay),
             Choice::Auto => space.searched(Range::linear("delay", 0.0, self.longest_delay_s)),
@@ -228,7 +224,7 @@ impl<'a> JointSetup<'a> {
     }
 
     /// Search range of a parameter of the dynamics.
-    fn range(&self, name: &str) -> Range {
+    fn range(&self, parameter: &FormParameter) -> Range {
         // A resonance shows in its flank, up to a decade above the fastest drive.
         let low = (0.5 * self.fastest_hz).min(0.05 * self.rate_hz);
         // Several of them are only seen within the drive.
@@ -237,25 +233,27 @@ impl<'a> JointSetup<'a> {
         // What is faster than the fastest drive is not creep, what is slower than the longest record a drift.
         let longest = self.members.iter().map(JointMember::duration_s).fold(0.0, f64::max);
         let fastest_creep = 1.0 / (TAU * self.fastest_hz);
-        match without_number(name) {
-            "natural_frequency" => Range::logarithmic(name, low, high),
-            "lag" => Range::logarithmic(name, 0.02 / self.rate_hz, 3.0 / self.fastest_hz),
-            "damping" => Range::logarithmic(name, lightest, 20.0),
+        let linear = |low, high| Range::linear(parameter.name, low, high);
+        let logarithmic = |low, high| Range::logarithmic(parameter.name, low, high);
+        match parameter.kind {
+            ParameterKind::NaturalFrequency(_) => logarithmic(low, high),
+            ParameterKind::Damping(_) => logarithmic(lightest, 20.0),
+            ParameterKind::HighestOrder(_) => linear(1.2, 2.6),
+            ParameterKind::MiddleOrder(_) => linear(0.02, 1.6),
+            ParameterKind::LowestOrder => linear(0.0, 0.5),
             // A mode may move against the others.
-            "share" if matches!(self.form.modes, Modes::Resonances { .. }) => Range::linear(name, -1.0, 2.0),
-            "order2" => Range::linear(name, 1.2, 2.6),
-            "order1" => Range::linear(name, 0.02, 1.6),
-            "order0" => Range::linear(name, 0.0, 0.5),
-            "creep" => Range::logarithmic(name, 1e-4, 1.0),
-            "creep_order" => Range::linear(name, 0.01, 0.6),
-            "creep_per_decade" => Range::logarithmic(name, 1e-5, 0.3),
-            // The chain reaches 1e5 times as far.
-            "creep_start" => {
-                Range::logarithmic(name, (0.5 / self.rate_hz).max(1e-5 * longest), 0.3 * longest)
+            ParameterKind::Share(_) if matches!(self.form.modes, Modes::Resonances { .. }) => {
+                linear(-1.0, 2.0)
             }
-            "creep_time" => Range::logarithmic(name, fastest_creep.min(0.1 * longest), 3.0 * longest),
-            "share" => Range::linear(name, 0.0, 1.0),
-            _ => Range::linear(name, 0.0, 1.0),
+            ParameterKind::Share(_) => linear(0.0, 1.0),
+            ParameterKind::Lag => logarithmic(0.02 / self.rate_hz, 3.0 / self.fastest_hz),
+            ParameterKind::CreepSize => logarithmic(1e-4, 1.0),
+            ParameterKind::CreepOrder => linear(0.01, 0.6),
+            ParameterKind::CreepPerDecade => logarithmic(1e-5, 0.3),
+            // The chain reaches 1e5 times as far.
+            ParameterKind::CreepStart => logarithmic((0.5 / self.rate_hz).max(1e-5 * longest), 0.3 * longest),
+            ParameterKind::CreepShare(_) => linear(0.0, 1.0),
+            ParameterKind::CreepTime(_) => logarithmic(fastest_creep.min(0.1 * longest), 3.0 * longest),
         }
     }
 }
@@ -266,14 +264,6 @@ fn pairs(form: &DynamicForm) -> usize {
         Modes::Integer { order } => order / 2,
         Modes::Resonances { count, .. } => count,
         _ => 0,
-    }
-}
-
-/// `natural_frequency_2` as `natural_frequency`.
-pub(in super::super) fn without_number(name: &str) -> &str {
-    match name.rsplit_once('_') {
-        Some((name, number)) if number.bytes().all(|b| b.is_ascii_digit()) => name,
-        _ => name,
     }
 }
 

@@ -10,13 +10,14 @@ use super::super::IdentifyError;
 use super::super::engine::{Engine, Search};
 use super::super::layout::pick;
 use super::super::options::Options;
+use super::fitted::DELAY;
 use super::normalised::rough_fit;
 use super::problem::JointProblem;
-use super::setup::{JointSetup, memory_name, without_number};
-use hysteron_model::dynamics::{Creep, Dynamics, Modes};
+use super::setup::{JointSetup, memory_name};
+use hysteron_model::dynamics::{Creep, DynamicForm, Dynamics, Modes, ParameterKind};
 use hysteron_model::hammerstein::Model;
 use hysteron_model::model_file::polynomial_name;
-use hysteron_optimize::{Bounds, Problem, Stop};
+use hysteron_optimize::{self as optimize, Bounds, Problem, Stop};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -245,7 +246,7 @@ impl JointSetup<'_> {
         if self.form.modes == Modes::None {
             return vec![FAST, FAST];
         }
-        let orders = if problem.bounds().ranges.iter().any(|r| r.name == "order1") {
+        let orders = if problem.layout().place(&self.form, ParameterKind::MiddleOrder(1)).is_some() {
             &ORDERS[..]
         } else {
             &ORDERS[..1]
@@ -297,55 +298,65 @@ impl JointSetup<'_> {
         motion: Motion,
         memory: impl Fn(usize) -> f64,
     ) -> Vec<f64> {
-        let names = self.hysteresis.shape_names();
-        let resonances = if motion.measured { self.resonances() } else { &[] };
+        let parameters = self.form.parameters();
+        let (shape_names, weight_names) = (self.hysteresis.shape_names(), self.hysteresis.weight_names());
         pick(bounds, |name| {
-            let elements = match self.form.creep {
-                Creep::KelvinVoigt { elements } => elements as f64,
-                _ => 1.0,
-            };
-            let number = |name: &str| {
-                let number = name.rsplit('_').next().and_then(|n| n.parse().ok());
-                number.map_or(1.0, |n: usize| n.max(1) as f64)
-            };
-            let at = |t: f64| bounds.ranges.iter().find(|r| r.name == name).map(|r| r.from_unit(t));
-            let found = resonances.get(number(name) as usize - 1);
-            match (without_number(name), found) {
-                // At these resonances for the place in the centre, else at some distance from them.
-                ("natural_frequency", Some(r)) => {
-                    return Some(r.natural_frequency_hz * (1.0 + 0.25 * (motion.place - CENTRE)));
-                }
-                ("damping", Some(r)) => return Some(r.damping * (motion.damping / DAMPINGS[1]).sqrt()),
-                ("share", Some(r)) => return Some(r.share),
-                _ => {}
+            if let Some(parameter) = parameters.iter().find(|parameter| parameter.name == name) {
+                let range = bounds.ranges.iter().find(|range| range.name == name)?;
+                return Some(self.first_value(parameter.kind, range, motion));
             }
-            match name {
-                "alpha" => Some(0.3 * self.scales.slope),
-                "delay" => Some(0.0),
-                "natural_frequency" => at(motion.place),
-                name if name.starts_with("natural_frequency_") => {
-                    at(motion.place + (1.0 - motion.place) * (1.0 - 1.0 / number(name)))
-                }
-                "lag" => at(1.0 - motion.place),
-                name if without_number(name) == "damping" => Some(motion.damping),
-                "order2" | "order2_2" => Some(2.0),
-                "order1" | "order1_2" => Some(motion.order1),
-                "order0" => Some(0.02),
-                "share" => Some(0.9),
-                name if without_number(name) == "share" => Some(0.0),
-                "creep" => Some(0.05),
-                "creep_order" => Some(0.15),
-                "creep_per_decade" => Some(0.02),
-                "creep_start" => Some(0.1),
-                // Elements share the range of times.
-                name if name.starts_with("creep_time_") => at(number(name) / (elements + 1.0)),
-                name if name.starts_with("creep_") => Some(0.03),
-                name => match names.iter().position(|own| own == name) {
-                    Some(index) => numbers.get(index).copied(),
-                    None => (0..self.members.len()).find(|&r| memory_name(r) == name).map(&memory),
-                },
+            if let Some(index) = shape_names.iter().position(|own| own == name) {
+                return numbers.get(index).copied();
             }
+            if name == DELAY {
+                return Some(0.0);
+            }
+            if weight_names.iter().any(|own| own == name) {
+                return Some(0.3 * self.scales.slope / weight_names.len() as f64);
+            }
+            (0..self.members.len()).find(|&record| memory_name(record) == name).map(&memory)
         })
+    }
+
+    /// Where a parameter of the dynamics starts.
+    fn first_value(&self, kind: ParameterKind, range: &optimize::Range, motion: Motion) -> f64 {
+        let measured = |mode: usize| {
+            let resonances = if motion.measured { self.resonances() } else { &[] };
+            resonances.get(mode - 1)
+        };
+        match kind {
+            // At these resonances for the place in the centre, else at some distance from them.
+            ParameterKind::NaturalFrequency(mode) => match measured(mode) {
+                Some(found) => found.natural_frequency_hz * (1.0 + 0.25 * (motion.place - CENTRE)),
+                None => range.from_unit(motion.place + (1.0 - motion.place) * (1.0 - 1.0 / mode as f64)),
+            },
+            ParameterKind::Damping(mode) => match measured(mode) {
+                Some(found) => found.damping * (motion.damping / DAMPINGS[1]).sqrt(),
+                None => motion.damping,
+            },
+            ParameterKind::Share(mode) => match measured(mode) {
+                Some(found) => found.share,
+                None if mode == 1 => 0.9,
+                None => 0.0,
+            },
+            ParameterKind::HighestOrder(_) => 2.0,
+            ParameterKind::MiddleOrder(_) => motion.order1,
+            ParameterKind::LowestOrder => 0.02,
+            ParameterKind::Lag => range.from_unit(1.0 - motion.place),
+            ParameterKind::CreepSize => 0.05,
+            ParameterKind::CreepOrder => 0.15,
+            ParameterKind::CreepPerDecade => 0.02,
+            ParameterKind::CreepStart => 0.1,
+            ParameterKind::CreepShare(_) => 0.03,
+            // Elements share the range of times.
+            ParameterKind::CreepTime(element) => {
+                let elements = match self.form.creep {
+                    Creep::KelvinVoigt { elements } => elements,
+                    Creep::None | Creep::Fractional | Creep::Logarithmic => 1,
+                };
+                range.from_unit(element as f64 / (elements as f64 + 1.0))
+            }
+        }
     }
 }
 
@@ -384,13 +395,14 @@ fn of_model(model: &Model, bounds: &Bounds) -> Vec<f64> {
         Dynamics::None | Dynamics::Arx(_) => None,
     };
     let polynomial = hysteresis.polynomial();
-    pick(bounds, |name| match name {
-        "delay" => Some(model.delay_s),
-        "natural_frequency" => form.map(|f| f.natural_frequency_hz),
-        "damping" => form.map(|f| f.damping),
-        "order2" => form.map(|f| f.alpha2),
-        "order1" => form.map(|f| f.alpha1),
-        name => match own.iter().find(|(own, _)| own == name) {
+    pick(bounds, |name| match DynamicForm::parameter_named(name).map(|parameter| parameter.kind) {
+        Some(ParameterKind::NaturalFrequency(1)) => form.map(|f| f.natural_frequency_hz),
+        Some(ParameterKind::Damping(1)) => form.map(|f| f.damping),
+        Some(ParameterKind::HighestOrder(1)) => form.map(|f| f.alpha2),
+        Some(ParameterKind::MiddleOrder(1)) => form.map(|f| f.alpha1),
+        Some(_) => None,
+        None if name == DELAY => Some(model.delay_s),
+        None => match own.iter().find(|(own, _)| own == name) {
             Some((_, value)) => Some(*value),
             None => (1..=polynomial.len()).find(|&i| polynomial_name(i) == name).map(|i| polynomial[i - 1]),
         },

@@ -1,4 +1,4 @@
-//! What the records know about the parameters.
+//! Covariance of the parameters of an oscillator.
 
 use hysteron_model::model_file::OscillatorFile;
 use nalgebra::DMatrix;

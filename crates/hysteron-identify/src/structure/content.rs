@@ -1,4 +1,4 @@
-//! What the drive of a record holds: amplitudes, frequencies, and whether parts of the record differ.
+//! Content of a record's drive: amplitudes, frequencies, and whether parts of the record differ.
 
 use super::super::RecordFacts;
 use hysteron_model::record::{ExcitationKind, excitation_kind, range_of, turning_points};

@@ -1,4 +1,4 @@
-//! What a campaign can determine, judged by its drives alone, and which record to measure next.
+//! Parameters that a campaign can determine, judged by its drives alone, and the record to measure next.
 
 use std::borrow::Cow;
 

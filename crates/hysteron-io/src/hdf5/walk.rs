@@ -1,4 +1,4 @@
-//! What the groups of a file hold.
+//! Contents of the groups of a file.
 
 use std::collections::HashSet;
 

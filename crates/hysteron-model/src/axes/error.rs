@@ -1,4 +1,4 @@
-//! What can be wrong with records and models of several axes.
+//! Errors of records and models of several axes.
 
 use crate::advice::{Advice, ColumnRole};
 use crate::hysteresis::HysteresisError;

@@ -1,4 +1,4 @@
-//! What each actuator does to each sensor when it moves slowly.
+//! Slow gain of each actuator at each sensor.
 
 use nalgebra::DMatrix;
 

@@ -1,4 +1,4 @@
-//! What a reference will be, from what it was.
+//! Prediction of a reference from its past.
 
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;

@@ -1,4 +1,4 @@
-//! What an amplifier's current leaves of the bandwidth.
+//! Bandwidth under the current limit of an amplifier.
 
 use std::f64::consts::PI;
 

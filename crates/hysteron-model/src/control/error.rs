@@ -1,4 +1,4 @@
-//! What can stand in the way of a loop.
+//! Errors of closing a loop.
 
 use hysteron_rt::ModelError;
 

@@ -1,4 +1,4 @@
-//! What a plan works on block by block: frequencies, polynomials at them, and the powers r^k.
+//! Blocks that a plan works through: frequencies, polynomials at them, and the powers r^k.
 
 use std::f64::consts::{PI, TAU};
 

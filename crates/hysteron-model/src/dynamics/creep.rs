@@ -1,6 +1,6 @@
 //! Creep: the slow motion that follows every move, as a factor of the dynamics.
 
-use super::form_parameter::{FormParameter, free, not_negative, order, scale};
+use super::form_parameter::{FormParameter, ParameterKind as Kind};
 use super::linearised::{Number, Sum};
 use serde::{Deserialize, Serialize};
 
@@ -44,23 +44,21 @@ pub enum Creep {
     },
 }
 
-static FRACTIONAL: [FormParameter; 2] = [
-    free("creep", "s^-creep_order", false).meaning("k", "size of the creep, factor 1 + k s^−μ"),
-    order("creep_order").meaning("μ", "order of the creep"),
-];
+static FRACTIONAL: [FormParameter; 2] =
+    [FormParameter::new("creep", Kind::CreepSize), FormParameter::new("creep_order", Kind::CreepOrder)];
 static LOGARITHMIC: [FormParameter; 2] = [
-    free("creep_per_decade", "", false).meaning("γ", "creep per decade of time, as a share of the step"),
-    scale("creep_start", "s").meaning("t₀", "time from which creep is logarithmic"),
+    FormParameter::new("creep_per_decade", Kind::CreepPerDecade),
+    FormParameter::new("creep_start", Kind::CreepStart),
 ];
 static KELVIN_VOIGT: [FormParameter; 2 * MOST_CREEP_ELEMENTS] = [
-    not_negative("creep_1").is("share k of a creep element, k/(1 + τ s)"),
-    scale("creep_time_1", "s").is("time constant τ of a creep element"),
-    not_negative("creep_2").is("share k of a creep element, k/(1 + τ s)"),
-    scale("creep_time_2", "s").is("time constant τ of a creep element"),
-    not_negative("creep_3").is("share k of a creep element, k/(1 + τ s)"),
-    scale("creep_time_3", "s").is("time constant τ of a creep element"),
-    not_negative("creep_4").is("share k of a creep element, k/(1 + τ s)"),
-    scale("creep_time_4", "s").is("time constant τ of a creep element"),
+    FormParameter::new("creep_1", Kind::CreepShare(1)),
+    FormParameter::new("creep_time_1", Kind::CreepTime(1)),
+    FormParameter::new("creep_2", Kind::CreepShare(2)),
+    FormParameter::new("creep_time_2", Kind::CreepTime(2)),
+    FormParameter::new("creep_3", Kind::CreepShare(3)),
+    FormParameter::new("creep_time_3", Kind::CreepTime(3)),
+    FormParameter::new("creep_4", Kind::CreepShare(4)),
+    FormParameter::new("creep_time_4", Kind::CreepTime(4)),
 ];
 
 impl Creep {

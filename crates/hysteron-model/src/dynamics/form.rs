@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use hysteron_rt::{Dual, Scalar};
 
 use super::creep::{Creep, MOST_CREEP_ELEMENTS};
-use super::form_parameter::{FormParameter, free, order, scale};
+use super::form_parameter::{FormParameter, ParameterKind as Kind};
 use super::linearised::{Linearised, Number, Sum};
 use super::{DynamicsError, TransferFunction};
 
@@ -59,39 +59,39 @@ pub struct DynamicForm {
     pub creep: Creep,
 }
 
-static LAG: [FormParameter; 1] = [scale("lag", "s").meaning("T", "time constant of the lag")];
+static LAG: [FormParameter; 1] = [FormParameter::new("lag", Kind::Lag)];
 static PAIRS: [FormParameter; 2 * MOST_RESONANCES] = [
-    scale("natural_frequency", "Hz").meaning("ω_n/2π", "natural frequency"),
-    free("damping", "", true).meaning("ζ", "damping"),
-    scale("natural_frequency_2", "Hz").meaning("ω_n/2π", "natural frequency of a further mode"),
-    free("damping_2", "", true).meaning("ζ", "damping of a further mode"),
-    scale("natural_frequency_3", "Hz").meaning("ω_n/2π", "natural frequency of a further mode"),
-    free("damping_3", "", true).meaning("ζ", "damping of a further mode"),
-    scale("natural_frequency_4", "Hz").meaning("ω_n/2π", "natural frequency of a further mode"),
-    free("damping_4", "", true).meaning("ζ", "damping of a further mode"),
-    scale("natural_frequency_5", "Hz").meaning("ω_n/2π", "natural frequency of a further mode"),
-    free("damping_5", "", true).meaning("ζ", "damping of a further mode"),
-    scale("natural_frequency_6", "Hz").meaning("ω_n/2π", "natural frequency of a further mode"),
-    free("damping_6", "", true).meaning("ζ", "damping of a further mode"),
+    FormParameter::new("natural_frequency", Kind::NaturalFrequency(1)),
+    FormParameter::new("damping", Kind::Damping(1)),
+    FormParameter::new("natural_frequency_2", Kind::NaturalFrequency(2)),
+    FormParameter::new("damping_2", Kind::Damping(2)),
+    FormParameter::new("natural_frequency_3", Kind::NaturalFrequency(3)),
+    FormParameter::new("damping_3", Kind::Damping(3)),
+    FormParameter::new("natural_frequency_4", Kind::NaturalFrequency(4)),
+    FormParameter::new("damping_4", Kind::Damping(4)),
+    FormParameter::new("natural_frequency_5", Kind::NaturalFrequency(5)),
+    FormParameter::new("damping_5", Kind::Damping(5)),
+    FormParameter::new("natural_frequency_6", Kind::NaturalFrequency(6)),
+    FormParameter::new("damping_6", Kind::Damping(6)),
 ];
 static SHARES: [FormParameter; MOST_RESONANCES - 1] = [
-    free("share", "", false).is("share of the first mode in the gain at rest"),
-    free("share_2", "", false).is("share of a further mode; the last has what is left of 1"),
-    free("share_3", "", false).is("share of a further mode; the last has what is left of 1"),
-    free("share_4", "", false).is("share of a further mode; the last has what is left of 1"),
-    free("share_5", "", false).is("share of a further mode; the last has what is left of 1"),
+    FormParameter::new("share", Kind::Share(1)),
+    FormParameter::new("share_2", Kind::Share(2)),
+    FormParameter::new("share_3", Kind::Share(3)),
+    FormParameter::new("share_4", Kind::Share(4)),
+    FormParameter::new("share_5", Kind::Share(5)),
 ];
 static ORDERS: [FormParameter; 3] = [
-    order("order2").meaning("α₂", "highest order"),
-    order("order1").meaning("α₁", "middle order"),
-    order("order0").meaning("α₀", "lowest order"),
+    FormParameter::new("order2", Kind::HighestOrder(1)),
+    FormParameter::new("order1", Kind::MiddleOrder(1)),
+    FormParameter::new("order0", Kind::LowestOrder),
 ];
 static SECOND: [FormParameter; 5] = [
-    scale("natural_frequency_2", "Hz").meaning("ω_n/2π", "natural frequency of a further mode"),
-    free("damping_2", "", true).meaning("ζ", "damping of a further mode"),
-    order("order2_2").meaning("α₂", "highest order of the second mode"),
-    order("order1_2").meaning("α₁", "middle order of the second mode"),
-    free("share", "", false).is("share of the first mode in the gain at rest"),
+    FormParameter::new("natural_frequency_2", Kind::NaturalFrequency(2)),
+    FormParameter::new("damping_2", Kind::Damping(2)),
+    FormParameter::new("order2_2", Kind::HighestOrder(2)),
+    FormParameter::new("order1_2", Kind::MiddleOrder(2)),
+    FormParameter::new("share", Kind::Share(1)),
 ];
 
 /// Room for the derivatives and terms of a form. A form of the first sort has at most 11 parameters and

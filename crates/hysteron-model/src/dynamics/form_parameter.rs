@@ -5,6 +5,8 @@
 pub struct FormParameter {
     /// Name, as on the command line.
     pub name: &'static str,
+    /// What it is.
+    pub kind: ParameterKind,
     /// Symbol; its name where it has none.
     pub symbol: &'static str,
     /// What it is, in a few words.
@@ -16,14 +18,104 @@ pub struct FormParameter {
     range: Range,
 }
 
-impl FormParameter {
-    pub(super) const fn meaning(self, symbol: &'static str, meaning: &'static str) -> Self {
-        Self { symbol, meaning, ..self }
-    }
+/// What a parameter of a [`DynamicForm`](super::DynamicForm) is. Modes and creep elements are counted from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ParameterKind {
+    /// Natural frequency ω_n/2π of a mode.
+    NaturalFrequency(usize),
+    /// Damping ζ of a mode.
+    Damping(usize),
+    /// Order α₂ of a mode.
+    HighestOrder(usize),
+    /// Order α₁ of a mode.
+    MiddleOrder(usize),
+    /// Order α₀.
+    LowestOrder,
+    /// Share of a mode in the gain at rest.
+    Share(usize),
+    /// Time constant T of the lag.
+    Lag,
+    /// Size k of fractional creep.
+    CreepSize,
+    /// Order μ of fractional creep.
+    CreepOrder,
+    /// Logarithmic creep γ per decade of time.
+    CreepPerDecade,
+    /// Time t₀ from which creep is logarithmic.
+    CreepStart,
+    /// Share of a creep element.
+    CreepShare(usize),
+    /// Time constant of a creep element.
+    CreepTime(usize),
+}
 
-    /// As [`Self::meaning`], under its own name.
-    pub(super) const fn is(self, meaning: &'static str) -> Self {
-        Self { meaning, ..self }
+impl FormParameter {
+    /// The parameter of this name: what every one of its kind has.
+    pub(super) const fn new(name: &'static str, kind: ParameterKind) -> Self {
+        use ParameterKind as Kind;
+        let plain = Self {
+            name,
+            kind,
+            symbol: name,
+            meaning: "",
+            unit: "",
+            logarithmic: false,
+            range: Range::Finite,
+        };
+        let positive = Self { logarithmic: true, range: Range::Positive, ..plain };
+        let order = Self { range: Range::NotNegative, ..plain };
+        match kind {
+            Kind::NaturalFrequency(mode) => Self {
+                symbol: "ω_n/2π",
+                meaning: if mode == 1 { "natural frequency" } else { "natural frequency of a further mode" },
+                unit: "Hz",
+                ..positive
+            },
+            Kind::Damping(mode) => Self {
+                symbol: "ζ",
+                meaning: if mode == 1 { "damping" } else { "damping of a further mode" },
+                logarithmic: true,
+                ..plain
+            },
+            Kind::HighestOrder(mode) => Self {
+                symbol: "α₂",
+                meaning: if mode == 1 { "highest order" } else { "highest order of the second mode" },
+                ..order
+            },
+            Kind::MiddleOrder(mode) => Self {
+                symbol: "α₁",
+                meaning: if mode == 1 { "middle order" } else { "middle order of the second mode" },
+                ..order
+            },
+            Kind::LowestOrder => Self { symbol: "α₀", meaning: "lowest order", ..order },
+            Kind::Share(1) => Self { meaning: "share of the first mode in the gain at rest", ..plain },
+            Kind::Share(_) => {
+                Self { meaning: "share of a further mode; the last has what is left of 1", ..plain }
+            }
+            Kind::Lag => Self { symbol: "T", meaning: "time constant of the lag", unit: "s", ..positive },
+            Kind::CreepSize => Self {
+                symbol: "k",
+                meaning: "size of the creep, factor 1 + k s^−μ",
+                unit: "s^-creep_order",
+                ..plain
+            },
+            Kind::CreepOrder => Self { symbol: "μ", meaning: "order of the creep", ..order },
+            Kind::CreepPerDecade => {
+                Self { symbol: "γ", meaning: "creep per decade of time, as a share of the step", ..plain }
+            }
+            Kind::CreepStart => {
+                Self {
+                    symbol: "t₀", meaning: "time from which creep is logarithmic", unit: "s", ..positive
+                }
+            }
+            Kind::CreepShare(_) => {
+                let meaning = "share k of a creep element, k/(1 + τ s)";
+                Self { meaning, logarithmic: true, range: Range::NotNegative, ..plain }
+            }
+            Kind::CreepTime(_) => {
+                Self { meaning: "time constant τ of a creep element", unit: "s", ..positive }
+            }
+        }
     }
 
     /// Whether it may have this value; if not, what it may be.
@@ -42,28 +134,4 @@ enum Range {
     Positive,
     NotNegative,
     Finite,
-}
-
-/// Positive, on a logarithmic scale.
-pub(super) const fn scale(name: &'static str, unit: &'static str) -> FormParameter {
-    FormParameter { unit, logarithmic: true, range: Range::Positive, ..plain(name) }
-}
-
-/// An order of differentiation, at least 0.
-pub(super) const fn order(name: &'static str) -> FormParameter {
-    FormParameter { range: Range::NotNegative, ..plain(name) }
-}
-
-/// At least 0, on a logarithmic scale.
-pub(super) const fn not_negative(name: &'static str) -> FormParameter {
-    FormParameter { logarithmic: true, range: Range::NotNegative, ..plain(name) }
-}
-
-/// Any number.
-pub(super) const fn free(name: &'static str, unit: &'static str, logarithmic: bool) -> FormParameter {
-    FormParameter { unit, logarithmic, ..plain(name) }
-}
-
-const fn plain(name: &'static str) -> FormParameter {
-    FormParameter { name, symbol: name, meaning: "", unit: "", logarithmic: false, range: Range::Finite }
 }

@@ -51,7 +51,7 @@ pub use crate::record::InterSample;
 pub use arx::Arx;
 pub use creep::{Creep, MOST_CREEP_ELEMENTS};
 pub use form::{DynamicForm, MOST_INTEGER_POLES, MOST_RESONANCES, Modes};
-pub use form_parameter::FormParameter;
+pub use form_parameter::{FormParameter, ParameterKind};
 pub use inverse::{Inverse, InverseAim};
 pub use linearised::{Linearised, TermTangent};
 pub use plan::{InputSpectrum, SimulationPlan, Workspace};

@@ -1,4 +1,4 @@
-//! What can be wrong with a hysteresis block or its simulation.
+//! Errors of a hysteresis block or its simulation.
 
 use hysteron_rt::{ParameterError, SimulateError, StepError};
 use thiserror::Error;

@@ -1,4 +1,4 @@
-//! What the operators of a family put out over a record.
+//! Outputs of the operators of a family over a record.
 
 use hysteron_numeric::Stop;
 

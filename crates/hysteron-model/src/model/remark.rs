@@ -1,4 +1,4 @@
-//! What a user should know about a simulation.
+//! Remarks on a simulation for its user.
 
 use hysteron_numeric::display::short;
 

@@ -1,4 +1,4 @@
-//! What a model is run on.
+//! Signals that a model is run on.
 
 use crate::axes::AxesRecord;
 use crate::record::{Driven, InputOutput, Signal, TimeBase, Unit};

@@ -1,4 +1,4 @@
-//! What a simulation gives.
+//! Result of a simulation.
 
 use super::{Remark, Signals};
 use crate::axes::SteadyPeriod;

@@ -1,4 +1,4 @@
-//! What the types alone do not say about a model file.
+//! Checks of a model file beyond its types.
 
 use super::start::StartKind;
 use super::{

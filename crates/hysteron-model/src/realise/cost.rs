@@ -1,4 +1,4 @@
-//! What models cost sample by sample, side by side.
+//! Cost of models sample by sample, side by side.
 
 use std::time::Duration;
 

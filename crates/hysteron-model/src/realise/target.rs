@@ -1,4 +1,4 @@
-//! What a realisation has to follow: the response of the dynamic block as the batch simulation has it.
+//! Target of a realisation: the response of the dynamic block as the batch simulation has it.
 
 use std::f64::consts::PI;
 

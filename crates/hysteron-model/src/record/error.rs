@@ -1,4 +1,4 @@
-//! What can be wrong with a record.
+//! Errors of a record.
 
 use hysteron_numeric::display::short;
 

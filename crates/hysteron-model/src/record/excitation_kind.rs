@@ -1,4 +1,4 @@
-//! What kind of drive a record has.
+//! Kinds of the drive of a record.
 
 use realfft::RealFftPlanner;
 

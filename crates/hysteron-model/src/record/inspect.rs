@@ -1,4 +1,4 @@
-//! What is in a record, in numbers and in plain words.
+//! Inspection of a record, in numbers and in plain words.
 
 use crate::Advice;
 use crate::finding::{Finding, FindingKind};

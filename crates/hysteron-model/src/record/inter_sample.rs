@@ -1,4 +1,4 @@
-//! What a sampled signal does between its samples.
+//! Rules of a sampled signal between its samples.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

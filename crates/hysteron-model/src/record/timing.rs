@@ -1,4 +1,4 @@
-//! What a simulation is told of when the samples of a drive were taken.
+//! Times of the samples of a drive, as a simulation needs them.
 
 use super::TimeBase;
 

@@ -1,4 +1,4 @@
-//! What happened before a record, judged by the record itself.
+//! Start of a record, estimated from the record itself.
 
 use super::memory::best_memory;
 use super::{ScoreError, Scoring, score};

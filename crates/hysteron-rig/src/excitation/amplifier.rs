@@ -1,4 +1,4 @@
-//! What the amplifier can do.
+//! Limits of the amplifier.
 
 use serde::{Deserialize, Serialize};
 

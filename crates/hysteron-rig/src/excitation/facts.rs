@@ -1,4 +1,4 @@
-//! What every waveform promises, whatever its kind.
+//! Properties of every waveform, whatever its kind.
 
 use proptest::prelude::*;
 

@@ -1,4 +1,4 @@
-//! What can be asked for, checked.
+//! Specification of an excitation, checked.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! What an excitation is, for programs.
+//! Summary of an excitation, for programs.
 
 use serde::{Deserialize, Serialize};
 

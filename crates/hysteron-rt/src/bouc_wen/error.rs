@@ -1,4 +1,4 @@
-//! What a step can fail with.
+//! Errors of a step.
 
 use core::error::Error;
 use core::fmt::{Display, Formatter, Result};

@@ -1,4 +1,4 @@
-//! What a streaming model can fail with.
+//! Errors of a streaming model.
 
 use core::error::Error;
 use core::fmt::{Debug, Display, Formatter, Result};

@@ -1,4 +1,4 @@
-//! What a hysteresis operator does between two samples, in the mean.
+//! Mean of a hysteresis operator between two samples.
 
 use crate::real::Real;
 

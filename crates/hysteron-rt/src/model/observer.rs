@@ -1,4 +1,4 @@
-//! What stands between a model and the stage it drives, from a measured displacement.
+//! Disturbance between a model and the stage it drives, from a measured displacement.
 
 use super::{Model, ModelError};
 use crate::real::Real;

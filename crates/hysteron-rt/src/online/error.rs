@@ -1,4 +1,4 @@
-//! What a step of an estimator or a monitor can fail with.
+//! Errors of a step of an estimator or a monitor.
 
 use core::error::Error;
 use core::fmt::{Display, Formatter, Result};

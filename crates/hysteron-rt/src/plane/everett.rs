@@ -1,4 +1,4 @@
-//! What a plane of relays puts out, by sums over parts of it.
+//! Output of a plane of relays, by sums over parts of it.
 
 use crate::ParameterError;
 use crate::real::Real;

@@ -1,4 +1,4 @@
-//! What is left of G beside its resonances, as relaxations at fixed rates.
+//! Relaxations at fixed rates that fit the remainder of G beside its resonances.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! What there is to know of a family beside the law of its moves.
+//! Description of a family beside the law of its moves.
 
 use std::fmt;
 

@@ -1,4 +1,4 @@
-//! What an operator remembers where a record begins.
+//! Memory of an operator at the beginning of a record.
 
 use super::super::{Admissibility, Family, Hysteresis, HysteresisError, PrandtlIshlinskii};
 use crate::start::{Memory, Start};
