@@ -31,11 +31,11 @@ pub struct Compared {
     pub records: Vec<String>,
     /// Unit of the output, as printed.
     pub unit: String,
-    /// What each candidate costs, in the order of the entries.
+    /// Cost of each candidate, in the order of the entries.
     pub costs: Vec<CandidateCost>,
 }
 
-/// What a candidate costs a controller.
+/// Cost of a candidate in a controller.
 #[derive(Clone, Debug, Default)]
 pub struct CandidateCost {
     /// Of its realisation; `None` where it was not fitted or cannot be realised.
@@ -146,7 +146,7 @@ impl Compared {
         lines
     }
 
-    /// How the numbers came about.
+    /// Explanation of the columns of the table.
     pub fn about(&self) -> String {
         let comparison = &self.comparison;
         format!(
@@ -164,7 +164,7 @@ impl Compared {
         )
     }
 
-    /// What the table says, and how it came about.
+    /// Conclusions of the comparison with baselines, and the conditions it was made under.
     pub fn verdict_of_baselines(&self) -> Vec<String> {
         let comparison = &self.comparison;
         let best = comparison.ranking.as_ref().and_then(|r| self.standing(r.best)).map(|s| s.mean);
@@ -209,7 +209,7 @@ fn costs(
     let Some(record) = record else { return vec![CandidateCost::default(); models.len()] };
     let sample_rate_hz = rate(record).unwrap_or(1.0);
     let drive = record.data.u.get(..SAMPLES).unwrap_or(&record.data.u);
-    // What creeps for ever is realised down to a hundredth of the frequency whose period is the longest
+    // Creep without a limit is realised down to a hundredth of the frequency whose period is the longest
     // record.
     let seconds = campaign.iter().filter_map(|r| Some(r.data.u.len() as f64 / rate(r)?)).fold(0.0, f64::max);
     let lowest_frequency_hz = (seconds > 0.0).then(|| 0.01 / seconds);

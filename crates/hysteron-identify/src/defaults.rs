@@ -3,9 +3,9 @@
 //! Where small oscillations lie beside wide moves, the small loops of a Bouc–Wen model do not close: a small
 //! oscillation moves its level for as long as it lasts. And what creeps after wide moves does not creep in
 //! small ones, so that creep behind the hysteresis cannot say both. Plays with activated edges do: they
-//! remember reversals, and creep by how the drive came to rest. What is left at the small oscillations, a
-//! gain that falls and a phase that lags a little at every frequency, is the dynamics': a fractional order
-//! carries it, a lag does not. `hysteron-study afm` compares families and dynamics on such a device.
+//! remember reversals, and creep by how the drive came to rest. The residual at the small oscillations, a
+//! gain that falls and a phase that lags a little at every frequency, belongs to the dynamics: a fractional
+//! order carries it, a lag does not. `hysteron-study afm` compares families and dynamics on such a device.
 
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hysteresis::HysteresisForm;

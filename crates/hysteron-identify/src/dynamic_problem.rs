@@ -15,7 +15,7 @@ use hysteron_model::dynamics::{
 use hysteron_model::record::InterSample;
 use hysteron_optimize::{Bounds, LeastSquaresProblem, Problem, root_mean_square};
 
-/// Orders closer than this are one term, and their coefficients cannot be told apart.
+/// Orders closer than this are one term, whose coefficients are not identifiable separately.
 const SMALLEST_ORDER_GAP: f64 = 0.02;
 
 /// One record prepared for the dynamic step.

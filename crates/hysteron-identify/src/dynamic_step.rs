@@ -19,7 +19,7 @@ use hysteron_optimize::{Bounds, OptimizeError, Problem, Range};
 pub(super) const LONGEST_DELAY_SAMPLES: f64 = 5.0;
 pub(super) const LONGEST_DELAY_PERIODS: f64 = 0.1;
 
-/// What the dynamic step found.
+/// Result of the dynamic step.
 pub(super) struct DynamicStep {
     pub(super) problem: DynamicProblem,
     pub(super) layout: DynamicLayout,
@@ -63,7 +63,7 @@ impl HysteresisOutput<'_> {
         (v, self.facts.data.y.clone(), self.facts.data.valid.clone())
     }
 
-    /// As [`Self::counted_from_rest`] with what ran before the record in front, where no sample is valid.
+    /// [`Self::counted_from_rest`] with the prologue before the record in front, where no sample is valid.
     pub(super) fn with_what_ran_before(&self, delay_s: f64) -> (Vec<f64>, Vec<f64>, Vec<bool>) {
         let mut v: Vec<f64> = self.v.iter().map(|v| v - self.rest).collect();
         delay_in_place(&mut v, delay_s * self.rate_hz, 0.0);
@@ -209,7 +209,7 @@ fn guesses(bounds: &Bounds, options: &Options) -> Vec<Vec<f64>> {
     guesses
 }
 
-/// The same problem with every free parameter searched, at the solution: for standard errors.
+/// This step's problem with every free parameter searched, at the solution: for standard errors.
 pub(super) fn all_searched(
     step: &DynamicStep,
     outputs: &[HysteresisOutput<'_>],

@@ -16,18 +16,18 @@ use crate::watch::{Event, Plan, State, Watch};
 /// One search of an identification, for reports.
 #[derive(Clone, Debug)]
 pub struct Search {
-    /// What was searched.
+    /// Name of the step.
     pub step: String,
     /// Name of the algorithm.
     pub algorithm: &'static str,
-    /// What came out.
+    /// Outcome of the search.
     pub outcome: Outcome,
 }
 
 /// The model at a point of a search, for those who want to see it grow; `None`: it is not shown.
 pub(super) type Show<'s> = Option<&'s dyn Fn(&[f64]) -> Option<Model>>;
 
-/// The small fits that choose a structure: structures are told apart by far larger differences.
+/// Options of the small fits that choose a structure, whose costs differ by far more than this tolerance.
 pub(super) fn quick() -> LeastSquaresOptions {
     LeastSquaresOptions { cost_tolerance: 1e-8, ..Default::default() }
 }
@@ -71,7 +71,7 @@ impl<'a, 'w> Engine<'a, 'w> {
         }
     }
 
-    /// What stops the work.
+    /// The stop signal.
     pub(super) fn stop(&self) -> &Stop {
         self.watch.stop()
     }

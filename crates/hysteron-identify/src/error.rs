@@ -46,7 +46,7 @@ pub enum IdentifyError {
     Demand {
         /// Parameter.
         name: String,
-        /// What would be accepted.
+        /// Accepted values.
         wanted: &'static str,
     },
     /// An option out of range.
@@ -56,7 +56,7 @@ pub enum IdentifyError {
         option: &'static str,
         /// As given.
         value: f64,
-        /// What would be accepted.
+        /// Accepted values.
         wanted: &'static str,
     },
     /// A record whose input or output never moves.
@@ -97,13 +97,13 @@ pub enum IdentifyError {
     NotUniform {
         /// Record.
         record: String,
-        /// What it has instead.
+        /// Time base found.
         found: &'static str,
     },
     /// Dynamics were asked for but no record carries them.
     #[error("no record determines {wanted} dynamics: {because}")]
     NoDynamicInformation {
-        /// What was asked for.
+        /// Dynamics asked for.
         wanted: &'static str,
         /// Why not.
         because: String,
@@ -113,7 +113,7 @@ pub enum IdentifyError {
     NotPeriodic {
         /// Record.
         record: String,
-        /// What it is instead.
+        /// Behaviour found.
         found: String,
     },
     /// The model class does not describe the record.
@@ -128,7 +128,7 @@ pub enum IdentifyError {
         fit_percent: f64,
         /// Least fit accepted [%].
         need: f64,
-        /// What the record looks like instead.
+        /// Evidence against the model class.
         because: String,
     },
     /// A record that a model does not describe, whatever its gain, delay and offset.
@@ -147,7 +147,7 @@ pub enum IdentifyError {
     /// A model to start from that does not suit.
     #[error("the model to start from: {wanted}")]
     StartModel {
-        /// What is needed.
+        /// Requirement.
         wanted: &'static str,
     },
     /// A record is not usable.
@@ -182,7 +182,7 @@ pub enum IdentifyError {
     CannotRank {
         /// Why not.
         because: String,
-        /// What to measure.
+        /// Recommended measurement.
         measure: String,
     },
     /// The motion of an oscillator needs a uniform time base.
@@ -198,7 +198,7 @@ pub enum IdentifyError {
         name: String,
         /// Value demanded.
         value: f64,
-        /// What would be accepted.
+        /// Accepted values.
         wanted: &'static str,
     },
     /// The records do not look like a mass on a spring.
@@ -252,9 +252,9 @@ pub enum IdentifyError {
         other: String,
         /// In what they differ.
         what: &'static str,
-        /// What the first has.
+        /// Value of the first.
         of_first: String,
-        /// What the other has.
+        /// Value of the other.
         of_other: String,
     },
     /// An option of a fit of modes that cannot be met.
@@ -264,7 +264,7 @@ pub enum IdentifyError {
         name: &'static str,
         /// Its value.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         expected: &'static str,
     },
     /// No mode was found.
@@ -303,7 +303,7 @@ pub enum IdentifyError {
     /// No records to fit branches to, or none with outputs.
     #[error("no records with inputs and outputs were given")]
     NoOutputs,
-    /// No branches could be simulated or the inputs are not told apart.
+    /// No branches could be simulated, or the inputs are not distinguishable.
     #[error(
         "no branches can be fitted: an input does not move, or moves together with another in all records"
     )]
@@ -313,7 +313,7 @@ pub enum IdentifyError {
     Records {
         /// Kind of model asked for.
         kind: Kind,
-        /// What its records have.
+        /// Records it takes.
         expected: &'static str,
     },
     /// A model of this kind cannot be a start.
@@ -365,7 +365,7 @@ pub enum IdentifyError {
     /// A structure outside of what is fitted to a frequency response.
     #[error("{what} is {found}; allowed is {allowed}")]
     ResponseStructure {
-        /// What of the structure.
+        /// Quantity out of range.
         what: &'static str,
         /// Found.
         found: usize,
@@ -396,7 +396,7 @@ pub enum IdentifyError {
     NoResponse {
         /// The record.
         record: String,
-        /// What is wrong and what to do.
+        /// Problem and remedy.
         problem: String,
         /// Remedy, typed.
         advice: Option<Advice>,
@@ -424,7 +424,7 @@ pub enum IdentifyError {
         name: &'static str,
         /// Its value.
         value: f64,
-        /// What it must be.
+        /// Requirement.
         must: &'static str,
     },
     /// A term of a correction that is there twice.

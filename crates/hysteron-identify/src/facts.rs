@@ -42,7 +42,7 @@ impl RecordFacts {
         Self { data, periods, shortest_swing, swings }
     }
 
-    /// The same with the first `samples` not valid.
+    /// These facts with the first `samples` not valid.
     pub(super) fn without_first(&self, samples: usize) -> Self {
         Self { data: self.data.without_first(samples), ..self.clone() }
     }

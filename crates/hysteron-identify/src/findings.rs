@@ -130,7 +130,7 @@ fn short_share(x: f64) -> String {
     short(format!("{x:.1e}").parse().unwrap_or(x))
 }
 
-/// How the weights of a plane were chosen.
+/// Finding on the roughness penalty of the weights of a plane, and on the held-out error it was chosen by.
 fn drawn_together(Smoothing { share, left_out, left_out_without }: Smoothing) -> String {
     let without = short(left_out_without);
     if share == 0.0 {

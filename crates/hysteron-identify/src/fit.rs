@@ -56,7 +56,7 @@ impl Task {
         }
     }
 
-    /// The same, beginning with the parameters of a model.
+    /// This task, starting from the parameters of a model.
     ///
     /// # Errors
     /// [`IdentifyError::Unsupported`] for a model of a kind that cannot be a start,
@@ -109,13 +109,13 @@ pub struct Fit {
     pub parameters: Vec<FitParameter>,
     /// Verdicts, advice and warnings.
     pub findings: Vec<Finding>,
-    /// What was done to the data, in plain words.
+    /// Treatment of the data, in plain words.
     pub treatment: Vec<String>,
     /// The fit was stopped; the model is the best so far.
     pub interrupted: bool,
     /// State to go on from.
     pub resume: Searches,
-    /// What only its kind has.
+    /// Results specific to the kind of model.
     pub found: Found,
 }
 
@@ -136,7 +136,7 @@ pub enum Found {
 /// A parameter of an identified model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FitParameter {
-    /// What it belongs to, where there are several.
+    /// Block, actuator or path it belongs to, where there are several.
     #[serde(flatten)]
     pub place: Option<Place>,
     /// Its name.
@@ -155,7 +155,7 @@ pub struct FitParameter {
     pub at_limit: bool,
 }
 
-/// What a parameter belongs to.
+/// Part of a model that a parameter belongs to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Place {
@@ -240,7 +240,7 @@ pub fn fit(
 /// [`fit`] on so many threads; the result does not depend on their number.
 ///
 /// # Errors
-/// As [`fit`]; [`IdentifyError::Threads`].
+/// Those of [`fit`]; [`IdentifyError::Threads`].
 pub fn fit_on(
     threads: Option<usize>,
     work: impl FnOnce() -> Result<Fit, IdentifyError> + Send,

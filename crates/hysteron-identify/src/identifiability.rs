@@ -13,7 +13,7 @@ use hysteron_numeric::display::short;
 
 /// A standard error above this share of the parameter's scale leaves it undetermined.
 const UNDETERMINED: f64 = 0.5;
-/// Two estimates with a correlation above this can hardly be told apart.
+/// Two estimates with a correlation above this are hardly distinguishable.
 const INSEPARABLE: f64 = 0.99;
 /// Condition number of the unit-length Jacobian from which on the fit as a whole hangs on the noise.
 const ILL_CONDITIONED: f64 = 1e6;
@@ -260,8 +260,8 @@ impl<'a> Advisor<'a> {
         self.parameters.iter().find(|p| p.name == name).map_or(0.0, |p| p.value.abs())
     }
 
-    /// What the standard error of a parameter is compared with: its value, or what it would be noticed
-    /// beside.
+    /// Scale that the standard error of a parameter is compared with: its value, or the size at which it
+    /// would matter beside the others.
     fn scale(&self, p: &Parameter) -> f64 {
         let beside = match p.name.as_str() {
             // The loop is shaped by β + γ going out and β − γ coming back: γ = 0 is a good answer.

@@ -4,14 +4,14 @@ use super::IdentifyError;
 use hysteron_optimize::{Bounds, Range};
 use serde::{Deserialize, Serialize};
 
-/// How one named parameter enters a search.
+/// Role of one named parameter in a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Role {
     /// Held at this value.
     Fixed(f64),
     /// Enters the output linearly and is eliminated by linear least squares at every candidate.
     Projected,
-    /// As `Projected`, but of this sign (+1 or −1) or zero.
+    /// `Projected` with the sign constrained to this one (+1 or −1), or zero.
     OneSided(f64),
     /// Searched: index into the search vector.
     Searched(usize),
@@ -41,7 +41,7 @@ impl Role {
     }
 }
 
-/// What a user asks of single parameters: `--fix NAME=VALUE` and `--bound NAME=LOW:HIGH`.
+/// User's constraints on single parameters: `--fix NAME=VALUE` and `--bound NAME=LOW:HIGH`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Demands {
@@ -130,7 +130,7 @@ impl<'a> BoxBuilder<'a> {
         self.searched(range)
     }
 
-    /// As [`Self::projected`], but of this sign or zero.
+    /// [`Self::projected`] with the sign constrained to `sign`, or zero.
     pub(super) fn one_sided(&mut self, range: Range, sign: f64) -> Role {
         match self.projected(range) {
             Role::Projected => Role::OneSided(sign),

@@ -20,7 +20,7 @@ const LONGEST_DELAY: usize = 5;
 /// Coefficients of numerator and denominator of a Box–Jenkins noise model.
 const NOISE: (usize, usize) = (2, 2);
 
-/// What the step found.
+/// Result of the linear step.
 pub(super) struct LinearStep {
     pub(super) dynamics: Dynamics,
     /// Delay beside that of the hysteresis block \[s\].

@@ -18,7 +18,7 @@ pub struct CampaignRecord {
     pub role: Option<RecordRole>,
 }
 
-/// What a record is used for in the two-step identification.
+/// Use of a record in the two-step identification.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RecordRole {
@@ -28,7 +28,7 @@ pub enum RecordRole {
     Dynamic,
 }
 
-/// How a campaign with dynamics is identified.
+/// Method by which a campaign with dynamics is identified.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
@@ -51,7 +51,7 @@ impl Method {
         }
     }
 
-    /// What it does, in a line.
+    /// Description in one line.
     pub fn summary(self) -> &'static str {
         match self {
             Self::Joint => "All records, both blocks, delay and initial states in one fit",
@@ -60,7 +60,7 @@ impl Method {
     }
 }
 
-/// How the start of its records enters a fit ([`hysteron_model::Start`] is what comes out).
+/// Assumption on the state before a record ([`hysteron_model::Start`] is the resulting start).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Initial {
@@ -93,7 +93,7 @@ impl Initial {
         }
     }
 
-    /// What it says, in a line.
+    /// Description in one line.
     pub fn summary(self) -> &'static str {
         match self {
             Self::Auto => "Rest, judged by the record",
@@ -109,8 +109,8 @@ impl Initial {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum DynamicsChoice {
-    /// What the records support: fractional with a dynamic record, a first-order lag with a start from rest,
-    /// else none.
+    /// Dynamics that the records support: fractional with a dynamic record, a first-order lag with a start
+    /// from rest, else none.
     #[default]
     Auto,
     /// Static model.
@@ -168,7 +168,7 @@ impl DynamicsChoice {
         }
     }
 
-    /// What it is, in a line.
+    /// Description in one line.
     pub fn summary(self) -> &'static str {
         match self {
             Self::Auto => "What the records support",
@@ -190,7 +190,7 @@ impl DynamicsChoice {
         matches!(self, Self::Arx | Self::OutputError | Self::BoxJenkins | Self::Srivc)
     }
 
-    /// What it is called in messages.
+    /// Name in messages.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Auto => "automatic",
@@ -238,7 +238,7 @@ pub struct Options {
     /// The records are consecutive parts of one run on one clock: memory, creep and offset carry over. One
     /// that begins before the one before it ends starts another run.
     pub continued: bool,
-    /// What happened before each record of a joint fit.
+    /// State before each record of a joint fit.
     pub initial: Initial,
     /// A joint fit allows for a linear drift of each record's output.
     pub drift: bool,
@@ -265,8 +265,8 @@ pub struct Options {
     /// Simulation scheme of the dynamic block; `Auto`: `band-limited` in a joint fit of records that start
     /// smoothly, whose estimates do not depend on the sample rate, else `tustin`.
     pub scheme: Choice<Scheme>,
-    /// What the drive does between its samples. `Auto`: in a joint fit with dynamics what the records tell,
-    /// where they can ([`InterSampleChoice`](super::InterSampleChoice)); else `linear`.
+    /// Drive between its samples. `Auto`: in a joint fit with dynamics chosen by the records, where they can
+    /// tell ([`InterSampleChoice`](super::InterSampleChoice)); else `linear`.
     pub inter_sample: Choice<InterSample>,
     /// Least fit \[%\] for which a model is handed out at all.
     pub least_fit_percent: f64,

@@ -55,9 +55,9 @@ pub(super) fn precision(result: &Identification) -> Vec<Finding> {
     findings
 }
 
-/// What is wrong with a search by a population that ran out of generations while it was still improving: by
-/// more than [`STILL_IMPROVING`] over the last tenth of them (over the last [`LAST_GENERATIONS`] at least, or
-/// over all there are).
+/// Warning about a population search that ran out of generations while it was still improving: by more than
+/// [`STILL_IMPROVING`] over the last tenth of them (over the last [`LAST_GENERATIONS`] at least, or over all
+/// there are).
 pub(super) fn still_improving(search: &Search) -> Option<String> {
     let outcome = &search.outcome;
     if !matches!(outcome.stopped, StopReason::Generations | StopReason::Budget) || !outcome.starts.is_empty()

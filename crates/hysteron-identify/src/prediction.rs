@@ -38,7 +38,7 @@ impl PredictionBand {
         let correlation = covariance.map_with_location(|i, j, c| c / (errors[i] * errors[j]));
         let eigen = correlation.symmetric_eigen();
         let directions: Vec<DVector<f64>> = (0..names.len())
-            // What is below zero is so by rounding.
+            // Eigenvalues below zero are so by rounding.
             .filter(|&k| eigen.eigenvalues[k] > 0.0)
             .map(|k| eigen.eigenvectors.column(k).component_mul(&errors) * eigen.eigenvalues[k].sqrt())
             .collect();

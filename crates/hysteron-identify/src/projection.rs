@@ -45,7 +45,7 @@ impl Projection {
         self.capacity
     }
 
-    /// The same columns with room for more.
+    /// These columns with room for more.
     pub(super) fn with_capacity(&self, capacity: usize) -> Self {
         let mut wider = Self::new(self.rows, capacity);
         wider.columns = self.columns.min(capacity);

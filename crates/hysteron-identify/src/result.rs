@@ -20,13 +20,13 @@ use std::ops::Range;
 /// An identified model and everything a report needs about it.
 #[derive(Clone, Debug)]
 pub struct Identification {
-    /// How both blocks were identified; a campaign without dynamics is one joint fit.
+    /// Method of the identification; a campaign without dynamics is one joint fit.
     pub method: Method,
     /// The model.
     pub model: Model,
     /// Its parameters by name, with standard errors.
     pub parameters: Vec<Parameter>,
-    /// How the parameters of each step hang together; none of a step whose parameters the records do not
+    /// Correlations of the parameters of each step; none of a step whose parameters the records do not
     /// determine.
     pub correlations: Vec<Correlation>,
     /// The main searches, in order (the small fits that choose start and degree are not among them).
@@ -37,7 +37,7 @@ pub struct Identification {
     pub records: Vec<RecordFit>,
     /// Each run as a whole where records continue one another; `records` are then its parts.
     pub runs: Vec<RecordFit>,
-    /// How the structure was chosen.
+    /// Choice of the structure.
     pub structure: StructureChoice,
     /// Covariance of the parameters of a joint fit, in the article's symbols; `None` where the records do not
     /// determine them, and for two steps.
@@ -51,7 +51,7 @@ pub struct Identification {
     pub reduction: Option<Reduction>,
     /// Verdicts, warnings and advice in plain words.
     pub findings: Vec<Finding>,
-    /// What was done to the data, in plain words.
+    /// Treatment of the data, in plain words.
     pub treatment: Vec<String>,
     /// Lowest and highest frequency of the drives \[Hz\]; `None` where no record has a sample rate.
     pub excited_hz: Option<(f64, f64)>,
@@ -81,7 +81,7 @@ pub struct Parameter {
 /// Correlation of the estimates of one step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Correlation {
-    /// What was estimated.
+    /// Name of the step.
     pub step: String,
     /// Parameters, as on the command line.
     pub names: Vec<String>,
@@ -130,7 +130,7 @@ impl Reduction {
     /// Moves up to this many standard errors are nothing to speak of.
     pub const SMALL: f64 = 0.1;
 
-    /// What the search worked on and what the fit of all samples changed, in a sentence or two.
+    /// Samples of the search and the change by the fit of all samples, in a sentence or two.
     pub fn describe(&self) -> String {
         let Self { samples, searched, moved } = self;
         let change = if *moved <= Self::SMALL {
@@ -154,7 +154,7 @@ impl Reduction {
 pub struct RecordFit {
     /// The record.
     pub data: InputOutput,
-    /// What it was used for.
+    /// Its use.
     pub role: RecordRole,
     /// Start assumed.
     pub start: Start,
@@ -163,7 +163,7 @@ pub struct RecordFit {
     /// Simulated output, with the model's own offset \[output unit\]; NaN where it was not simulated, the fit
     /// being stopped.
     pub simulated: Vec<f64>,
-    /// How well the parameters determine the simulated output; a joint fit only.
+    /// Uncertainty of the simulated output from that of the parameters; a joint fit only.
     pub band: Option<PredictionBand>,
     /// Gain and phase at its sines, where it holds segments of them; the model's with errors in a joint fit.
     pub sines: Vec<SineResponse>,
@@ -211,7 +211,7 @@ fn sines_in(sines: &[SineResponse], part: &Range<usize>) -> Vec<SineResponse> {
     sines.iter().filter(within).map(moved).collect()
 }
 
-/// How the structure was chosen.
+/// Record of the choice of structure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StructureChoice {
     /// Polynomial degrees tried: degree, RMSE, BIC; empty where the degree was given.
@@ -226,8 +226,8 @@ pub struct StructureChoice {
     pub creeps: Vec<f64>,
     /// Samples left out at the start of each quasi-static record.
     pub left_out: Vec<usize>,
-    /// How the weights of a plane were drawn together.
+    /// Roughness penalty on the weights of a plane.
     pub smoothing: Option<Smoothing>,
-    /// How the rule between samples was chosen, where the records could tell.
+    /// Choice of the rule between samples, where the records could tell.
     pub between: Option<InterSampleChoice>,
 }

@@ -27,7 +27,7 @@ const LONGEST_SHIFT: f64 = 0.1;
 /// Name under which the offset of every record can be held (`--fix offset=0`: the sensor's zero is right).
 pub(super) const OFFSET: &str = "offset";
 
-/// What the static step found.
+/// Result of the static step.
 pub(super) struct StaticStep {
     pub(super) problem: StaticProblem,
     pub(super) layout: StaticLayout,
@@ -400,8 +400,8 @@ fn fingerprint(records: &[StaticRecord]) -> u64 {
     super::fingerprint(values)
 }
 
-/// The same problem with every free parameter searched in the article's symbols, at `solution`: for standard
-/// errors.
+/// This step's problem with every free parameter searched in the article's symbols, at `solution`: for
+/// standard errors.
 pub(super) fn in_article_symbols(
     step: &StaticStep,
     records: &[&RecordFacts],

@@ -1,4 +1,4 @@
-//! How records were treated before the fit, in words.
+//! Treatment of the records before the fit, in words.
 
 use super::RecordFacts;
 use super::joint::UNKNOWN_PAST;

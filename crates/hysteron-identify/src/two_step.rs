@@ -279,7 +279,7 @@ fn fit_arx(outputs: &[HysteresisOutput<'_>], delay_s: f64) -> Result<Arx, Identi
     Ok(best.fit.model)
 }
 
-/// What is known of the parameters.
+/// Parameters with their uncertainty.
 struct Known {
     /// Every parameter with its standard error.
     parameters: Vec<Parameter>,

@@ -9,9 +9,9 @@ use hysteron_optimize::Stop;
 
 use crate::searches::Searches;
 
-/// What work tells about itself.
+/// Progress report of running work.
 pub struct Event<'a> {
-    /// What is being done.
+    /// Current stage.
     pub stage: &'a str,
     /// Share of the whole work that is done, 0 to 1, by the time that its stages usually take; it never
     /// falls.
@@ -21,7 +21,7 @@ pub struct Event<'a> {
     state: State<'a>,
 }
 
-/// What can be asked for in an event; it is made only then.
+/// State available on request in an event; computed only then.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct State<'a> {
     pub model: Option<&'a dyn Fn() -> Option<Model>>,
@@ -74,7 +74,7 @@ impl Default for Watch<'_> {
 }
 
 impl<'a> Watch<'a> {
-    /// Nobody is told.
+    /// A watch without a listener.
     pub fn silent() -> Self {
         Self { told: None, stop: Stop::new(), furthest: Mutex::new(0.0) }
     }
@@ -84,13 +84,13 @@ impl<'a> Watch<'a> {
         Self { told: Some(Mutex::new(Box::new(told))), ..Self::silent() }
     }
 
-    /// The same, stopped by `stop` too.
+    /// This watch with `stop` as its stop signal.
     #[must_use]
     pub fn stopped_by(self, stop: &Stop) -> Self {
         Self { stop: stop.clone(), ..self }
     }
 
-    /// What stops the work.
+    /// The stop signal.
     pub fn stop(&self) -> &Stop {
         &self.stop
     }

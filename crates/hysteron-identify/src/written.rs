@@ -77,8 +77,8 @@ fn coefficient(name: &str) -> Option<String> {
     Some(format!("{list}[{place}].coefficient"))
 }
 
-/// What the device did before the first record; a rest at that record's own first sample is each record's
-/// own.
+/// State of the device before the first record; a rest at that record's own first sample holds for each
+/// record separately.
 fn start(record: &RecordFit) -> Start {
     match record.start {
         Start::Rest { voltage_v } | Start::Remembering { voltage_v, .. }

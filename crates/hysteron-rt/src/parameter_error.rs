@@ -32,7 +32,7 @@ pub enum ParameterError<T> {
         index: usize,
         /// Its value.
         value: T,
-        /// What it must exceed.
+        /// Bound it must exceed.
         above: T,
     },
     /// A weight is infinite or not a number.
@@ -49,9 +49,9 @@ pub enum ParameterError<T> {
     Range,
     /// Not n (n + 1)/2 sums over a plane of relays, n ≥ 1.
     Sums {
-        /// How many there must be.
+        /// Required number.
         expected: usize,
-        /// How many there are.
+        /// Number given.
         found: usize,
     },
     /// A sum over a plane of relays is infinite or not a number.
@@ -62,7 +62,7 @@ pub enum ParameterError<T> {
         name: &'static str,
         /// Its value.
         value: T,
-        /// What it must be.
+        /// Requirement.
         must: &'static str,
     },
     /// A number of one parameter of an estimator is out of its range.
@@ -73,7 +73,7 @@ pub enum ParameterError<T> {
         index: usize,
         /// Its value.
         value: T,
-        /// What it must be.
+        /// Requirement.
         must: &'static str,
     },
     /// A monitor that looks for nothing.

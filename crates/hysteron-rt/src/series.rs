@@ -46,7 +46,7 @@ pub(crate) fn passed<S: Scalar>(x: S) -> S {
     x.chain(passed, decay)
 }
 
-/// As [`relaxation`] (the same bits), with the derivative of the second with respect to κ: d² E'(x), where
+/// [`relaxation`] (bit for bit) and the derivative of its second result with respect to κ: d² E'(x), where
 /// E'(x) = (1 + x) G(x) − 1 has no cancellation next to 0.
 #[inline(always)]
 pub(crate) fn relaxation_with_slope<T: Real>(kappa: T, d: T) -> (T, T, T) {
@@ -146,7 +146,7 @@ const T: [f64; 8] = [
     -929569.0 / 638512875.0,
 ];
 
-/// How tanh(√(aκ) h)/√(aκ) continues for aκ < 0.
+/// tanh(√(aκ) h)/√(aκ), continued to aκ < 0.
 pub(crate) enum Tangent<S> {
     /// The value T.
     Finite(S),

@@ -69,7 +69,7 @@ pub fn cross_validate(
                 let rmse = error_on(&trained, everything)?;
                 Ok::<_, BaselineFailure>((trained, rmse))
             };
-            // What trains on all records is one more job beside the folds.
+            // Training on all records is one more job beside the folds.
             let on_fold = |fold: &Fold| {
                 let trained = train(kind, &rest(records, fold), &intervals)?;
                 let held = fold.held.iter().map(|(r, ranges)| (&records[*r], ranges.clone()));
@@ -138,7 +138,7 @@ fn error_on<'a>(
     Ok((square / samples.max(1) as f64).sqrt())
 }
 
-/// What a fold leaves of the records.
+/// Training records of a fold: held-out records omitted, held-out parts masked.
 fn rest(records: &[InputOutput], fold: &Fold) -> Vec<InputOutput> {
     let left = records.iter().enumerate().filter_map(|(index, record)| {
         match fold.held.iter().find(|(held, _)| *held == index) {

@@ -20,7 +20,7 @@ pub trait OneStep: Sync {
 pub(super) trait Differentiable: OneStep + Clone {
     /// Its parameters.
     fn coefficients(&self) -> &[f64];
-    /// The same structure with other parameters.
+    /// Replaces the parameters of the model; its structure stays.
     fn set_coefficients(&mut self, coefficients: &[f64]);
     /// Prediction, and its derivatives by regressors and by parameters.
     fn derivatives(&self, x: &[f64], by_x: &mut [f64], by_parameter: &mut [f64]) -> f64;
@@ -71,7 +71,7 @@ pub(super) fn simulated_error(
     (count > 0).then(|| (square / count as f64).sqrt())
 }
 
-/// Simulates a record at its own rate: each phase of the lag interval is a simulation of its own.
+/// Simulates a record at its own rate: each phase of the lag interval is simulated separately.
 pub(super) fn simulate_record(
     model: &impl OneStep,
     regressors: &Regressors,

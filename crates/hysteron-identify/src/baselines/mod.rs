@@ -76,7 +76,7 @@ impl Baseline {
 pub struct Trained {
     /// Units of its signals and the time between its lags.
     pub units: Units,
-    /// What it sees.
+    /// Its regressors.
     pub regressors: Regressors,
     /// f.
     pub model: TrainedModel,

@@ -14,7 +14,7 @@ pub struct Selected {
     pub error_reduction_ratio: f64,
 }
 
-/// What remains of the target after each selection ends the search.
+/// Termination rule of the forward selection, by the residual after each term.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StoppingRule {
     /// Terms at most.
@@ -28,11 +28,11 @@ pub struct StoppingRule {
 ///
 /// ERR = (wᵀy)²/(wᵀw yᵀy),
 ///
-/// w being what is left of the column after projection on those selected before (S. Chen, S. A. Billings, W.
+/// w being the residual of the column after projection on those selected before (S. Chen, S. A. Billings, W.
 /// Luo, Int. J. Control 50 (1989) 1873–1896, doi:10.1080/00207178908953472). Neither the selection nor the
-/// ratios depend on the scales of the columns or of the target. Columns are overwritten by what is left of
-/// them (modified Gram–Schmidt). Ends with the best value of the criterion in [`StoppingRule`]; terms after
-/// it are not returned.
+/// ratios depend on the scales of the columns or of the target. Columns are overwritten by their residuals
+/// (modified Gram–Schmidt). Ends with the best value of the criterion in [`StoppingRule`]; terms after it are
+/// not returned.
 pub fn select(columns: &mut [Vec<f64>], target: &[f64], stop: &StoppingRule) -> Vec<Selected> {
     let rows = target.len() as f64;
     let whole = dot(target, target);
@@ -67,7 +67,7 @@ pub fn select(columns: &mut [Vec<f64>], target: &[f64], stop: &StoppingRule) -> 
         open.iter().for_each(|&j| project(&mut columns[j]));
         selected.push(Selected { column, error_reduction_ratio });
         let error = dot(&rest, &rest);
-        // What rounding leaves of an exact fit is not fitted any further.
+        // The rounding residual of an exact fit is not fitted any further.
         if error <= DEPENDENT * whole {
             return selected;
         }

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-/// What is left of the diagonal below this is not factored any further.
+/// Pivots below this end the factorisation.
 const SMALLEST: f64 = 1e-12;
 
 /// exp(−‖a − b‖²/(2ℓ²)).

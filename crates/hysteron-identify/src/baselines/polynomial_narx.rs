@@ -104,7 +104,7 @@ pub(super) fn train(
     }
     candidates.sort_by(|a, b| a.error.total_cmp(&b.error));
     let Candidate { set, regressors, model, .. } = candidates.into_iter().next().ok_or(refused)?;
-    // What simulates the quarter simulates the whole: a refinement only lowers the error.
+    // A model that simulates the held-back quarter simulates the whole: a refinement only lowers the error.
     let model = refine(&model, &regressors, &set.series, Feedback::Simulated, REACH, ITERATIONS)?;
     let number = sets.iter().position(|s| std::ptr::eq(s, set)).unwrap_or(0);
     Ok((number, regressors, model))

@@ -35,10 +35,10 @@ pub struct Series {
     pub valid: Vec<bool>,
 }
 
-/// How the past of a series becomes the numbers that a model sees: each quantity over its scale.
+/// Map from the past of a series to the regressors of a model, each divided by its scale.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Regressors {
-    /// How far back they look.
+    /// Their lags.
     pub lags: Lags,
     /// Largest magnitude of each over the training rows.
     scales: Vec<f64>,

@@ -83,7 +83,7 @@ impl Units {
     /// one before.
     ///
     /// # Errors
-    /// As [`Units::stride`]; [`BaselineError::NotFinite`].
+    /// Those of [`Units::stride`]; [`BaselineError::NotFinite`].
     pub(super) fn phases(&self, record: &InputOutput) -> Result<Vec<Series>, BaselineError> {
         finite(record)?;
         let stride = self.stride(record)?;

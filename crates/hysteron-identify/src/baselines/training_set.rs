@@ -16,7 +16,7 @@ pub(super) struct TrainingSet {
     pub units: Units,
     /// One of each record, all valid samples valid.
     pub series: Vec<Series>,
-    /// The same with what is held back not valid.
+    /// `series` with the held-back samples not valid.
     pub fitted: Vec<Series>,
     /// Valid samples that are held back.
     pub held_back: Vec<Vec<bool>>,

@@ -38,7 +38,7 @@ const ROUNDS: usize = 3;
 /// Shapes of the loops that are started from: α, β' times half the range of the drive.
 const SHAPES: [(f64, f64); 2] = [(0.2, 2.0), (0.35, 0.7)];
 
-/// What a user can ask of the identification.
+/// Options of the identification.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {

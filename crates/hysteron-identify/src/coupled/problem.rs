@@ -31,7 +31,7 @@ pub(super) struct CoupledProblem<'a> {
     residuals: usize,
 }
 
-/// What a point of the search stands for.
+/// Model parameters at a point of the search.
 #[derive(Clone, Debug)]
 pub(super) struct Point {
     pub actuators: Vec<BoucWen>,
@@ -104,8 +104,7 @@ impl<'a> CoupledProblem<'a> {
         }
     }
 
-    /// What the path from input `n` to output `m` makes of its input, over all records, the mean over each
-    /// record off.
+    /// Output of the path from input `n` to output `m` over all records, centred record by record.
     pub(super) fn column(&self, point: &Point, m: usize, n: usize) -> Option<Vec<f64>> {
         let model = branch(&point.actuators[n], &point.paths[m * self.inputs + n]).ok()?;
         let mut column = Vec::new();

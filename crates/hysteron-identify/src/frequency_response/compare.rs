@@ -1,11 +1,11 @@
-//! The structures that answer a question, fitted and told apart.
+//! Candidate structures for a frequency response, fitted and compared.
 
 use super::explain::explain;
 use super::fit::{fit_beside, fit_containing};
 use super::{Core, FrequencyResponse, ResponseFit, Structure, Weighting, fit_structure};
 use crate::IdentifyError;
 
-/// Most modes tried where nobody says how many.
+/// Most modes tried where their number is not given.
 const MOST_MODES: usize = 10;
 /// Numbers of modes in a row that the data do not pay for before no more are tried.
 const PATIENCE: usize = 3;
@@ -21,7 +21,7 @@ pub struct Candidate {
     pub name: String,
     /// The fit.
     pub fit: ResponseFit,
-    /// What it explains and what it leaves, in plain words.
+    /// Its fit and its residual, in plain words.
     pub explanation: String,
 }
 
@@ -70,8 +70,7 @@ impl Family {
         }
     }
 
-    /// What tells apart the structures of this response: modes where it has a resonance, else those of a
-    /// smooth response.
+    /// Families to compare on this response: modes where it has a resonance, else those of a smooth response.
     pub fn for_response(response: &FrequencyResponse) -> Vec<Self> {
         if has_resonance(response) {
             vec![Self::PowerLaw, Self::Fractional, Self::Integer, Self::Modes]
@@ -105,7 +104,7 @@ pub fn has_dynamics(response: &FrequencyResponse) -> bool {
 /// pay for their parameters.
 ///
 /// # Errors
-/// As [`fit_structure`].
+/// Those of [`fit_structure`].
 pub fn compare(
     response: &FrequencyResponse,
     weighting: Weighting,

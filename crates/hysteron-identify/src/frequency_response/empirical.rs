@@ -20,7 +20,7 @@ const EXCITED: f64 = 0.03;
 /// Largest deviation of a period from a whole number of samples, over the whole record \[samples\].
 const WHOLE: f64 = 0.1;
 
-/// How records are read.
+/// Options of the estimate from records.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct EmpiricalOptions {
@@ -59,7 +59,7 @@ pub struct EmpiricalResponse {
 pub struct DetectionLines {
     /// Frequencies \[Hz\].
     pub frequency_hz: Vec<f64>,
-    /// Amplitude of the mean period: distortion and what is left of the noise.
+    /// Amplitude of the mean period: distortion and residual noise.
     pub amplitude: Vec<f64>,
     /// Part of it that the noise explains, from the scatter between periods; 0 with one period.
     pub noise: Vec<f64>,

@@ -21,9 +21,9 @@ pub const POOR: f64 = 0.1;
 /// A measured response and the structures fitted to it.
 #[derive(Clone, Debug)]
 pub struct Explained {
-    /// What was fitted.
+    /// The response that was fitted.
     pub response: FrequencyResponse,
-    /// How the response was taken from records, where it was.
+    /// Estimate of the response from records, where it comes from these.
     pub empirical: Option<EmpiricalResponse>,
     /// The structures.
     pub candidates: Vec<Candidate>,
@@ -62,7 +62,7 @@ impl Explained {
         )
     }
 
-    /// What should be read before a structure is used: noise in the band, an error above [`POOR`].
+    /// Warnings about the fits: noise in the band, an error above [`POOR`].
     pub fn findings(&self) -> Vec<Finding> {
         let mut findings = Vec::new();
         if let Some((low, high)) = self.response.band_above_noise() {
@@ -167,7 +167,7 @@ pub struct ExplainedSummary {
     pub band_hz: (f64, f64),
     /// `relative`, `scatter` or `uncertainty`.
     pub weighting: String,
-    /// What should be read before a structure is used.
+    /// Warnings about the fits.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub findings: Vec<Finding>,
     /// Estimate of the response, where it comes from records.
@@ -265,7 +265,7 @@ impl Explained {
     }
 }
 
-/// How a frequency response was estimated; root mean squares over its lines.
+/// Quality of an estimated frequency response; root mean squares over its lines.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EmpiricalSummary {

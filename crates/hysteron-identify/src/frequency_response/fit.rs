@@ -20,7 +20,7 @@ const ITERATIONS: usize = 150;
 /// Starts whose cost exceeds the best by less than this share have reached the same optimum.
 const SAME_OPTIMUM: f64 = 1e-4;
 
-/// What a residual is divided by.
+/// Scale that a residual is divided by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weighting {
     /// The measured value: every point counts by its relative error, which to first order is the difference
@@ -53,7 +53,7 @@ impl Weighting {
         }
     }
 
-    /// How a point counts, in words.
+    /// The weighting in words.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Relative => "each counted by its relative error",
@@ -83,7 +83,7 @@ pub struct FittedParameter {
 pub struct ResponseFit {
     /// The structure.
     pub structure: Structure,
-    /// What the residuals were weighted by.
+    /// Weighting of the residuals.
     pub weighting: Weighting,
     /// Nonlinear parameters, then linear coefficients.
     pub parameters: Vec<FittedParameter>,

@@ -12,7 +12,7 @@ use super::super::projection::Projection;
 use hysteron_numeric::Complex64;
 use hysteron_numeric::dot;
 
-/// What is fitted: relative weights, so that the target is 1 everywhere.
+/// Data of the pole relocation: relative weights, so that the target is 1 everywhere.
 pub(super) struct Relocation<'a> {
     /// Angular frequencies \[rad/s\].
     pub omega: &'a [f64],

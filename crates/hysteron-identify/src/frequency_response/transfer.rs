@@ -56,7 +56,7 @@ impl ResponseFit {
     /// a model file: coefficients and orders, and the delay.
     ///
     /// # Errors
-    /// What [`TransferFunction::validate`] refuses.
+    /// Those of [`TransferFunction::validate`].
     pub fn covariance_of_numbers(&self) -> Result<(Vec<String>, DMatrix<f64>), IdentifyError> {
         let numbers = |fit: &Self| -> Result<(Vec<String>, Vec<f64>), IdentifyError> {
             let (mut names, mut values) = transfer_function_numbers(&fit.expand()?);

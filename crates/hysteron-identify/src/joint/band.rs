@@ -29,7 +29,7 @@ use rayon::prelude::*;
 /// Rows worked on at a time.
 const ROWS: usize = 1024;
 
-/// How well the output for a drive is known.
+/// Uncertainty of the output for a drive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PredictionBand {
     /// Standard deviation of the model's output at each sample, from the uncertainty of the parameters
@@ -75,7 +75,7 @@ impl PredictionBand {
         Ok([of(self.noise), of(0.0)])
     }
 
-    /// How the band of a measurement holds a record that was scored, `skip_s` of it left out at the start.
+    /// Coverage of a scored record by the band of a measurement; the first `skip_s` are left out.
     pub fn holds(&self, record: &InputOutput, score: &Score, skip_s: f64) -> BandScore {
         let simulation = &score.simulation;
         let left_out = simulation.remarks.iter().map(|remark| match remark {
@@ -106,7 +106,7 @@ impl PredictionBand {
     }
 }
 
-/// What a joint fit knows of the output for any drive.
+/// Uncertainty of the output for any drive, from a joint fit.
 #[derive(Clone, Debug)]
 pub struct OutputUncertainty {
     hysteresis: HysteresisForm,

@@ -18,7 +18,7 @@ const FINE: f64 = 100.0;
 /// 1995, doi:10.1080/01621459.1995.10476572).
 const VERY_STRONG: f64 = 10.0;
 
-/// How the rule between samples was chosen.
+/// Choice of the rule between samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InterSampleChoice {
     /// The rule taken.
@@ -41,7 +41,7 @@ impl InterSampleChoice {
         self.evidence() > VERY_STRONG
     }
 
-    /// What was chosen, and how sure that is.
+    /// Adds the finding on the rule chosen and the evidence for it.
     pub(in super::super) fn say(&self, findings: &mut Vec<Finding>) {
         let others: Vec<String> = self
             .over

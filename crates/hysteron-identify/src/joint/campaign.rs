@@ -67,8 +67,8 @@ impl<'a> JointMember<'a> {
                 }
             },
             Initial::Periodic => (periodic(facts)?, false),
-            // What the first of several cycles hides is not worth a parameter: a memory that explains it at
-            // any price spoils the rest.
+            // The unknown past of the first of several cycles does not justify a parameter: a memory fitted
+            // to it at any price spoils the rest.
             Initial::Auto if facts.first_of_several_cycles().is_some() => {
                 (Start::Rest { voltage_v: first }, false)
             }
@@ -88,7 +88,7 @@ impl<'a> JointMember<'a> {
         let noise = floor.max(step).max(LEAST_NOISE * facts.stroke());
         let whole = facts.scored(0).len() == facts.data.y.len();
         let factor = match timing {
-            // Between samples that are left out the drive goes at rates of its own.
+            // A rate-dependent family needs the rate of the drive between all samples: no thinning.
             Timing::Stamps(_) if options.family().depends_on() == Dependence::Rate => 1,
             Timing::Stamps(_) => facts.data.len() / thinned(&facts.data).len().max(1),
             _ if whole => reduction(facts, before),
@@ -105,7 +105,7 @@ impl<'a> JointMember<'a> {
         }
     }
 
-    /// The same record, seen through `facts` with other samples valid.
+    /// This record with the valid samples of `facts`.
     pub(in super::super) fn masked<'b>(&self, facts: &'b RecordFacts) -> JointMember<'b> {
         let Self { before, transients, noise, factor, rate_hz, .. } = *self;
         JointMember { facts, before, transients, noise, factor, rate_hz }
@@ -178,7 +178,7 @@ impl<'a> JointMember<'a> {
         let held = options.demands.fixed(OFFSET);
         let mut weighting = by_swing(data, scale / self.noise, self.noise, self.facts.stroke());
         weighting.mask(data.valid.as_deref());
-        // What a device remembers and how it creeps is not known: what is wrong of that must not be taken for
+        // Memory and creep from before the record are unknown: the error they cause must not be attributed to
         // the device.
         if let Some(cycle) = self.facts.first_of_several_cycles()
             && !matches!(self.before, Start::Settled { .. })

@@ -7,7 +7,7 @@ use hysteron_model::hammerstein::{FINER, SETTLING_PERIODS, SimulationError, join
 use hysteron_model::hysteresis::{RecordEnds, polygon_of_means};
 use hysteron_model::record::{Dependence, InterSample, Timing, even_times};
 
-/// How the samples at the record's own rate come from those of the fine drive.
+/// Rule that takes the samples at the record's own rate from those of the fine drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in super::super) enum Thinning {
     /// Every so many samples.
@@ -66,7 +66,7 @@ impl TimedDrive {
     /// A drive on time stamps, and what it did `before` its first sample, of which there is no output.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// Those of [`Self::new`].
     pub(super) fn on_stamps(
         before: (Vec<f64>, Vec<f64>),
         (times_s, u): (&[f64], &[f64]),
@@ -139,7 +139,7 @@ pub(super) fn fine_drive(
     ends: RecordEnds,
 ) -> Result<(Option<Vec<f64>>, Thinning), SimulationError> {
     let (finer, thinning) = if joins_means(scheme, inter_sample) {
-        // What a family allows is asked between the samples too.
+        // Without averaging too: a family's limits on the drive are checked between the samples as well.
         (2, if averaged { Thinning::Means } else { Thinning::Pick(2) })
     } else if inter_sample == InterSample::BandLimited {
         (FINER, Thinning::Pick(FINER))

@@ -1,5 +1,5 @@
-//! What a joint fit asks of each family of hysteresis operators: roles and ranges of its numbers, and where
-//! to start.
+//! Requirements of a joint fit on each family of hysteresis operators: roles and ranges of its numbers, and
+//! its starts.
 
 use std::f64::consts::TAU;
 

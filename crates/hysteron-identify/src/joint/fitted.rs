@@ -27,7 +27,7 @@ pub(super) struct Fitted<'a> {
     pub(super) degree: usize,
     /// Degrees tried, with cost and BIC.
     pub(super) degrees: Vec<(usize, f64, f64)>,
-    /// How the rule between samples was chosen, where the records could tell.
+    /// Choice of the rule between samples, where the records could tell.
     pub(super) between: Option<InterSampleChoice>,
     pub(super) reduction: Option<Reduction>,
 }
@@ -70,8 +70,8 @@ impl<'a> Fitted<'a> {
         Ok(Self { setup, problem: whole, x, thinned, search, degree, degrees, between, reduction })
     }
 
-    /// The same optimum with a delay of 0 that is free under the options `asked`: what slow drive does not
-    /// tell is left out of the model, but not of the errors. A stop from here on leaves this point.
+    /// This optimum with the delay, 0, freed under the options `asked`: slow drive does not determine it, so
+    /// that the model has none, but the standard errors allow for it. A stop from here on leaves this point.
     pub(super) fn with_free_delay(self, asked: &'a Options) -> Result<Self, IdentifyError> {
         let setup = self.setup.with(self.setup.form, asked);
         let freed = |reduced: bool, x: &[f64]| -> Result<(JointProblem, Vec<f64>), IdentifyError> {

@@ -35,11 +35,11 @@ pub struct Interval {
     pub low: f64,
     /// Upper end.
     pub high: f64,
-    /// How it came about.
+    /// Method that gave it.
     pub method: IntervalMethod,
 }
 
-/// How an interval came about.
+/// Method that gave an interval.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum IntervalMethod {
@@ -80,7 +80,7 @@ impl Interval {
 
 /// Intervals of everything that `whole` has a standard error of, in its order and symbols (unit-α). The shape
 /// of the sum of squares is taken from `problem`, which may be the reduced one, at its own optimum `known`.
-/// What `stop` cuts short stays unchecked.
+/// Intervals cut short by `stop` stay unchecked.
 pub(in super::super) fn intervals(
     problem: &JointProblem,
     known: &Knowledge,
@@ -176,7 +176,7 @@ struct Whole<'a> {
 }
 
 impl Whole<'_> {
-    /// What is searched, and all coefficients of u, u², … and α.
+    /// Search vector, and all coefficients of u, u², … and α.
     fn split<'p>(&self, p: &'p [f64]) -> (&'p [f64], Vec<f64>) {
         let (eliminated, x) = p.split_at(self.eliminated.len());
         let layout = self.problem.layout();

@@ -1,4 +1,4 @@
-//! What a joint fit knows: covariance of all parameters in the article's symbols, robust to coloured
+//! Uncertainty of a joint fit: covariance of all parameters in the article's symbols, robust to coloured
 //! residuals.
 //!
 //! With J the Jacobian in every parameter (the eliminated ones too) and Ω the covariance of the residuals,
@@ -91,7 +91,7 @@ impl Covariance {
         let mut jacobian = DMatrix::zeros(values.len(), self.values.len());
         let mut at = self.values.clone();
         for j in 0..self.values.len() {
-            // What is held does not move.
+            // Parameters that are held do not vary.
             let Some(std_error) = self.deviation(j) else { continue };
             let size = self.values[j].abs();
             // An error that is larger than its value says no more than that: f need not exist so far away.
@@ -119,8 +119,8 @@ impl Covariance {
     }
 }
 
-/// What is known at an optimum, in the fit's own (unit-α) symbols: first the eliminated coefficients, then
-/// the searched numbers.
+/// Estimates and their covariance at an optimum, in the fit's own (unit-α) symbols: first the eliminated
+/// coefficients, then the searched numbers.
 #[derive(Debug)]
 pub(in super::super) struct Knowledge {
     /// Robust to coloured residuals.
@@ -181,8 +181,8 @@ pub(in super::super) fn knowledge_of(
         (0..p).partition(|&k| singular[k] > NOT_DETERMINED * singular.max());
     let scaled = DMatrix::from_fn(kept.len(), p, |k, j| directions[(kept[k], j)] / singular[kept[k]]);
     let bread = scaled.transpose() * &scaled;
-    // What a lost combination adds to the variance of a parameter, by its singular value as far as rounding
-    // lets it be known.
+    // Variance that the truncated singular directions add to a parameter, each singular value at least that
+    // of rounding.
     let undetermined_free: Vec<bool> = (0..p)
         .map(|j| {
             let share: f64 = lost.iter().map(|&k| directions[(k, j)].powi(2)).sum();
@@ -219,8 +219,7 @@ pub(in super::super) fn knowledge_of(
         }
         matrix
     };
-    // How far all of them would move if those on the edge were free to: an error of the estimate beside that
-    // of the noise.
+    // Shift of the estimates if those on a bound were free: a bias, beside the error from the noise.
     let held_back = free.iter().zip(&free_columns).zip(&free_norms);
     let pull = held_back.map(|((&j, c), norm)| if on_bound[j] { dot(c, residuals) / norm } else { 0.0 });
     let moved = &bread * DVector::from_iterator(p, pull);

@@ -1,4 +1,4 @@
-//! The joint fit as a problem of its own: to study its cost, or to hand it to another optimiser.
+//! The joint fit as a standalone problem: to study its cost, or to hand it to another optimiser.
 
 use super::super::campaign::usable;
 use super::super::{CampaignRecord, Choice, Engine, IdentifyError, Options, Watch};
@@ -8,7 +8,7 @@ use super::search::DEGREE_OF_STARTS;
 use super::setup::{self, JointSetup};
 use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, Settings};
 
-/// What [`super::super::identify`] minimises when it fits jointly: residuals of all records, each weighted by
+/// Problem that [`super::super::identify`] solves in a joint fit: residuals of all records, each weighted by
 /// its noise, with offsets, polynomial and α eliminated, over β', γ', the parameters of the dynamics, the
 /// delay and the memory of each record.
 #[derive(Debug)]
@@ -26,7 +26,7 @@ impl JointObjective {
     /// samples. With [`Choice::Auto`] the polynomial has the degree of the starts, 3.
     ///
     /// # Errors
-    /// As [`super::super::identify`], for what it finds before any fit.
+    /// Those that [`super::super::identify`] returns before any fit.
     pub fn new(campaign: &[CampaignRecord], options: &Options, reduced: bool) -> Result<Self, IdentifyError> {
         options.validate()?;
         let facts = usable(campaign)?;

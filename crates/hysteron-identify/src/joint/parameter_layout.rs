@@ -22,7 +22,7 @@ pub(in super::super) struct JointLayout {
 }
 
 impl JointLayout {
-    /// What the output is linear in: coefficients of u, u², …, then weights.
+    /// Parameters the output is linear in: coefficients of u, u², …, then weights.
     pub(in super::super) fn linear(&self) -> impl Iterator<Item = &Role> {
         self.polynomial.iter().chain(&self.weights)
     }

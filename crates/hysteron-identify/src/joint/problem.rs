@@ -26,7 +26,7 @@ use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_numeric::{dot, non_negative_least_squares};
 use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, Range, Stop, root_mean_square};
 
-/// What one searched number is.
+/// Meaning of one searched number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Searched {
     /// Something that changes every record.
@@ -82,7 +82,7 @@ pub(in super::super) struct JointWorkspace {
 }
 
 impl JointWorkspace {
-    /// What ends an evaluation early.
+    /// Sets the stop signal that ends an evaluation early.
     fn set_stop(&mut self, stop: &Stop) {
         self.records.iter_mut().for_each(|record| record.set_stop(stop));
     }
@@ -137,12 +137,12 @@ impl JointProblem {
         }
     }
 
-    /// The same, with a frequency inside the band of the records \[Hz\].
+    /// This problem with `inside_hz` as the frequency inside the band of the records \[Hz\].
     pub(super) fn with_inside(self, inside_hz: f64) -> Self {
         Self { inside_hz, ..self }
     }
 
-    /// The same, stopped by `stop`: an evaluation is given up.
+    /// This problem with `stop` as its stop signal, which ends an evaluation early.
     pub(super) fn stopped_by(self, stop: &Stop) -> Self {
         Self { stop: stop.clone(), ..self }
     }
@@ -152,7 +152,7 @@ impl JointProblem {
         self.best.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map(|best| best.x.clone())
     }
 
-    /// What is known of `x` without an evaluation, once the work is stopped.
+    /// Best evaluation so far, if it is that of `x` and the work is stopped.
     fn known(&self, x: &[f64]) -> Option<Evaluated> {
         let best =
             self.stop.is_requested().then(|| self.best.lock().unwrap_or_else(PoisonError::into_inner))?;

@@ -52,7 +52,8 @@ pub(in super::super) struct Profiled<'a> {
     pub(in super::super) std_error: f64,
     /// s² ρ: what one unit of deviance is worth in the sum of squares.
     pub(in super::super) unit: f64,
-    /// How all parameters move with this one along the valley of the sum of squares, 1 for itself.
+    /// Derivative of all parameters with respect to this one along the valley of the sum of squares, 1 for
+    /// itself.
     pub(in super::super) direction: &'a [f64],
 }
 
@@ -144,7 +145,7 @@ impl Profiled<'_> {
                 Rest::solve(fit, self.parameter, optimum.free, (&at, damping), &residuals, &columns)
             };
             let rest = solve(fit, 0.0);
-            // What is left to gain must not count in z.
+            // The gain still expected must not count in z.
             if rest.gain <= 2.0 * Z_TOLERANCE * wanted * self.unit {
                 let z = self.root(rest.square, optimum);
                 let mut direction = vec![0.0; at.len()];
@@ -186,7 +187,7 @@ struct Point {
     z: f64,
     /// dz/dv.
     rate: f64,
-    /// How all parameters move with the profiled one.
+    /// Derivative of all parameters with respect to the profiled one.
     direction: Vec<f64>,
 }
 
@@ -196,7 +197,7 @@ impl Point {
         let by = value - self.at[parameter];
         let to = |(j, (p, d)): (usize, (&f64, &f64))| {
             let (low, high) = fit.range(j);
-            // What is held may stand outside.
+            // A held parameter may lie outside its range.
             if *d == 0.0 { *p } else { (p + by * d).clamp(low, high) }
         };
         let mut at: Vec<f64> = self.at.iter().zip(&self.direction).enumerate().map(to).collect();
@@ -210,7 +211,7 @@ struct Rest {
     free: Vec<usize>,
     /// Step of each of them to their best.
     change: Vec<f64>,
-    /// How each of them follows the profiled one.
+    /// Derivative of each of them with respect to the profiled one.
     tangent: Vec<f64>,
     /// Sum of squares before the step, and how much the step is expected to gain.
     before: f64,

@@ -37,13 +37,13 @@ pub(in super::super) use preparation::{Clock, Ingredients};
 pub(in super::super) struct JointRecord {
     /// Drive on the grid that the hysteresis runs over \[V\].
     drive: Vec<f64>,
-    /// How its samples lie in time.
+    /// Time grid of the drive.
     grid: DriveGrid<'static>,
     /// Rate and duration of the move to each sample of the drive, where these are not an equal time apart.
     paces: Option<Vec<Pace>>,
     thinning: Thinning,
     reduction: Option<Reduction>,
-    /// What happened before the first sample; an unknown memory at rest at u(0) is a parameter of the fit.
+    /// Start of the record; an unknown memory at rest at u(0) is a parameter of the fit.
     before: Start<()>,
     /// Cycles that the record consists of; 1 where it has none.
     pub(super) cycles: usize,
@@ -54,7 +54,7 @@ pub(in super::super) struct JointRecord {
     pub(super) target: Vec<f64>,
     /// Samples with weight.
     pub(super) valid: usize,
-    /// What a constant output is, 1 but at the ends of a reduced record, where the output at rest counts: the
+    /// Response to a constant, 1 but at the ends of a reduced record, where the output at rest counts: the
     /// offset is held.
     rest: Option<Vec<f64>>,
     plan: RecordPlan,
@@ -97,7 +97,7 @@ pub(in super::super) struct RecordWorkspace {
     lanes: Vec<Lane>,
 }
 
-/// What the operators of the hysteresis put out, kept while only the dynamics change.
+/// Outputs of the hysteresis operators, kept while only the dynamics change.
 #[derive(Debug)]
 struct Operators {
     columns: Columns,
@@ -123,7 +123,7 @@ struct Lane {
 }
 
 impl RecordWorkspace {
-    /// What ends an evaluation early.
+    /// Sets the stop signal that ends an evaluation early.
     pub(super) fn set_stop(&mut self, stop: &Stop) {
         self.hysteresis.columns.stop = Some(stop.clone());
     }

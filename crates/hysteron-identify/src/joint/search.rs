@@ -258,8 +258,8 @@ fn take_better(search: &mut Search, other: Search) {
     }
 }
 
-/// What a creep factor gains: the fall of −2 ln of the likelihood, what BIC takes for its parameters, and the
-/// cost without it over that with it.
+/// Evidence for a creep factor: the fall of −2 ln of the likelihood, the BIC penalty of its parameters, and
+/// the ratio of the cost without it to that with it.
 struct Gain {
     likelihood: f64,
     price: f64,

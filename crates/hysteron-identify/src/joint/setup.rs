@@ -84,7 +84,7 @@ impl<'a> JointSetup<'a> {
         }
     }
 
-    /// The same, stopped by `stop`.
+    /// This setup with `stop` as its stop signal.
     pub(in super::super) fn stopped_by(self, stop: &Stop) -> Self {
         Self { stop: stop.clone(), ..self }
     }
@@ -94,7 +94,7 @@ impl<'a> JointSetup<'a> {
         self.options
     }
 
-    /// The same records prepared anew, under other options.
+    /// These records prepared anew, under other options.
     pub(super) fn anew<'b>(&self, options: &'b Options) -> JointSetup<'b>
     where
         'a: 'b,
@@ -106,7 +106,7 @@ impl<'a> JointSetup<'a> {
         }
     }
 
-    /// The same with longer delays, where a fit ended at the longest of those sought; `None` where it did
+    /// This setup with longer delays, where a fit ended at the longest of those sought; `None` where it did
     /// not.
     pub(super) fn with_longer_delays(&self, problem: &JointProblem, x: &[f64]) -> Option<JointSetup<'a>> {
         let asked = self.options.demands.names().any(|name| name == "delay");
@@ -124,7 +124,7 @@ impl<'a> JointSetup<'a> {
         !self.form.parameters().is_empty() && even && self.rate_hz < samples * self.fastest_hz
     }
 
-    /// The same records with another form of the dynamics, or other parameters held.
+    /// These records with another form of the dynamics, or other parameters held.
     pub(super) fn with<'b>(&self, form: DynamicForm, options: &'b Options) -> JointSetup<'b>
     where
         'a: 'b,
@@ -230,7 +230,7 @@ impl<'a> JointSetup<'a> {
         // Several of them are only seen within the drive.
         let (low, lightest) = if pairs(&self.form) > 1 { (0.02 * low, 5e-4) } else { (low, 0.005) };
         let high = (20.0 * self.fastest_hz).min(0.45 * self.rate_hz);
-        // What is faster than the fastest drive is not creep, what is slower than the longest record a drift.
+        // Faster than the fastest drive is not creep, slower than the longest record is drift.
         let longest = self.members.iter().map(JointMember::duration_s).fold(0.0, f64::max);
         let fastest_creep = 1.0 / (TAU * self.fastest_hz);
         let linear = |low, high| Range::linear(parameter.name, low, high);

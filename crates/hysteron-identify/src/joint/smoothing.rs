@@ -20,7 +20,7 @@ const PARTS: usize = 8;
 /// Amounts tried, as shares of that at which neighbours weigh as much as the records.
 const SHARES: [f64; 10] = [0.0, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
 
-/// How neighbouring weights were drawn together.
+/// Roughness penalty chosen for the differences of neighbouring weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smoothing {
     /// κ, as a share of that at which the differences of neighbours weigh as much as the records; 0 where
@@ -28,7 +28,7 @@ pub struct Smoothing {
     pub share: f64,
     /// Weighted error on the parts left out, at this κ.
     pub left_out: f64,
-    /// The same without.
+    /// Weighted error on these parts with κ = 0.
     pub left_out_without: f64,
 }
 
@@ -70,7 +70,7 @@ pub(super) fn smoothed(problem: &JointProblem, x: &[f64]) -> Option<(Vec<f64>, S
     let fit = Fit { degree: problem.degree(), sign, neighbours };
     let whole = stacked(parts.iter());
     let unit = fit.unit(&whole);
-    // What each amount leaves on every part, fitted to the others.
+    // Held-out error of every part at each penalty, fitted to the other parts.
     let errors: Vec<Vec<f64>> = (0..parts.len())
         .into_par_iter()
         .map(|out| {

@@ -55,7 +55,7 @@ struct Motion {
     measured: bool,
 }
 
-/// What the slowest record says of the loop, in the search's own numbers.
+/// Loop fitted to the slowest record, in the search's own numbers.
 struct Loop {
     shape: Vec<f64>,
     /// Memory of the slowest record.

@@ -112,7 +112,7 @@ pub(super) fn by_swing(data: &InputOutput, largest: f64, noise: f64, stroke: f64
             small.push((piece.samples, periods, gain));
         }
     }
-    // What is known of them is a gain and a phase each, however many samples it took.
+    // Each oscillation determines one gain and one phase, however many samples it has: all count alike.
     let most = small.iter().map(|(rows, ..)| rows.len()).max().unwrap_or(1);
     for (rows, periods, gain) in small {
         let gain = gain * (most as f64 / rows.len() as f64).sqrt();

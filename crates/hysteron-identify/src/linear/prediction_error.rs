@@ -104,7 +104,7 @@ impl<'a> PredictionError<'a> {
             return;
         }
         let mut e = vec![0.0; samples];
-        // What the noise model predicts of w, with a sign.
+        // Prediction of w by the noise model, negated.
         let predicted = |k: usize, w: &[f64], e: &[f64]| {
             let past = |c: &[f64], x: &[f64]| -> f64 {
                 c.iter().enumerate().filter_map(|(i, c)| Some(c * x[k.checked_sub(i + 1)?])).sum()

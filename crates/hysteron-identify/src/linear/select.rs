@@ -24,7 +24,7 @@ pub struct Selected<F> {
 /// `noise` = (nc, nd) the best one has a Box–Jenkins noise model.
 ///
 /// # Errors
-/// As [`fit_polynomial`], where none can be fitted.
+/// Those of [`fit_polynomial`], where none can be fitted.
 pub fn select_polynomial(
     records: &[ArxRecord<'_>],
     most_poles: usize,
@@ -49,7 +49,7 @@ pub fn select_polynomial(
 /// 0 to `longest_delay` samples that suits best, and returns them by BIC, the best first.
 ///
 /// # Errors
-/// As [`fit_srivc`], where none can be fitted.
+/// Those of [`fit_srivc`], where none can be fitted.
 pub fn select_srivc(
     records: &[ArxRecord<'_>],
     most_poles: usize,

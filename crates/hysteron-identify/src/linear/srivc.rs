@@ -235,7 +235,7 @@ impl<'a> Regression<'a> {
         Some((self.judged(now.step, x)?, moved))
     }
 
-    /// The same model with time counted such that the product of its poles is 1.
+    /// This model in units of time that make the product of its poles 1.
     fn in_own_time(&self, now: &Iterate) -> Iterate {
         let (n, m) = (self.poles, self.zeros);
         let rate = now.x[n - 1].abs().powf(1.0 / n as f64);

@@ -20,7 +20,7 @@ pub(super) enum Group {
 }
 
 impl Group {
-    /// What the states depend on.
+    /// Whether the trajectory of the states depends on it.
     fn is_dynamic(self) -> bool {
         self <= Self::Coefficients
     }

@@ -31,7 +31,7 @@ use crate::IdentifyError;
 use hysteron_model::axes::{AxesRecord, InfluenceMatrix, ScheduledModes};
 use serde::{Deserialize, Serialize};
 
-/// What a user can ask of the identification.
+/// Options of the identification.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
@@ -95,7 +95,7 @@ pub struct ModesIdentification {
     pub resume: Searches,
     /// Verdicts, advice and warnings in plain words.
     pub findings: Vec<Finding>,
-    /// What was done to the data, in plain words.
+    /// Treatment of the data, in plain words.
     pub treatment: Vec<String>,
     /// Lowest and highest frequency of the drive \[Hz\].
     pub excited_hz: (f64, f64),

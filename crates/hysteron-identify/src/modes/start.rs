@@ -248,8 +248,8 @@ fn schedule_poles(model: &mut ScheduledModes) {
     }
 }
 
-/// What the slow phase of the response leaves beside the lag: the slope of the phase of tr(G₀⁻¹ G) below half
-/// the lowest mode, 0 to four samples.
+/// Delay \[s\] of the response below half the lowest mode, from the slope of the phase of tr(G₀⁻¹ G), less
+/// that of the lag; 0 to four samples.
 fn advance(
     response: &FrequencyMatrix,
     influence: &InfluenceMatrix,

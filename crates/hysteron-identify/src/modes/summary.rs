@@ -26,7 +26,7 @@ pub struct ModesRecordFit {
     pub period_samples: usize,
     /// rms error of its mean period, pooled over the outputs \[µm\].
     pub rmse: f64,
-    /// The same of every output.
+    /// rms error of every output \[µm\].
     pub output_rmse: Vec<f64>,
     /// 100 · (1 − rms error / rms output) \[%\].
     pub fit_percent: f64,

@@ -1,11 +1,11 @@
-//! Moves the coefficients of a correction sample by sample and watches what is left.
+//! Updates the coefficients of a correction sample by sample and monitors the residuals.
 
 use super::correction::{Regressors, Row};
 use crate::IdentifyError;
 use hysteron_model::record::InputOutput;
 use hysteron_rt::{FitMonitor, Misfit, Nlms, Rls, SampleError};
 
-/// How coefficients are moved.
+/// Estimator of the coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Estimator<const N: usize> {
     /// Recursive least squares with forgetting.
@@ -31,11 +31,11 @@ pub struct Adapter<const N: usize> {
 /// One sample taken in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Adapted {
-    /// What the model, corrected by the samples before, said \[µm\].
+    /// Prediction of the model, corrected by the samples before \[µm\].
     pub predicted: f64,
     /// Residual in units of its expected deviation.
     pub normalised: f64,
-    /// What no longer fits.
+    /// Kind of misfit, on an alarm.
     pub misfit: Option<Misfit>,
 }
 
@@ -44,11 +44,11 @@ pub struct Adapted {
 pub struct Alarm {
     /// Number of the sample, from 0.
     pub sample: usize,
-    /// What no longer fits.
+    /// Kind of misfit.
     pub misfit: Misfit,
 }
 
-/// What an adapter did over a record.
+/// Trajectory of an adapter over a record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace<const N: usize> {
     /// Prediction of every sample from those before \[µm\].

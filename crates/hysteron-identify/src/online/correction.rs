@@ -20,7 +20,7 @@ pub struct Correction<const N: usize> {
     terms: [Term; N],
 }
 
-/// What the coefficients of a [`Correction`] are multiplied by over a record.
+/// Regressors of the coefficients of a [`Correction`] over a record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Regressors<const N: usize> {
     fixed: Vec<f64>,
@@ -30,7 +30,7 @@ pub struct Regressors<const N: usize> {
 /// One sample of [`Regressors`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row<const N: usize> {
-    /// What no coefficient changes \[µm\].
+    /// Part of the output that no coefficient changes \[µm\].
     pub fixed: f64,
     /// φ.
     pub regressors: [f64; N],
@@ -91,7 +91,7 @@ impl<const N: usize> Correction<N> {
     /// scheme is `band-limited` or its drive band-limited between samples.
     ///
     /// # Errors
-    /// As [`Model::simulate`]; [`IdentifyError::CorrectionNoRate`].
+    /// Those of [`Model::simulate`]; [`IdentifyError::CorrectionNoRate`].
     pub fn regressors(
         &self,
         u: &[f64],
@@ -165,8 +165,8 @@ impl<const N: usize> Regressors<N> {
         self.fixed.is_empty()
     }
 
-    /// How far each regressor moves over the record: its range, or 1 where it is constant (that of the
-    /// offset). What moves the output by d is a coefficient of d over this.
+    /// Range of each regressor over the record, or 1 where it is constant (that of the offset). A coefficient
+    /// of d over this moves the output by d.
     pub fn spans(&self) -> [f64; N] {
         self.columns.each_ref().map(|column| {
             let (low, high) = range_of(column);

@@ -116,7 +116,7 @@ pub struct Followed {
     pub paths: Vec<Path>,
     /// Scores of the model as it was.
     pub before: Scores,
-    /// The same but for its offset.
+    /// Scores of that model with its offset estimated.
     pub before_offset_estimated: Scores,
     /// Every sample predicted with the coefficients of the samples before it.
     pub predicted: Scores,

@@ -1,4 +1,4 @@
-//! How far apart samples must be for what a correction leaves of them to count as noise.
+//! Spacing of samples at which the residuals of a correction count as white.
 
 use nalgebra::{DMatrix, DVector};
 

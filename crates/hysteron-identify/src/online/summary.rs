@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{FollowOptions, Followed};
 
-/// What came of the correction over a record.
+/// Result of the correction over a record.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FollowedSummary {

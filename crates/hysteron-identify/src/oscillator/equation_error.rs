@@ -212,7 +212,7 @@ impl EquationError {
         found.1.is_finite().then_some(found)
     }
 
-    /// Linear least squares; the second result is the root mean square of what is left.
+    /// Linear least squares; the second result is the root mean square of the residual.
     fn solve(&self, zeta: Option<&[f64]>, residual: Option<&mut [f64]>) -> Option<(Coefficients, f64)> {
         let free = |i: usize| self.held.get(i).is_none_or(|held| held.is_none());
         let which: Vec<usize> = (0..3).filter(|&i| free(i)).collect();

@@ -35,15 +35,15 @@ use hysteron_model::validate::Scores;
 use hysteron_optimize::Outcome;
 use serde::{Deserialize, Serialize};
 
-/// What a user can ask of the identification of an oscillator.
+/// Options of the identification of an oscillator.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// How the start of each record enters: an oscillator rests without force (`Rest` and `Zero`), repeats
-    /// (`Periodic`, the whole record is one period where no shorter one is found), or y, ẏ and z at the first
-    /// sample are searched (`Free`). `Auto`: a steady state where the force repeats, else rest.
+    /// Start of each record: an oscillator rests without force (`Rest` and `Zero`), repeats (`Periodic`, the
+    /// whole record is one period where no shorter one is found), or y, ẏ and z at the first sample are
+    /// searched (`Free`). `Auto`: a steady state where the force repeats, else rest.
     pub initial: Initial,
-    /// What the force does between its samples.
+    /// Force between its samples.
     pub inter_sample: InterSample,
     /// Parameters held at a value: `mass`, `damping`, `n`.
     pub fixed: Vec<(String, f64)>,
@@ -78,11 +78,11 @@ pub struct Identification {
     /// Its parameters in the order of [`Oscillator::NAMES`], then natural frequency and damping ratio at
     /// small motion.
     pub estimates: Vec<Estimate>,
-    /// How the estimates of the parameters hang together; `None` where the records do not determine them.
+    /// Correlations of the estimates; `None` where the records do not determine them.
     pub correlation: Option<Correlation>,
     /// Sensor offset of the first record.
     pub offset: f64,
-    /// What the force was taken to do between its samples.
+    /// Rule assumed for the force between its samples.
     pub inter_sample: InterSample,
     /// Every record and the simulation of it.
     pub records: Vec<RecordFit>,
@@ -92,7 +92,7 @@ pub struct Identification {
     pub search: Outcome,
     /// Verdicts, warnings and advice in plain words.
     pub findings: Vec<Finding>,
-    /// What was done to the data, in plain words.
+    /// Treatment of the data, in plain words.
     pub treatment: Vec<String>,
     /// Lowest and highest frequency of the forces \[Hz\].
     pub excited_hz: (f64, f64),

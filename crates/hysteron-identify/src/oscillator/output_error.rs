@@ -6,8 +6,8 @@ use hysteron_model::Start;
 use hysteron_model::oscillator::{Drive, Oscillator, OscillatorState, Response};
 use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, Range, root_mean_square};
 
-/// What is searched: some of the coordinates, then y, ẏ and z at the first sample of every piece with a free
-/// start.
+/// Output-error problem over the free coordinates, then y, ẏ and z at the first sample of every piece with a
+/// free start.
 #[derive(Debug)]
 pub(super) struct OutputError<'a> {
     pieces: &'a [Piece],

@@ -12,7 +12,7 @@ use hysteron_model::record::{InputOutput, Periods};
 /// A period counts as whole where all of them together are off by less than this many samples.
 const WHOLE: f64 = 0.1;
 
-/// What the fit sees of a record.
+/// A record as the fit uses it.
 #[derive(Clone, Debug)]
 pub(super) struct Piece {
     pub name: String,
@@ -22,7 +22,7 @@ pub(super) struct Piece {
     /// Whether a sample is scored.
     pub scored: Vec<bool>,
     pub rate: f64,
-    /// What is assumed to have happened before: a state at the first sample is searched.
+    /// Assumed start; with `Remembering` the state at the first sample is searched.
     pub start: Start<()>,
     /// Periods averaged.
     pub periods: usize,

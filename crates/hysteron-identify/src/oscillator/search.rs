@@ -163,7 +163,7 @@ fn treatment(piece: &Piece) -> String {
     }
 }
 
-/// Condition number of the correlation above which some of the parameters are hardly told apart.
+/// Condition number of the correlation above which some of the parameters are hardly distinguishable.
 const ILL_CONDITIONED: f64 = 1e4;
 /// Relative standard error above which a parameter is hardly determined.
 const VAGUE: f64 = 0.3;

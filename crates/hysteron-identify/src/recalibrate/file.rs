@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 const LEAST: f64 = 1e-12;
 
 impl Prior {
-    /// What a model file says. Where it holds the covariance C of its numbers p: that of (gain, delay) where
+    /// Prior from a model file. Where it holds the covariance C of its numbers p: that of (gain, delay) where
     /// all else of the model is held, (Dᵀ C⁺ D)⁻¹ with D = ∂p/∂(gain, delay), as if the old records were
     /// fitted again beside the new ones. Else by standard errors alone: that of `linear`, relative, for the
     /// gain, and that of the delay.
@@ -38,7 +38,7 @@ impl Prior {
     }
 }
 
-/// How the numbers of a model file move with gain and delay.
+/// Derivatives of the numbers of a model file with respect to gain and delay.
 struct Directions {
     names: Vec<String>,
     /// D, a column each.
@@ -198,7 +198,7 @@ impl Recalibration {
     }
 }
 
-/// What a recalibration changed, for programs.
+/// Changes by a recalibration, in machine-readable form.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RecalibrationSummary {
     gain: ChangeSummary,

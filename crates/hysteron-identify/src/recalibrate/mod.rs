@@ -36,7 +36,7 @@ const ROUNDS: usize = 3;
 pub struct Recording {
     /// The record.
     pub data: InputOutput,
-    /// What happened before it, as far as is known.
+    /// State before it, as far as is known.
     pub start: Start,
     /// The start is known: no other is tried.
     pub start_is_known: bool,
@@ -44,7 +44,7 @@ pub struct Recording {
     pub beginning: Option<InputOutput>,
 }
 
-/// What the old model says of gain and delay.
+/// Prior of gain and delay from the old model.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Prior {
     /// Standard error of the gain, 1 being the old one; `None`: nothing is known.

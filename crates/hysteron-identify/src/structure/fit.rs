@@ -22,7 +22,7 @@ use hysteron_optimize::{
 const POLISHED: usize = 3;
 const ITERATIONS: usize = 30;
 const FOLD_ITERATIONS: usize = 15;
-/// Structures are told apart by far larger differences of the cost.
+/// Cost tolerance of these fits: structures differ by far more.
 const COST_TOLERANCE: f64 = 1e-5;
 /// A fit to what a fold leaves starts this part of the way from the whole campaign's optimum to the middle of
 /// the box: what the remaining data do not determine must not stay where the left-out data put it.
@@ -102,8 +102,7 @@ impl Campaign<'_> {
         for (record, ranges) in &fold.held {
             let facts = &self.facts[*record];
             let data = left(&facts.data, ranges, false);
-            // What is left out says best what came before it: a memory fitted to the rest may rest on
-            // nothing.
+            // The start is chosen on the held-out data: a memory fitted to the rest may rest on nothing.
             let fitted = starts.iter().find(|(r, _)| r == record).map(|(_, start)| *start);
             let preferred = fitted.unwrap_or_else(|| self.members[*record].fresh_start());
             let (_, simulated) = choose_start(&model, &data, preferred, None, &Scoring::default())
@@ -287,7 +286,7 @@ impl Campaign<'_> {
         Ok((found.model, found.records.iter().map(|r| r.start).collect()))
     }
 
-    /// What a fold leaves of the campaign: the records in it, with what is left out of them masked.
+    /// Training records of a fold: held-out records omitted, held-out parts masked.
     fn rest(&self, fold: &Fold) -> Vec<(usize, RecordFacts)> {
         let mut rest = Vec::new();
         for (record, facts) in self.facts.iter().enumerate() {
@@ -304,7 +303,7 @@ impl Campaign<'_> {
     }
 }
 
-/// How well the whole campaign is fitted.
+/// Training error on the whole campaign.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Training {
     pub(super) rmse: f64,

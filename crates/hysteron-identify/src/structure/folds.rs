@@ -1,5 +1,4 @@
-//! What is left out, one after the other: whole records where there are enough of different content, else
-//! parts of them.
+//! Cross-validation folds: whole records where there are enough of different content, else parts of them.
 
 use std::ops::Range;
 
@@ -15,12 +14,12 @@ const ENOUGH_RECORDS: usize = 3;
 const PARTS_ALONE: usize = 4;
 const PARTS_BESIDE: usize = 2;
 
-/// What is left out of one fit and predicted by it.
+/// Data held out of one fit and predicted by it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fold {
     /// Name for tables: the record, and which part of it.
     pub label: String,
-    /// Amplitude and frequencies of what is left out, in words.
+    /// Amplitude and frequencies of the held-out data, in words.
     pub content: String,
     /// Samples left out: index of the record, and ranges in it.
     pub held: Vec<(usize, Vec<Range<usize>>)>,
@@ -28,7 +27,7 @@ pub struct Fold {
     pub whole: bool,
 }
 
-/// Plans the folds, or says why structures cannot be told apart.
+/// Plans the folds, or says why structures cannot be distinguished.
 pub(super) fn plan(facts: &[RecordFacts], contents: &[Content]) -> Result<Vec<Fold>, IdentifyError> {
     let unit = &facts[0].data.u_unit.to_string();
     let groups = groups(facts, contents);
@@ -120,7 +119,7 @@ fn ranges(facts: &RecordFacts, part: usize, parts: usize) -> Vec<Range<usize>> {
     }
 }
 
-/// What limits a ranking that can be made.
+/// Limitations of a ranking that can be made.
 pub(super) fn limits(contents: &[Content], folds: &[Fold]) -> Vec<String> {
     let mut notes = Vec::new();
     let (low, high) = prospect::band(contents);

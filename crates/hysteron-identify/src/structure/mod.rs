@@ -47,7 +47,7 @@ const LEND: usize = 2;
 /// A comparison of structures.
 #[derive(Clone, Debug)]
 pub struct Comparison {
-    /// What was left out, one after the other.
+    /// The cross-validation folds.
     pub folds: Vec<Fold>,
     /// The candidates in the order they were fitted.
     pub entries: Vec<Entry>,
@@ -59,7 +59,7 @@ pub struct Comparison {
     pub independent_samples: f64,
     /// Samples of all records.
     pub samples: usize,
-    /// What else limits the comparison, in plain words.
+    /// Further limitations of the comparison, in plain words.
     pub notes: Vec<String>,
     /// The records were taken as parts of runs.
     pub continued: bool,
@@ -200,7 +200,7 @@ impl Run<'_, '_> {
     fn step(&self, fits: usize, candidate: Candidate) {
         let done = self.done.fetch_add(fits, Ordering::Relaxed) + fits;
         let fraction = done as f64 / self.planned.max(1) as f64;
-        // Whoever wants to stop is asked by what comes next.
+        // A request to stop is honoured by the next check.
         let _ = self.watch.tell(Event::new(&candidate.to_string(), fraction, None));
     }
 

@@ -47,7 +47,7 @@ pub struct Neighbour {
     pub parameters: usize,
     /// RMSE over all records, each with its offset \[output unit\].
     pub rmse: f64,
-    /// As [`super::Entry::bic`].
+    /// BIC, see [`super::Entry::bic`].
     pub bic: f64,
 }
 
@@ -141,7 +141,7 @@ fn candidates(own: Candidate) -> Vec<Candidate> {
     let with = if own.creep == Creep::None { Creep::Fractional } else { own.creep };
     for block in [Block::NONE, Block::integer(2), Block::of(DynamicsChoice::Fractional), own.block] {
         for creep in [Creep::None, with] {
-            // A static model with creep, and ARX with it, are nobody's first question.
+            // A static model with creep, and ARX with it, are rarely of interest.
             if creep == Creep::None || !(block == Block::NONE || block.takes_two_steps()) {
                 add(Candidate { block, creep, ..own });
             }

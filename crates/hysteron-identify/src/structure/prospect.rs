@@ -23,7 +23,7 @@ const OFF_ZERO: f64 = 0.02;
 /// Whether a campaign determines something.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Prospect {
-    /// What, in a word or two.
+    /// Topic, in a word or two.
     pub topic: Cow<'static, str>,
     /// `Some(true)`: yes; `Some(false)`: no; `None`: in part.
     pub determined: Option<bool>,
@@ -31,7 +31,7 @@ pub struct Prospect {
     pub text: String,
 }
 
-/// What a campaign can determine.
+/// Statements about what a campaign can determine.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Prospects {
     /// Amplitudes and frequencies of each record, in words; the statements say as much, so they are not

@@ -173,7 +173,7 @@ fn the_neighbours_of_what_was_identified_are_told_apart() {
     let entry = |name: &str| &list.entries[names.iter().position(|n| n == name).unwrap()];
     let own = entry("integer2+degree2");
     assert!((own.rmse / NOISE - 1.0).abs() < 0.05 && own.parameters == 8, "{own:?}");
-    // What is missing shows in the error, what is needless in BIC alone.
+    // A missing term shows in the error, a needless one in BIC alone.
     assert!(entry("none+degree2").rmse > 10.0 * own.rmse && entry("integer2+degree1").rmse > 2.0 * own.rmse);
     for name in ["integer2", "integer2+creep+degree2", "fractional+degree2", "integer2+degree2+n-free"] {
         let richer = entry(name);

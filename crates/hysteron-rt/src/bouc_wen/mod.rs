@@ -85,7 +85,7 @@ impl<T: Real> BoucWen<T> {
     /// |α|ⁿ⁻¹.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// Those of [`Self::new`].
     pub fn unit(beta: T, gamma: T, n: T) -> Result<Self, ParameterError<T>> {
         Self::new(T::of(1.0), beta, gamma, n)
     }
@@ -129,18 +129,18 @@ impl<T: Real> BoucWen<T> {
     /// z after a monotone move by `du` from `z`.
     ///
     /// # Errors
-    /// As [`Self::step`].
+    /// Those of [`Self::step`].
     #[inline]
     pub fn advance(&self, z: T, du: T) -> Result<T, StepError<T>> {
         self.finite(advance(self.law, [self.alpha, self.beta, self.gamma, self.n], z, du)?, z)
     }
 
-    /// As [`Self::advance`], with derivatives of z carried along: `z.partials` are those with respect to β, γ
-    /// and then any others that z comes with (its own start value, say). Exact closed forms for n = 1 and 2.
-    /// In the unit-α form the first two are the ∂ζ/∂β', ∂ζ/∂γ' that a fit needs.
+    /// [`Self::advance`] with forward sensitivities: `z.partials` are ∂z/∂β, ∂z/∂γ and then any others that z
+    /// comes with (its own start value, say). Exact closed forms for n = 1 and 2. In the unit-α form the
+    /// first two are the ∂ζ/∂β', ∂ζ/∂γ' that a fit needs.
     ///
     /// # Errors
-    /// As [`Self::step`].
+    /// Those of [`Self::step`].
     pub fn advance_with_shape<const P: usize>(
         &self,
         z: Dual<T, P>,
@@ -149,12 +149,11 @@ impl<T: Real> BoucWen<T> {
         self.finite(advance(self.law, self.duals(false), z, du)?, z)
     }
 
-    /// As [`Self::advance`], with derivatives of z carried along: `z.partials` are those with respect to β,
-    /// γ, n and then any others that z comes with. The derivative with respect to n has no closed form, so
-    /// that every n goes through the series.
+    /// [`Self::advance`] with forward sensitivities: `z.partials` are ∂z/∂β, ∂z/∂γ, ∂z/∂n and then any others
+    /// that z comes with. ∂z/∂n has no closed form, so that every n goes through the series.
     ///
     /// # Errors
-    /// As [`Self::step`].
+    /// Those of [`Self::step`].
     pub fn advance_with_sensitivities<const P: usize>(
         &self,
         z: Dual<T, P>,
@@ -163,11 +162,11 @@ impl<T: Real> BoucWen<T> {
         self.finite(advance(Law::Power, self.duals(true), z, du)?, z)
     }
 
-    /// ζ of the unit-α form after a monotone move by `du`, with β' and γ' that carry derivatives of their
-    /// own. n, from 1 on, is a plain number: closed forms for 1 and 2.
+    /// ζ of the unit-α form after a monotone move by `du`, with β' and γ' that carry their derivatives. n ≥ 1
+    /// is a plain number: closed forms for 1 and 2.
     ///
     /// # Errors
-    /// As [`Self::step`].
+    /// Those of [`Self::step`].
     pub fn advance_unit<S: Scalar<Real = T>>(
         beta: S,
         gamma: S,
@@ -195,12 +194,12 @@ impl<T: Real> BoucWen<T> {
         self.simulate_every(1, state, u, out)
     }
 
-    /// As [`Self::simulate`] on a finer time base: `out[k]` is z at `u[k * factor]`; u is followed to its
-    /// end. `out` has ⌈len u / factor⌉ samples.
+    /// [`Self::simulate`] on an input sampled `factor` times faster: `out[k]` is z at `u[k * factor]`; u is
+    /// followed to its end. `out` has ⌈len u / factor⌉ samples.
     ///
     /// # Errors
-    /// As [`Self::simulate`]; the sample named is the one of `u`. A factor of 0 is one of the lengths that
-    /// differ.
+    /// Those of [`Self::simulate`], with the index of a sample in `u`. A factor of 0 counts as a mismatch of
+    /// lengths.
     pub fn simulate_every(
         &self,
         factor: usize,
@@ -261,11 +260,11 @@ impl<T: Real> BoucWen<T> {
         Err(SimulateError::Step { index: u.len().saturating_sub(1), cause: StepError::Overflow })
     }
 
-    /// As [`Self::simulate_with_shape`] with the derivatives of [`Self::advance_with_sensitivities`], n's
-    /// among them.
+    /// [`Self::simulate_with_shape`] with the sensitivities of [`Self::advance_with_sensitivities`], to n
+    /// too.
     ///
     /// # Errors
-    /// As [`Self::simulate_with_shape`].
+    /// Those of [`Self::simulate_with_shape`].
     pub fn simulate_with_sensitivities<const P: usize>(
         &self,
         start: (T, Dual<T, P>),

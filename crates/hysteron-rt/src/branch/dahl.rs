@@ -23,8 +23,8 @@ impl<S: Scalar> BranchLaw<S> for Dahl<S> {
         not_negative("Dahl exponent", self.exponent.value())
     }
 
-    /// With x = 1 − s y/reach: x ← x exp(−ln(1 + (i − 1) q)/(i − 1)), q = xⁱ⁻¹ |Δ|/reach, through i = 1
-    /// without a seam; for i < 1 x comes to 0 and stays.
+    /// With x = 1 − s y/reach: x ← x exp(−ln(1 + (i − 1) q)/(i − 1)), q = xⁱ⁻¹ |Δ|/reach, continuous through
+    /// i = 1; for i < 1 x reaches 0 and stays.
     #[inline]
     fn increment(&self, y: S, from: S, to: S) -> S {
         let Self { reach, exponent } = *self;

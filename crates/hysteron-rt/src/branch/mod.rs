@@ -44,7 +44,7 @@ impl<T: Real> Branch<T> {
         })
     }
 
-    /// As [`Self::look`], and the states of the memory make the move.
+    /// [`Self::look`] that also advances the states of the memory.
     #[inline]
     pub(crate) fn advance(&self, weights: &[T], memory: &mut [IncrementMemory<T>], from: T, to: T) -> T {
         let increments = self.increments_of(memory, from, to);

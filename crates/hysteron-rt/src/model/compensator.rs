@@ -23,7 +23,7 @@ pub struct Law<'a, T> {
     pub reference: &'a [T],
 }
 
-/// What a drive keeps to.
+/// Limits of the drive voltage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits<T> {
     /// Least voltage.
@@ -44,7 +44,7 @@ impl<T: Real> Limits<T> {
     }
 }
 
-/// What held a drive back.
+/// Reason why a drive was held back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Limited {
     /// Nothing: the model follows.
@@ -66,7 +66,7 @@ pub enum Limited {
 pub struct Drive<T> {
     /// The voltage: within the limits, always.
     pub voltage: T,
-    /// What held it back.
+    /// Reason why it was held back.
     pub limited: Limited,
 }
 
@@ -91,7 +91,7 @@ pub struct Compensator<'a, T> {
     reference: T,
     limits: Limits<T>,
     offset: T,
-    /// What taps and sections add up to at rest.
+    /// DC gain of taps and sections.
     gain: T,
     /// Output of the hysteresis, and a guess of its slope.
     output: T,
@@ -180,12 +180,11 @@ impl<'a, T: Real> Compensator<'a, T> {
         self.rest_after(voltage, voltage)
     }
 
-    /// As [`Self::rest_at`], having been driven there, without turning, from the voltage `virgin` where it
-    /// was virgin.
+    /// [`Self::rest_at`] after a monotone move from the voltage `virgin`, where the hysteresis was virgin.
     ///
     /// # Errors
-    /// As [`Self::rest_at`]; [`ModelError::Overflow`] leaves it at rest and virgin at the voltage it stood
-    /// at.
+    /// Those of [`Self::rest_at`]; [`ModelError::Overflow`] leaves it at rest and virgin at its voltage
+    /// before the call.
     pub fn rest_after(&mut self, virgin: T, voltage: T) -> Result<T, ModelError<T>> {
         if !(voltage.is_finite() && virgin.is_finite()) {
             return Err(ModelError::NotFinite);
@@ -255,9 +254,9 @@ impl<'a, T: Real> Compensator<'a, T> {
         self.step_against(reference, T::of(0.0))
     }
 
-    /// As [`Self::step`], against a `disturbance` that an [`Observer`](super::Observer) has found: what the
-    /// stage stands beside the model's displacement. It is taken off the whole reference at once. One that is
-    /// not finite counts as none.
+    /// [`Self::step`] with compensation of a `disturbance` estimated by an [`Observer`](super::Observer): the
+    /// displacement of the stage less that of the model. It is subtracted from the whole reference at once.
+    /// One that is not finite counts as 0.
     #[inline]
     pub fn step_against(&mut self, reference: T, disturbance: T) -> Drive<T> {
         let sound = self.know(reference);
@@ -326,7 +325,7 @@ impl<'a, T: Real> Compensator<'a, T> {
         self.displacement
     }
 
-    /// What the hysteresis puts out at the voltage put out last.
+    /// Output of the hysteresis at the voltage put out last.
     pub fn output(&self) -> T {
         self.output
     }
@@ -336,7 +335,7 @@ impl<'a, T: Real> Compensator<'a, T> {
         self.hysteresis.voltage()
     }
 
-    /// What the drive keeps to.
+    /// The limits of the voltage.
     pub fn limits(&self) -> Limits<T> {
         self.limits
     }

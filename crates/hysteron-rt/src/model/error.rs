@@ -9,14 +9,14 @@ use core::fmt::{Debug, Display, Formatter, Result};
 pub enum ModelError<T> {
     /// Memory that does not fit: one number, or group, for each of the coefficients'.
     Memory {
-        /// How many there must be.
+        /// Required number.
         expected: usize,
-        /// How many there are.
+        /// Number given.
         found: usize,
     },
     /// No taps, or too many.
     Taps {
-        /// How many there are.
+        /// Number given.
         found: usize,
     },
     /// A coefficient is infinite or not a number.

@@ -19,7 +19,7 @@ pub struct Feedback<'a, T> {
     dynamics: Linear<'a, T>,
     sum: T,
     carry: T,
-    /// What the parts with memory put out last.
+    /// Last output of the parts with memory, Σ and H.
     remembered: T,
     correction: T,
 }
@@ -82,8 +82,8 @@ impl<'a, T: Real> Feedback<'a, T> {
         (self.sum, self.carry, self.remembered, self.correction) = (zero, zero, zero, zero);
     }
 
-    /// What is to be added to the reference, from the newest error and to which side the drive was held back
-    /// since the last one.
+    /// Correction to add to the reference, from the newest error and the side to which the drive was held
+    /// back since the last one.
     #[inline]
     pub fn step(&mut self, error: T, held: Held) -> T {
         if !in_range(error) {
@@ -157,7 +157,7 @@ impl<T: Real> Line<T> {
         Drive { voltage, limited }
     }
 
-    /// What the drive keeps to.
+    /// The limits of the voltage.
     pub fn limits(&self) -> Limits<T> {
         self.limits
     }

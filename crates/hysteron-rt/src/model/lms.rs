@@ -24,7 +24,7 @@ pub struct FilteredLms<'a, T> {
     settings: LmsSettings<T>,
 }
 
-/// What a [`FilteredLms`] is made of.
+/// Weights and transforms of a [`FilteredLms`].
 #[derive(Debug)]
 pub struct LmsFilter<'a, T> {
     /// w.
@@ -37,12 +37,12 @@ pub struct LmsFilter<'a, T> {
     pub stride: usize,
 }
 
-/// What a [`FilteredLms`] remembers.
+/// State of a [`FilteredLms`].
 #[derive(Debug)]
 pub struct LmsMemory<'a, T> {
     /// The reference, a ring of [`LmsFilter::ring`] samples.
     pub references: &'a mut [T],
-    /// The same behind the secondary path.
+    /// The reference filtered by the secondary path, a ring of as many samples.
     pub filtered: &'a mut [T],
     /// M x', as many as weights.
     pub turned: &'a mut [T],
@@ -55,7 +55,7 @@ impl<T> LmsFilter<'_, T> {
     }
 }
 
-/// How fast weights learn.
+/// Step size and leakage of the weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LmsSettings<T> {
     /// Share of the error that a step takes off, 0 < rate < 2.

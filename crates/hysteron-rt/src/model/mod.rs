@@ -74,11 +74,11 @@ impl<'a, T: Real> Model<'a, T> {
         Ok(model)
     }
 
-    /// The same with [`Means`] between the blocks: every move is looked at half-way too, and what v does
-    /// between samples enters the dynamics with its mean. Twice the work of the hysteresis block.
+    /// This model with [`Means`] between the blocks: every move is evaluated half-way too, and v enters the
+    /// dynamics with its mean over each sample. Twice the work of the hysteresis block.
     ///
     /// # Errors
-    /// As [`Self::rest_at`], which puts the model at rest where it stands.
+    /// Those of [`Self::rest_at`], which puts the model at rest at its present voltage.
     pub fn with_means(mut self) -> Result<Self, ModelError<T>> {
         self.means = Some(Means::at(T::of(0.0)));
         self.rest_at(self.hysteresis.voltage())?;
@@ -94,11 +94,10 @@ impl<'a, T: Real> Model<'a, T> {
         self.rest_after(voltage, voltage)
     }
 
-    /// As [`Self::rest_at`], having been driven there, without turning, from the voltage `virgin` where it
-    /// was virgin.
+    /// [`Self::rest_at`] after a monotone move from the voltage `virgin`, where the hysteresis was virgin.
     ///
     /// # Errors
-    /// As [`Self::rest_at`]; [`ModelError::Overflow`] leaves the hysteresis virgin.
+    /// Those of [`Self::rest_at`]; [`ModelError::Overflow`] leaves the hysteresis virgin.
     pub fn rest_after(&mut self, virgin: T, voltage: T) -> Result<T, ModelError<T>> {
         if !voltage.is_finite() {
             return Err(ModelError::NotFinite);
@@ -111,11 +110,11 @@ impl<'a, T: Real> Model<'a, T> {
         Ok(self.offset + self.dynamics.output_at_rest())
     }
 
-    /// As [`Self::rest_at`], with the offset chosen so that the displacement there is `displacement`: the
-    /// first step puts out no jump.
+    /// [`Self::rest_at`] with the offset chosen such that the displacement there is `displacement`: bumpless
+    /// start.
     ///
     /// # Errors
-    /// As [`Self::rest_at`], and [`ModelError::Start`], which leaves the offset as it was.
+    /// Those of [`Self::rest_at`], and [`ModelError::Start`], which leaves the offset as it was.
     pub fn start_at(&mut self, voltage: T, displacement: T) -> Result<(), ModelError<T>> {
         if !displacement.is_finite() {
             return Err(ModelError::Start { displacement });

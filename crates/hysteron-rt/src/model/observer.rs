@@ -20,12 +20,12 @@ pub struct Observer<'a, T> {
     disturbance: T,
 }
 
-/// What an [`Observer`] knows after a sample.
+/// Estimate of an [`Observer`] after a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observed<T> {
     /// Displacement of the stage.
     pub displacement: T,
-    /// What of it is not the model's.
+    /// Part of it that the model does not explain.
     pub disturbance: T,
 }
 
@@ -52,7 +52,7 @@ impl<'a, T: Real> Observer<'a, T> {
     /// the disturbance.
     ///
     /// # Errors
-    /// As [`Model::rest_after`]; [`ModelError::Start`].
+    /// Those of [`Model::rest_after`]; [`ModelError::Start`].
     pub fn rest_after(&mut self, virgin: T, voltage: T, measured: T) -> Result<(), ModelError<T>> {
         if !measured.is_finite() {
             return Err(ModelError::Start { displacement: measured });
@@ -64,7 +64,7 @@ impl<'a, T: Real> Observer<'a, T> {
     /// After the voltage of this period, and the displacement `measured` at its end.
     ///
     /// # Errors
-    /// As [`Model::step`]; disturbance as it was.
+    /// Those of [`Model::step`]; the disturbance is then unchanged.
     #[inline]
     pub fn step(&mut self, voltage: T, measured: T) -> Result<Observed<T>, ModelError<T>> {
         let own = self.model.step(voltage)?;

@@ -8,7 +8,7 @@ use crate::plane::{LEAST_TURNS, Plane, Turns};
 use crate::play::{ActivatedPlays, PlayBank, SidedPlays};
 use crate::real::Real;
 
-/// What adds memory to the polynomial l\[u\].
+/// Hysteresis operator beside the polynomial l\[u\].
 #[derive(Debug)]
 pub enum Operator<'a, T> {
     /// Nothing: v = l\[u\].
@@ -134,8 +134,8 @@ impl<'a, T: Real> Hysteresis<'a, T> {
     /// Makes the block virgin at `virgin`, moves it monotonically to `voltage` and returns its output there.
     ///
     /// # Errors
-    /// As [`Self::step`]; as it was where the output at `virgin` is out of range, virgin there where that at
-    /// `voltage` is.
+    /// Those of [`Self::step`]. Unchanged where the output at `virgin` is out of range; virgin there where
+    /// that at `voltage` is.
     pub fn rest_after(&mut self, virgin: T, voltage: T) -> Result<T, ModelError<T>> {
         if !virgin.is_finite() {
             return Err(ModelError::NotFinite);
@@ -158,7 +158,7 @@ impl<'a, T: Real> Hysteresis<'a, T> {
         self.step_through(voltage, voltage)
     }
 
-    /// As [`Self::step`], plays that see the rate being moved at `middle` too.
+    /// [`Self::step`]; rate-dependent plays are moved at `middle` too.
     #[inline(always)]
     fn step_through(&mut self, middle: T, voltage: T) -> Result<T, ModelError<T>> {
         if !voltage.is_finite() {
@@ -206,10 +206,10 @@ impl<'a, T: Real> Hysteresis<'a, T> {
         Ok(v)
     }
 
-    /// As [`Self::step`], with v half-way to `voltage` before it.
+    /// [`Self::step`] that also returns v half-way to `voltage`, before v at its end.
     ///
     /// # Errors
-    /// As [`Self::step`].
+    /// Those of [`Self::step`].
     #[inline]
     pub fn step_with_middle(&mut self, voltage: T) -> Result<(T, T), ModelError<T>> {
         let half = T::of(0.5);
@@ -223,14 +223,15 @@ impl<'a, T: Real> Hysteresis<'a, T> {
         Ok((middle, self.step_through(place, voltage)?))
     }
 
-    /// What a monotone move to `voltage` would put out; nothing is moved. Where [`Self::step`] would fail:
-    /// out of range, or not a number.
+    /// Output after a monotone move to `voltage`, without making it. Where [`Self::step`] would fail: out of
+    /// range, or not a number.
     #[inline]
     pub fn look(&self, voltage: T) -> T {
         self.look_during(voltage, voltage - self.voltage, T::of(1.0))
     }
 
-    /// What it would put out at `voltage`, in a sample that moves by `whole`, after that `share` of it.
+    /// Output at `voltage`, after the fraction `share` of a sample whose whole move is `whole`; no state
+    /// changes.
     #[inline]
     fn look_during(&self, voltage: T, whole: T, share: T) -> T {
         let v = self.polynomial_at(voltage);

@@ -13,7 +13,7 @@ pub const MOST_LOOKS: u8 = 48;
 pub struct Reached<T> {
     /// The voltage.
     pub voltage: T,
-    /// What the block puts out there.
+    /// Output of the block there.
     pub output: T,
     /// The target lies beyond the voltages allowed, or beyond where there is a place to stand: this is the
     /// end of them.

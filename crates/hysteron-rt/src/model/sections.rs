@@ -67,8 +67,7 @@ pub struct Sections<'a, T> {
     pub real: &'a [RealPoles<T>],
     /// Pole pairs.
     pub pairs: &'a [PolePair<T>],
-    /// What a block that has rested at w for ever puts out, over w: the gain at rest; 1 where it creeps for
-    /// ever.
+    /// Gain at rest: steady-state output over a constant input; 1 where the block creeps for ever.
     pub rest_gain: T,
 }
 

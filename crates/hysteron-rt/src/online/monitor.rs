@@ -4,7 +4,7 @@ use super::{SampleError, clamp};
 use crate::ParameterError;
 use crate::real::Real;
 
-/// What a monitor looks for, and how rarely it may be wrong.
+/// Changes a monitor detects, and its false-alarm rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MonitorSettings<T> {
     /// Shift δ > 0 of the mean to be found soonest, in standard deviations, either way; `None`: means are not
@@ -19,7 +19,7 @@ pub struct MonitorSettings<T> {
     pub fewest: u16,
 }
 
-/// What no longer fits.
+/// Kind of misfit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Misfit {
     /// The residuals lie above zero: the output is greater than the model says.
@@ -45,7 +45,7 @@ pub enum Misfit {
 /// (κ² − 1)/2 − ln κ ([`Self::delay`]); no method with this run length is faster by more than a constant. An
 /// increment is at most h/`fewest`, which only lengthens the run length.
 ///
-/// The promise is for residuals that are white with the stated deviation. What is left of a model that is
+/// The bound holds for residuals that are white with the stated deviation. The residual of a model that is
 /// slightly wrong is neither; give it a deviation that covers this, or take every k-th residual.
 ///
 /// Source of the sums: E. S. Page, *Biometrika* 41 (1954) 100–115, doi:10.1093/biomet/41.1-2.100.
@@ -92,7 +92,7 @@ impl<T: Real> FitMonitor<T> {
         Ok(Self { settings, log_spread, threshold, most, sums: [zero; 3] })
     }
 
-    /// What it looks for.
+    /// Its settings.
     pub fn settings(&self) -> &MonitorSettings<T> {
         &self.settings
     }

@@ -4,7 +4,7 @@ use super::{SampleError, all_finite, check, clamp, dot};
 use crate::ParameterError;
 use crate::real::Real;
 
-/// What the gradient correction starts from.
+/// Start and tuning of the gradient correction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NlmsSettings<T, const N: usize> {
     /// θ before the first sample.
@@ -62,7 +62,7 @@ impl<T: Real, const N: usize> Nlms<T, N> {
         Ok(Self { settings, parameters: *start })
     }
 
-    /// What it started from.
+    /// The settings it was made with.
     pub fn settings(&self) -> &NlmsSettings<T, N> {
         &self.settings
     }

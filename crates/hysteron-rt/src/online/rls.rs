@@ -5,7 +5,7 @@ use super::{SampleError, all_finite, check, clamp, dot};
 use crate::ParameterError;
 use crate::real::Real;
 
-/// What recursive least squares starts from.
+/// Start and tuning of recursive least squares.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RlsSettings<T, const N: usize> {
     /// θ before the first sample.
@@ -18,13 +18,13 @@ pub struct RlsSettings<T, const N: usize> {
     /// Forgetting factor λ, above 0 and up to 1. A sample k samples ago has the weight λᵏ: a memory of 1/(1 −
     /// λ) samples.
     pub forgetting: T,
-    /// What becomes of parameters that the samples say nothing about.
+    /// Treatment of parameters that the samples do not excite.
     pub unexcited: Unexcited,
     /// Least and greatest value of each parameter; infinite where there is none.
     pub bounds: Option<[(T, T); N]>,
 }
 
-/// What becomes of parameters that the samples have said nothing about for longer than the memory.
+/// Treatment of parameters that have not been excited for longer than the memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Unexcited {
     /// They stay as they are.
@@ -34,7 +34,7 @@ pub enum Unexcited {
     Return,
 }
 
-/// What a sample was off by, before it was learnt from.
+/// A priori residual of a sample: before the update by it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Residual<T> {
     /// y − φᵀθ, in units of the output.
@@ -107,7 +107,7 @@ impl<T: Real, const N: usize> Rls<T, N> {
         Ok(Self { settings, parameters: *start, covariance, next: 0 })
     }
 
-    /// What it started from.
+    /// The settings it was made with.
     pub fn settings(&self) -> &RlsSettings<T, N> {
         &self.settings
     }

@@ -49,13 +49,13 @@ impl<'a, T: Real> Plane<'a, T> {
         self.density
     }
 
-    /// What the plane puts out where it is virgin at `rest`: relays with α + β < 2 `rest` are up.
+    /// Output of the plane, virgin at `rest`: relays with α + β < 2 `rest` are up.
     pub fn output_at_rest(&self, rest: T) -> T {
         let last = T::of(self.intervals as f64);
         self.node(self.intervals, 0) - T::of(2.0) * self.virgin_sum(false, self.scaled(rest), last)
     }
 
-    /// What a move from `rest`, where the plane was virgin, to `u` changes its output by.
+    /// Change of the output by a move to `u` from `rest`, where the plane was virgin.
     #[inline]
     pub(super) fn virgin_change(&self, rest: T, u: T) -> T {
         let last = T::of(self.intervals as f64);
@@ -67,7 +67,7 @@ impl<'a, T: Real> Plane<'a, T> {
         }
     }
 
-    /// What a move from a turn at `turn` to `u` changes the output by.
+    /// Change of the output by a move to `u` from the turning point `turn`.
     #[inline]
     pub(super) fn change(&self, turn: T, u: T) -> T {
         if u > turn {

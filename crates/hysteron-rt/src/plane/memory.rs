@@ -47,7 +47,7 @@ pub(crate) struct Move<T> {
 }
 
 impl<T: Copy> Move<T> {
-    /// What the plane puts out at its end.
+    /// Output of the plane at the end of the move.
     #[inline(always)]
     pub(crate) fn output(&self) -> T {
         self.end.output

@@ -27,8 +27,8 @@ pub fn bernstein_integrals<S: Scalar>([low, high]: [S::Real; 2], p: S) -> [S; SL
     [inner - square + third + below, square - third.scale(two), third + above].map(|b| b.scale(span))
 }
 
-/// A sum of plays with thermally activated edges, pᵢ = u − zᵢ, each with an output of its own: Σᵢ Σ_k
-/// slopesᵢₖ B_k(pᵢ) ([`bernstein_integrals`]).
+/// A weighted sum of plays with thermally activated edges, pᵢ = u − zᵢ: Σᵢ Σ_k slopesᵢₖ B_k(pᵢ)
+/// ([`bernstein_integrals`]).
 ///
 /// The states zᵢ are the caller's. A step takes an exponential, a logarithm or two for each play that creeps
 /// or is carried along, and nothing of the kind for the others.
@@ -82,14 +82,14 @@ impl<'a, T: Real> ActivatedPlays<'a, T> {
         self.thresholds.len()
     }
 
-    /// The move of this sample's `share` by `du`; a device at rest comes to its first sample at 1 unit a
-    /// second.
+    /// The move by `du` within this `share` of a sample; a device at rest moves to its first sample at 1 unit
+    /// per second.
     #[inline]
     fn step(&self, du: T, share: T, rested: bool) -> ActivatedMove<T> {
         ActivatedMove::new(self.sigma, du, if rested { du.abs() } else { share * self.interval_s })
     }
 
-    /// What they put out after a move to `u` by `du`, which takes that `share` of a sample.
+    /// Their output after a move to `u` by `du` that takes this `share` of a sample; no state changes.
     #[inline]
     pub fn look(&self, states: &[T], u: T, (du, share): (T, T), rested: bool) -> T {
         let step = self.step(du, share, rested);
@@ -104,7 +104,7 @@ impl<'a, T: Real> ActivatedPlays<'a, T> {
         states.iter_mut().zip(self.thresholds).for_each(|(z, r)| *z = step.distance(*r, *z));
     }
 
-    /// What they put out where they are virgin at `u`.
+    /// Their output, virgin at `u`.
     pub fn output_at_rest(&self, u: T) -> T {
         self.sum(self.thresholds.iter().map(|_| u))
     }
@@ -136,7 +136,7 @@ pub struct ActivatedMove<S: Scalar> {
     size: S,
     /// Seconds of the move.
     interval_s: S,
-    /// How much less than r the distance of a play that went along is; `None` for a move in no time.
+    /// r − |z| of a play carried along by the whole move, at its end; `None` for a move in no time.
     shrinks: Option<S>,
 }
 

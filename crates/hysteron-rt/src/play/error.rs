@@ -1,4 +1,4 @@
-//! What a bank of plays can fail with.
+//! Errors of a bank of plays.
 
 use core::error::Error;
 use core::fmt::{Debug, Display, Formatter, Result};

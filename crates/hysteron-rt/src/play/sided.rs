@@ -103,7 +103,7 @@ impl<'a, T: Real> SidedPlays<'a, T> {
         Ok(Self { sides, thresholds, weights, line: None })
     }
 
-    /// The same with a broken line of the mean of the plays beside them.
+    /// These plays with a [`BrokenLine`] of their mean added to the output.
     ///
     /// # Errors
     /// [`ParameterError::Lengths`] where there is not one share a play.
@@ -126,10 +126,9 @@ impl<'a, T: Real> SidedPlays<'a, T> {
         matches!(self.sides, Sides::Even { widening } if widening > T::of(0.0))
     }
 
-    /// What the plays put out after a monotone move through `middle` to `u` in a sample that moves by `du`;
-    /// not a number where one has no place to stand. The middle, which may be u itself, matters to plays that
-    /// see the rate alone: a fast sample leaves one behind, and a slow one takes it to the sides where it
-    /// begins.
+    /// Output after a monotone move through `middle` to `u` in a sample that moves by `du`; not a number
+    /// where a play has no place to stand. The middle, which may be u itself, matters to rate-dependent plays
+    /// alone: a fast sample leaves one behind, and a slow one takes it to the sides where it begins.
     #[inline]
     pub fn look(&self, states: &[T], [middle, u]: [T; 2], du: T) -> T {
         let mut sum = T::of(0.0);
@@ -156,7 +155,7 @@ impl<'a, T: Real> SidedPlays<'a, T> {
         self.each(through, du, states.iter_mut(), |state, sides| *state = between(sides, *state));
     }
 
-    /// What the plays put out where they are virgin at `u`; not a number where one has no place to stand.
+    /// Output of the plays, virgin at `u`; not a number where one has no place to stand.
     pub fn output_at_rest(&self, u: T) -> T {
         let mut sum = T::of(0.0);
         let stands = self.each_at_rest(u, self.weights.iter(), |weight, at| sum = sum + *weight * at);

@@ -8,8 +8,8 @@ use super::super::super::layout::Role;
 use super::JointProblem;
 
 impl JointProblem {
-    /// The same with the memory of every record held as it is at `x`, and that point of it; `None` where no
-    /// memory is searched, or shape numbers are, with which the operators run anew at every point anyway.
+    /// This problem with the memory of every record held at its value in `x`; `None` where no memory is
+    /// searched, or shape numbers are, with which the operators run anew at every point anyway.
     pub(in super::super) fn holding_memory(&self, x: &[f64]) -> Option<Self> {
         let mut layout = self.layout.clone();
         // They stand last in the search.

@@ -25,7 +25,7 @@ pub(crate) enum Direction {
 /// A direction, where there is one, and the derivative along it.
 type Wanted<'a> = (Option<Direction>, &'a mut [f64]);
 
-/// What is known of a candidate when its derivatives are worked out.
+/// Quantities of a candidate that its derivatives need.
 struct Known<'a> {
     hysteresis: &'a Columns,
     response: &'a PlanResponse,
@@ -55,7 +55,7 @@ impl JointRecord {
             }
         }
         if !self.transients.is_empty() {
-            // What the transients take of the measured output, beside all else.
+            // Coefficients of the transients: least squares on the residual of the other columns.
             let measured = ws.local.coefficients(&self.target);
             for (index, transient) in self.transients.iter().enumerate() {
                 let at = self.nuisance.len() + index;

@@ -1,4 +1,4 @@
-//! What is worked out once of a record: its weights, the columns of offset and drift, and u, u², … as inputs
+//! Quantities computed once per record: its weights, the columns of offset and drift, and u, u², … as inputs
 //! of the dynamics.
 
 use super::super::super::projection::Projection;
@@ -15,7 +15,7 @@ use hysteron_model::record::Pace;
 pub(crate) enum Clock {
     /// At this rate \[Hz\].
     Rate(f64),
-    /// At these times \[s\]; the drive is given at knots of its own and is held between them or goes along
+    /// At these times \[s\]; the drive is given at separate knots and is held between them or goes along
     /// straight lines.
     Stamps {
         knots_s: Vec<f64>,
@@ -26,7 +26,7 @@ pub(crate) enum Clock {
     },
 }
 
-/// What a joint record is made from, all of it at the record's own rate.
+/// Data of a joint record, all of it at the record's own rate.
 pub(crate) struct Ingredients<'a> {
     /// Drive, which may be on a finer grid.
     pub(crate) drive: &'a [f64],
