@@ -190,7 +190,7 @@ impl ColumnFlags {
     /// way of a good model: a saturated sensor, a constant drive, uneven time stamps.
     ///
     /// # Errors
-    /// As [`ColumnFlags::read_silently`].
+    /// Those of [`ColumnFlags::read_silently`].
     pub fn read(&self, path: &Path) -> Result<InputOutput, Failure> {
         let mut told = Vec::new();
         let data = self.read_inspected(path, &mut told);
@@ -202,7 +202,7 @@ impl ColumnFlags {
     /// that fails.
     ///
     /// # Errors
-    /// As [`ColumnFlags::read`].
+    /// Those of [`ColumnFlags::read`].
     pub fn read_all(&self, paths: &[PathBuf]) -> Result<Vec<InputOutput>, Failure> {
         let read = |path: &PathBuf| {
             let mut told = Vec::new();

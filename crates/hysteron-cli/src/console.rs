@@ -23,7 +23,7 @@ pub fn result(text: &str) -> Result<(), Failure> {
 /// Prints one JSON object to standard output.
 ///
 /// # Errors
-/// As [`result`].
+/// Those of [`result`].
 pub fn json(value: &impl Serialize) -> Result<(), Failure> {
     let text = serde_json::to_string(value)
         .map_err(|e| Failure::new("cannot write the result as JSON").because(e))?;

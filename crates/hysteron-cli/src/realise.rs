@@ -65,7 +65,7 @@ impl Realise {
 /// where that is more than the accuracy.
 ///
 /// # Errors
-/// As [`verify`].
+/// Those of [`verify`].
 pub fn along_sweep(
     path: &Path,
     loaded: &LoadedModel,
@@ -93,7 +93,7 @@ fn remark_sweep(found: &Verification, accuracy: f64) {
 /// one that its records suggest.
 ///
 /// # Errors
-/// As [`realise`], with what to do about it.
+/// Those of [`realise`], with what to do about it.
 pub fn realised(
     path: &Path,
     loaded: &LoadedModel,

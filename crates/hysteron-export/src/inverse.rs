@@ -48,7 +48,7 @@ impl Inverse {
     /// The inverse of the model of `subject`, under its name and `_inverse`.
     ///
     /// # Errors
-    /// As [`CompensatorParts::new`]; [`ExportError::Rounding`] where single precision takes too much from the
+    /// Those of [`CompensatorParts::new`]; [`ExportError::Rounding`] where single precision takes too much from the
     /// voltage, [`ExportError::Still`] where it does not move.
     pub fn new(
         subject: &Subject,
@@ -101,7 +101,7 @@ impl Inverse {
 /// `NAME_inverse_loop.c`, a loop around it.
 ///
 /// # Errors
-/// As [`Inverse::new`].
+/// Those of [`Inverse::new`].
 pub fn inverse_files(inverse: &Inverse) -> Result<Vec<NamedFile>, ExportError> {
     let mut filling = inverse_filling(inverse, Numbers::Constant)?;
     let name = &inverse.subject.name;
@@ -291,7 +291,7 @@ impl GoldenInverse {
     /// The vectors: a sweep through most of the range, then steps that the limits hold back.
     ///
     /// # Errors
-    /// As [`Inverse::new`]; [`ExportError::Still`] where no voltage moves.
+    /// Those of [`Inverse::new`]; [`ExportError::Still`] where no voltage moves.
     pub fn new(inverse: &Inverse) -> Result<Self, ExportError> {
         let precision = inverse.subject.precision;
         let [low, high] = inverse.range_v;

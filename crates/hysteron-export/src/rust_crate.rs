@@ -33,7 +33,7 @@ pub enum Runtime<'a> {
 /// `src/inverse.rs` and tests with golden vectors.
 ///
 /// # Errors
-/// As [`crate::c_files`].
+/// Those of [`crate::c_files`].
 pub fn rust_files(
     subject: &Subject,
     inverse: Option<&Inverse>,

@@ -59,7 +59,7 @@ pub fn fmu_files(subject: &Subject, compiler: &str) -> Result<Vec<NamedFile>, Ex
 /// [`fmu_files`].
 ///
 /// # Errors
-/// As [`fmu_files`].
+/// Those of [`fmu_files`].
 pub fn inverse_fmu_files(inverse: &Inverse, compiler: &str) -> Result<Vec<NamedFile>, ExportError> {
     both(&inverse.subject, Some(inverse), compiler)
 }
