@@ -79,7 +79,7 @@ pub struct ColumnFlags {
 }
 
 impl TimeFlags {
-    /// What the flags mean to the reader.
+    /// The [`ReadOptions`] that the flags describe.
     pub fn options(&self) -> ReadOptions {
         let defaults = ReadOptions::default();
         ReadOptions {
@@ -125,7 +125,7 @@ impl InputFlags {
         read().map_err(|e: Unreadable| e.at(path, "--inputs and --outputs"))
     }
 
-    /// What the flags mean to a reader of all columns.
+    /// The [`ReadOptions`] that the flags describe, for all columns.
     fn options(&self) -> ReadOptions {
         ReadOptions { cut: self.cut.cut(), ..self.time.options() }
     }
@@ -181,7 +181,7 @@ impl ColumnFlags {
         &self.drive
     }
 
-    /// What the flags mean to the reader.
+    /// The [`ReadOptions`] that the flags describe.
     pub fn options(&self) -> ReadOptions {
         ReadOptions { input: self.drive.input.clone(), output: self.output.clone(), ..self.drive.options() }
     }

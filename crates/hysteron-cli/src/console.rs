@@ -30,7 +30,7 @@ pub fn json(value: &impl Serialize) -> Result<(), Failure> {
     result(&(text + "\n"))
 }
 
-/// Prints a line to standard error; nobody there to read it is no reason to stop.
+/// Prints a line to standard error; a closed stream is no reason to stop.
 pub fn message(text: &str) {
     let _ = writeln!(io::stderr().lock(), "{text}");
 }

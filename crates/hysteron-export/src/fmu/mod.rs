@@ -136,7 +136,7 @@ fn unit(
     Ok(files)
 }
 
-/// What ties description and binary to each other: two 64-bit FNV-1a sums of the sources.
+/// Token that ties description and binary to each other: two 64-bit FNV-1a sums of the sources.
 fn token(sources: &[NamedFile], version: FmiVersion) -> String {
     let sum = |start: u64| {
         sources
