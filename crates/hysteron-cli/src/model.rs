@@ -166,7 +166,7 @@ impl Loaded {
     /// Scores on a record, simulated from the start the flags give, else from the one that explains it best.
     ///
     /// # Errors
-    /// Those of [`Self::simulate`], and if the record cannot be scored.
+    /// Those of [`Self::simulate`], and one for a record that cannot be scored.
     pub fn score(
         &self,
         path: &Path,

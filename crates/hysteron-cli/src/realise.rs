@@ -93,7 +93,7 @@ fn remark_sweep(found: &Verification, accuracy: f64) {
 /// given, down to one that its records suggest.
 ///
 /// # Errors
-/// Those of [`realise`], with what to do about it.
+/// Those of [`realise`], with a remedy.
 pub fn realised(
     path: &Path,
     loaded: &LoadedModel,

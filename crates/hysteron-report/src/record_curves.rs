@@ -146,7 +146,7 @@ impl RecordCurves {
         )
     }
 
-    /// Coverage of the bands, in words; empty without bands.
+    /// Coverage and width of the bands, in words; empty without bands.
     fn about_bands(&self) -> String {
         let Some(band) = &self.band else { return String::new() };
         let used = |k: &usize| self.valid.is_empty() || self.valid.get(*k).copied().unwrap_or(false);
