@@ -16,7 +16,7 @@ pub struct Claim {
     pub place: String,
     /// The printed evidence.
     pub printed: String,
-    /// What came out here.
+    /// Result obtained here.
     pub here: String,
     /// Whether it holds here.
     pub verdict: Verdict,

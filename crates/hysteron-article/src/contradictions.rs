@@ -23,9 +23,9 @@ pub struct Contradictions {
     pub at_5_v_um: (f64, f64),
     /// Largest mean |y| that RE and RMSE of Table 2 allow \[µm\]: RE = mean|e| / mean|y| and mean|e| ≤ RMSE.
     pub mean_y_at_most_um: f64,
-    /// The same for a Gaussian residual, mean|e| = √(2/π) RMSE \[µm\].
+    /// Mean |y| for a Gaussian residual, mean|e| = √(2/π) RMSE \[µm\].
     pub mean_y_gaussian_um: f64,
-    /// The same for a sinusoidal residual, mean|e| = (2√2/π) RMSE \[µm\].
+    /// Mean |y| for a sinusoidal residual, mean|e| = (2√2/π) RMSE \[µm\].
     pub mean_y_sinusoidal_um: f64,
     /// Largest RMSE of the fractional model in Table 3 and its frequency \[µm, Hz\]; the abstract calls
     /// another one the largest.
@@ -41,7 +41,7 @@ pub struct BehindTheLoop {
     pub frequency_hz: f64,
     /// RMSE of the block of Table 2 against the plant, each about its mean \[µm\].
     pub rmse_um: f64,
-    /// The same, with the gain of the static model fitted to this frequency \[µm\].
+    /// That RMSE with the gain of the static model fitted to this frequency \[µm\].
     pub rmse_best_gain_um: f64,
     /// Printed RMSE of the classic Bouc–Wen model \[µm\].
     pub printed_um: f64,

@@ -23,7 +23,7 @@ pub enum ArticleError {
         setting: &'static str,
         /// Its value.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         wanted: &'static str,
     },
     /// The bench could not be simulated.
@@ -62,7 +62,7 @@ pub enum ArticleError {
         option: &'static str,
         /// Its value.
         value: usize,
-        /// What is allowed.
+        /// Allowed values.
         wanted: &'static str,
     },
     /// The study of optimisers was asked to stop.

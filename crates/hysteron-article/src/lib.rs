@@ -49,7 +49,7 @@ use serde::{Deserialize, Serialize};
 /// Everything that was computed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reproduction {
-    /// What was asked for.
+    /// Plan of the reproduction.
     pub plan: Plan,
     /// One line: what the simulated plant is.
     pub bench: String,
@@ -61,7 +61,7 @@ pub struct Reproduction {
     pub static_block: StaticStudy,
     /// Eq. 13, Table 3 and Figures 8–11.
     pub models: ModelStudy,
-    /// What the printed numbers imply about each other.
+    /// Checks of the printed numbers against each other.
     pub contradictions: Contradictions,
     /// Table 2 and Eq. 13 as the truth.
     pub recovery: Recovery,

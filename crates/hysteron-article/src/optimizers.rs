@@ -34,7 +34,7 @@ pub struct OptimizerStudy {
 pub struct Contender {
     /// Short name.
     pub name: String,
-    /// What distinguishes it.
+    /// Its distinguishing feature.
     pub variant: String,
     /// The article's best fitness, where Table 1 has it.
     pub printed: Option<f64>,

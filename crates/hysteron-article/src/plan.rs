@@ -1,16 +1,16 @@
-//! How the reproduction is run.
+//! Plan of the reproduction.
 
 use super::ArticleError;
 use hysteron_rig::CampaignPlan;
 use hysteron_rig::excitation::SweepLaw;
 use serde::{Deserialize, Serialize};
 
-/// How the reproduction is run; the default is the full one.
+/// Plan of the reproduction; the default is the full one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
     /// Seed of the bench's noise and of every search.
     pub seed: u64,
-    /// Runs of every optimiser in the comparison of Table 1, each from a seed of its own (≥ 2).
+    /// Runs of every optimiser in the comparison of Table 1, each from its own seed (≥ 2).
     pub runs: usize,
     /// Generations of every population search (article: 150).
     pub generations: usize,

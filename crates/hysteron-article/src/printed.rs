@@ -113,8 +113,8 @@ pub const ABSTRACT: Errors = errors(0.0915, 0.0244);
 /// The search box of §4.2 as printed, MinX and MaxX: every lower bound lies above its upper bound.
 pub const SEARCH_BOX: ([f64; 5], [f64; 5]) = ([2.0, 0.0, 1.0, 1.0, 0.0], [1.0, -2.0, 0.0, 0.0, -1.0]);
 
-/// What an earlier, independent prototype of this project found for the bias of the two-step way on
-/// noise-free data of Table 2 and Eq. 13 (not the article's numbers).
+/// Bias of the two-step identification on noise-free data of Table 2 and Eq. 13, found by an earlier,
+/// independent prototype of this project (not the article's numbers).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PrototypeBias {
     /// x, relative \[%\].

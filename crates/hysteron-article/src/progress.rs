@@ -1,4 +1,4 @@
-//! How far the reproduction is, and the right to stop it.
+//! Progress of the reproduction, and the right to stop it.
 
 use super::ArticleError;
 use std::ops::ControlFlow;
@@ -47,7 +47,7 @@ impl<'a, 'w> Stages<'a, 'w> {
         self.watch.tell(Event::new(&stage, done, None))
     }
 
-    /// As [`Self::at`], where stopping is an error.
+    /// [`Self::at`], with a stop as an error.
     pub(super) fn check(&self, stage: Stage, within: f64, detail: &str) -> Result<(), ArticleError> {
         if self.at(stage, within, detail).is_break() { Err(ArticleError::Stopped) } else { Ok(()) }
     }

@@ -19,7 +19,7 @@ use hysteron_rig::{CampaignPlan, CampaignRun, Plant, PowerTerm, RigRun, Role, Tr
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// What the two-step way makes of the article's own plant.
+/// Two-step identification of the article's own plant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Recovery {
     /// The truth: Table 2.
@@ -47,7 +47,7 @@ pub struct RecoveryCase {
     pub prototype: bool,
 }
 
-/// What came back.
+/// Blocks recovered.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RecoveredBlocks {
     /// Reading.
@@ -173,7 +173,7 @@ fn find(runs: &[CampaignRun], role: Role) -> Result<&RigRun, ArticleError> {
     })
 }
 
-/// The same bench with G = 1.
+/// This bench with G = 1.
 fn without_dynamics(mut truth: Truth) -> Truth {
     if let Plant::BoucWenFractional(plant) = &mut truth.plant {
         let one = vec![PowerTerm { coefficient: 1.0, order: 0.0 }];

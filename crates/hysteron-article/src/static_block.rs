@@ -66,7 +66,7 @@ impl StaticParameters {
 /// Table 2 and Figure 7.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StaticStudy {
-    /// What DE-ABC found.
+    /// Parameters found by DE-ABC.
     pub parameters: StaticParameters,
     /// RMSE on the 1 Hz loop \[µm\].
     pub rmse_um: f64,

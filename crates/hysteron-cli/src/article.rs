@@ -55,7 +55,7 @@ pub struct Article {
     quick: bool,
 }
 
-/// What `--json` prints: everything but the curves, which are in article.json.
+/// Output of `--json`: everything but the curves, which are in article.json.
 #[derive(Serialize)]
 struct Outcome {
     page: String,

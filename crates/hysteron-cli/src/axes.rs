@@ -55,7 +55,7 @@ impl AxesFlags {
     /// [`Self::read`] of several records.
     ///
     /// # Errors
-    /// As [`Self::read`], the first that fails.
+    /// Those of [`Self::read`], the first that fails.
     pub fn read_all(&self, paths: &[PathBuf], columns: &InputFlags) -> Result<Vec<AxesRecord>, Failure> {
         let records: Vec<_> = paths.par_iter().map(|path| self.read(path, columns)).collect();
         records.into_iter().collect()

@@ -79,7 +79,7 @@ pub struct ColumnFlags {
 }
 
 impl TimeFlags {
-    /// What the flags mean to the reader.
+    /// The [`ReadOptions`] that the flags describe.
     pub fn options(&self) -> ReadOptions {
         let defaults = ReadOptions::default();
         ReadOptions {
@@ -125,7 +125,7 @@ impl InputFlags {
         read().map_err(|e: Unreadable| e.at(path, "--inputs and --outputs"))
     }
 
-    /// What the flags mean to a reader of all columns.
+    /// The [`ReadOptions`] that the flags describe, for all columns.
     fn options(&self) -> ReadOptions {
         ReadOptions { cut: self.cut.cut(), ..self.time.options() }
     }
@@ -181,7 +181,7 @@ impl ColumnFlags {
         &self.drive
     }
 
-    /// What the flags mean to the reader.
+    /// The [`ReadOptions`] that the flags describe.
     pub fn options(&self) -> ReadOptions {
         ReadOptions { input: self.drive.input.clone(), output: self.output.clone(), ..self.drive.options() }
     }
@@ -190,7 +190,7 @@ impl ColumnFlags {
     /// way of a good model: a saturated sensor, a constant drive, uneven time stamps.
     ///
     /// # Errors
-    /// As [`ColumnFlags::read_silently`].
+    /// Those of [`ColumnFlags::read_silently`].
     pub fn read(&self, path: &Path) -> Result<InputOutput, Failure> {
         let mut told = Vec::new();
         let data = self.read_inspected(path, &mut told);
@@ -202,7 +202,7 @@ impl ColumnFlags {
     /// that fails.
     ///
     /// # Errors
-    /// As [`ColumnFlags::read`].
+    /// Those of [`ColumnFlags::read`].
     pub fn read_all(&self, paths: &[PathBuf]) -> Result<Vec<InputOutput>, Failure> {
         let read = |path: &PathBuf| {
             let mut told = Vec::new();

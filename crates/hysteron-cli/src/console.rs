@@ -23,14 +23,14 @@ pub fn result(text: &str) -> Result<(), Failure> {
 /// Prints one JSON object to standard output.
 ///
 /// # Errors
-/// As [`result`].
+/// Those of [`result`].
 pub fn json(value: &impl Serialize) -> Result<(), Failure> {
     let text = serde_json::to_string(value)
         .map_err(|e| Failure::new("cannot write the result as JSON").because(e))?;
     result(&(text + "\n"))
 }
 
-/// Prints a line to standard error; nobody there to read it is no reason to stop.
+/// Prints a line to standard error; a closed stream is no reason to stop.
 pub fn message(text: &str) {
     let _ = writeln!(io::stderr().lock(), "{text}");
 }

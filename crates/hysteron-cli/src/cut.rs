@@ -32,7 +32,7 @@ pub struct CutFlags {
 }
 
 impl CutFlags {
-    /// What the flags mean to the library.
+    /// The [`Cut`] that the flags describe.
     pub fn cut(&self) -> Cut {
         Cut { from_s: self.from, to_s: self.to, conditions: self.conditions.clone(), turns: None }
     }

@@ -1,4 +1,4 @@
-//! How the command fails: `error:` what could not be done, `because:` why, `try:` what to do about it.
+//! Failure messages: `error:` what could not be done, `because:` why, `try:` what to do about it.
 
 use std::fmt::{self, Display, Formatter};
 use std::process::ExitCode;
@@ -27,7 +27,7 @@ impl Failure {
         Failure { exit_code: 2, ..Failure::new(error) }
     }
 
-    /// The same with another exit code.
+    /// Sets the exit code.
     pub fn exiting_with(self, exit_code: u8) -> Self {
         Failure { exit_code, ..self }
     }
@@ -38,7 +38,7 @@ impl Failure {
         self
     }
 
-    /// What to do about it.
+    /// Sets the remedy.
     pub fn hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());
         self

@@ -10,7 +10,7 @@ use hysteron_identify::Stop;
 use crate::console;
 use crate::failure::Failure;
 
-/// What shells expect of a program ended by signal N: 128 + N.
+/// Exit code that shells expect of a program ended by signal N: 128 + N.
 const SIGNALLED: u8 = 128;
 
 /// Asks the work to stop at the first signal.
@@ -40,7 +40,7 @@ impl Interrupt {
         Ok(interrupt)
     }
 
-    /// What stops the work.
+    /// Stop signal of the work.
     pub fn stop(&self) -> &Stop {
         &self.stop
     }

@@ -71,7 +71,7 @@ impl Loaded {
     /// model's unit.
     ///
     /// # Errors
-    /// As [`Self::read_record`].
+    /// Those of [`Self::read_record`].
     pub fn read_drive(
         &self,
         path: &Path,
@@ -106,7 +106,7 @@ impl Loaded {
     /// [`Self::read_drive`] of a part of a run.
     ///
     /// # Errors
-    /// As [`Self::read_part`].
+    /// Those of [`Self::read_part`].
     pub fn read_driven_part(
         &self,
         path: &Path,
@@ -166,7 +166,7 @@ impl Loaded {
     /// Scores on a record, simulated from the start the flags give, else from the one that explains it best.
     ///
     /// # Errors
-    /// As [`Self::simulate`], and if the record cannot be scored.
+    /// Those of [`Self::simulate`], and one for a record that cannot be scored.
     pub fn score(
         &self,
         path: &Path,
@@ -180,7 +180,7 @@ impl Loaded {
     /// [`Self::score`] from a start.
     ///
     /// # Errors
-    /// As [`Self::score`].
+    /// Those of [`Self::score`].
     pub fn score_from(
         &self,
         path: &Path,
@@ -196,7 +196,7 @@ impl Loaded {
     /// Scores of the model on a run of several records, of which the one at `path` is the first.
     ///
     /// # Errors
-    /// As [`Self::score`].
+    /// Those of [`Self::score`].
     pub fn score_run(
         &self,
         path: &Path,

@@ -99,7 +99,7 @@ pub fn check_file(what: &str, path: &Path) -> Result<(), Failure> {
 /// Checks that files can be written into the folder `path`, which need not exist.
 ///
 /// # Errors
-/// As [`check_file`].
+/// Those of [`check_file`].
 pub fn check_folder(what: &str, path: &Path) -> Result<(), Failure> {
     let existing = path.ancestors().find(|a| a.as_os_str().is_empty() || a.exists()).unwrap_or(path);
     check_writable(&existing.join(".hysteron-check")).map_err(|e| match e.source.kind() {

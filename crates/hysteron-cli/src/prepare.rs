@@ -96,7 +96,7 @@ struct Read {
     samples: usize,
 }
 
-/// What was read, done and written, as JSON.
+/// JSON output: records read, steps done, file written.
 #[derive(Serialize)]
 struct Written {
     file: String,
@@ -158,7 +158,7 @@ fn unreadable(path: &Path, error: Unreadable) -> Failure {
     error.at(path, "--where COL=TEXT for a column of words, --drop COL for one that is not needed")
 }
 
-/// What was done, a line each.
+/// Steps done, a line each.
 fn lines(written: &Written) -> Vec<String> {
     let Written { file, records, prepared } = written;
     let read = records

@@ -61,11 +61,11 @@ impl Realise {
     }
 }
 
-/// What a realisation is off the batch simulation along that sweep, and its frequencies \[Hz\]; with a remark
-/// where that is more than the accuracy.
+/// Deviation of a realisation from the batch simulation along a sweep over the model's range, and the sweep's
+/// frequencies \[Hz\]; with a remark where the deviation is more than the accuracy.
 ///
 /// # Errors
-/// As [`verify`].
+/// Those of [`verify`].
 pub fn along_sweep(
     path: &Path,
     loaded: &LoadedModel,
@@ -89,11 +89,11 @@ fn remark_sweep(found: &Verification, accuracy: f64) {
     }
 }
 
-/// The realisation of a loaded model. Where it creeps for ever and nobody names a lowest frequency, down to
-/// one that its records suggest.
+/// The realisation of a loaded model. One that creeps for ever is realised, where no lowest frequency is
+/// given, down to one that its records suggest.
 ///
 /// # Errors
-/// As [`realise`], with what to do about it.
+/// Those of [`realise`], with a remedy.
 pub fn realised(
     path: &Path,
     loaded: &LoadedModel,
@@ -111,7 +111,7 @@ pub fn realised(
     realise(loaded.law(), sample_rate_hz, &stopped).map_err(|e| cannot(path, &e))
 }
 
-/// The same, with a lowest frequency from the model's records where it creeps for ever and nobody names one.
+/// `options` with a lowest frequency from the model's records, where it creeps for ever and none is given.
 pub fn where_creep_stops(
     loaded: &LoadedModel,
     sample_rate_hz: f64,

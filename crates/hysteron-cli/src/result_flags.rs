@@ -10,7 +10,7 @@ use crate::console;
 use crate::failure::Failure;
 use crate::output::{self, OutFile};
 
-/// How the result is handed out.
+/// Output of the result: report or JSON.
 #[derive(Args, Clone, Debug)]
 pub struct ResultFlags {
     /// Report to write, one self-contained HTML file

@@ -24,7 +24,7 @@ const SHOWN: [&str; 10] = [
     "loop_width_error_percent",
 ];
 
-/// How the band holds the record, in a sentence; `None` where none was asked for.
+/// Coverage of the record by the band, in a sentence; `None` where no band was asked for.
 pub fn within_band(score: &Score) -> Option<String> {
     let BandScore { inside_percent, measurement, model } = score.band?;
     let unit = score.unit.to_string();
@@ -38,7 +38,7 @@ pub fn within_band(score: &Score) -> Option<String> {
     ))
 }
 
-/// What was estimated of the record's start, in a sentence; `None` where nothing was.
+/// Estimated start of the record, in a sentence; `None` where nothing was estimated.
 pub fn estimated_start(score: &Score) -> Option<String> {
     let (voltage_v, memory) = score.estimated_memory()?;
     let memory = memory.in_words(
@@ -59,7 +59,7 @@ fn values(score: &Score) -> Vec<String> {
     let ratio = |x: Option<f64>, digits: usize| {
         x.map_or("-".to_owned(), |x| format!("{x:.digits$}").replace('-', "−"))
     };
-    // What is left of the model's own offset after rounding is no offset.
+    // A rounding residue of the model's own offset is no offset.
     let offset = if s.offset.abs() < 1e-9 * s.stroke { 0.0 } else { s.offset };
     vec![
         s.samples.to_string(),
@@ -75,7 +75,7 @@ fn values(score: &Score) -> Vec<String> {
     ]
 }
 
-/// What the residual tests found, in a sentence; `None` for a record too short for them.
+/// Result of the residual tests, in a sentence; `None` for a record too short for them.
 pub fn residual_tests(score: &Score) -> Option<String> {
     let outside = |test: &CorrelationTest| {
         let CorrelationTest { outside, lags, largest, largest_lag, .. } = test;
@@ -213,7 +213,7 @@ pub fn without_estimated_start(score: &Score) -> Option<String> {
     Some(without_help(score, without.rmse, without.max_abs_error))
 }
 
-/// The same of a run, whose start its first record tells.
+/// [`without_estimated_start`] of a run, whose start is estimated from its first record.
 pub fn run_without_estimated_start(without: &Score) -> String {
     without_help(without, without.rmse, without.max_abs_error) + "\n"
 }
@@ -231,14 +231,13 @@ fn without_help(score: &Score, rmse: f64, max_abs_error: f64) -> String {
     )
 }
 
-/// What the score says about device and range, in a sentence; `None` where the model file does not tell how
-/// its training scored.
+/// Verdict on device and range, in a sentence; `None` where the model file lacks the scores of its training.
 pub fn verdict(score: &Score) -> Option<String> {
     let verdict = score.verdict.as_ref()?;
     Some(format!("{}: {}: {}.", score.record, verdict.judgement.name(), verdict.why))
 }
 
-/// What the scores of several outputs mean.
+/// Explanation of the scores of several outputs.
 pub const AXES_EXPLANATION: &str = "RMSE: root mean square of y − simulation − offset over all outputs, the \
     offset of each sensor estimated unless --fixed-offset is given; of mean period: the same of the mean \
     over the record's periods, in which noise counts less; level: rms of the inputs.";
@@ -252,7 +251,7 @@ pub fn short_names(paths: Vec<String>) -> Vec<String> {
     if count(&short) == count(&paths) { short } else { paths }
 }
 
-/// What the scores of the table mean, a line each.
+/// Explanation of the table's scores, a line each.
 pub fn explanation() -> String {
     let line = |d: &Definition| {
         format!("{} [{}]: {}\n", d.name, if d.unit == "output" { "unit" } else { d.unit }, d.meaning)

@@ -9,7 +9,7 @@ use hysteron_model::{Advice, Start};
 use crate::failure::Failure;
 use crate::numbers::{number, positive};
 
-/// How a simulation starts, where the model file's own assumption does not hold.
+/// Start of a simulation, where the model file's own assumption does not hold.
 #[derive(Args, Clone, Debug)]
 pub struct StartFlags {
     /// Voltage at rest before the record [default: as the model file assumes]

@@ -81,7 +81,7 @@ pub struct Validate {
 /// A model with what it scored.
 struct Scored {
     loaded: Loaded,
-    /// What tables and pages show: each record, or each part of a run and the run.
+    /// Scores in tables and pages: each record, or each part of a run and the run.
     shown: Vec<(Signals, Score)>,
     /// Scores of runs, with `--continued`.
     runs: Vec<RunScore>,
@@ -98,7 +98,7 @@ struct Failed {
     failure: Failure,
 }
 
-/// What one model scored, as JSON.
+/// JSON output: the scores of one model.
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Scores<'a> {

@@ -88,7 +88,7 @@ pub(crate) fn description_comment(lines: &[String]) -> String {
     format!("/*\n{}\n */", lines.join("\n"))
 }
 
-/// What the templates of a model are filled with.
+/// Filling of a model's templates.
 pub(crate) fn filling(subject: &Subject, numbers: Numbers) -> Result<Filling, ExportError> {
     match subject.precision {
         Precision::F32 => of_type::<f32>(subject, numbers),

@@ -28,7 +28,7 @@ pub enum ExportError {
         "the {what} does not move along the drive of the self-test, which would pass whatever the source does"
     )]
     Still {
-        /// What stands still.
+        /// Result that stands still.
         what: &'static str,
     },
     /// Single precision is too coarse.
@@ -37,7 +37,7 @@ pub enum ExportError {
          % is exported"
     )]
     Rounding {
-        /// What is moved.
+        /// Result that is moved.
         what: &'static str,
         /// By how much.
         bound: f64,
@@ -54,7 +54,7 @@ pub enum ExportError {
     Compiler {
         /// Its name.
         compiler: String,
-        /// What went wrong.
+        /// The problem.
         problem: String,
     },
     /// No archive could be made.

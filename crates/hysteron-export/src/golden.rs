@@ -27,7 +27,7 @@ pub struct Golden {
     pub refuses_largest: bool,
 }
 
-/// What the number type may take from a result, by the bound of the self-test.
+/// Bound of the self-test on the rounding error of a result in the number type.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rounding {
     /// In the unit of the result.

@@ -40,7 +40,7 @@ pub struct Inverse {
     pub range_v: [f64; 2],
     /// Largest rate of the voltage \[V/s\]; infinite for none.
     pub slew_v_per_s: f64,
-    /// What the number type may take from the voltage.
+    /// Bound on the rounding error of the voltage.
     pub rounding: Rounding,
 }
 
@@ -48,8 +48,8 @@ impl Inverse {
     /// The inverse of the model of `subject`, under its name and `_inverse`.
     ///
     /// # Errors
-    /// As [`CompensatorParts::new`]; [`ExportError::Rounding`] where single precision takes too much from the
-    /// voltage, [`ExportError::Still`] where it does not move.
+    /// Those of [`CompensatorParts::new`]; [`ExportError::Rounding`] where single precision takes too much
+    /// from the voltage, [`ExportError::Still`] where it does not move.
     pub fn new(
         subject: &Subject,
         compensation: Compensation,
@@ -101,7 +101,7 @@ impl Inverse {
 /// `NAME_inverse_loop.c`, a loop around it.
 ///
 /// # Errors
-/// As [`Inverse::new`].
+/// Those of [`Inverse::new`].
 pub fn inverse_files(inverse: &Inverse) -> Result<Vec<NamedFile>, ExportError> {
     let mut filling = inverse_filling(inverse, Numbers::Constant)?;
     let name = &inverse.subject.name;
@@ -124,8 +124,8 @@ pub fn inverse_files(inverse: &Inverse) -> Result<Vec<NamedFile>, ExportError> {
 const SETTLED: f64 = 1e-3;
 const LONGEST_S: f64 = 10.0;
 
-/// Samples in which all but [`SETTLED`] of a move has come out, and what is left then: creep that takes
-/// longer than [`LONGEST_S`] goes on.
+/// Settling time to within [`SETTLED`] of a move \[samples\], and the share still to come then: creep that
+/// takes longer than [`LONGEST_S`] goes on.
 fn settles(law: &Compensation) -> (usize, f64) {
     let dynamics = &law.dynamics;
     let left = |samples: f64| {
@@ -291,7 +291,7 @@ impl GoldenInverse {
     /// The vectors: a sweep through most of the range, then steps that the limits hold back.
     ///
     /// # Errors
-    /// As [`Inverse::new`]; [`ExportError::Still`] where no voltage moves.
+    /// Those of [`Inverse::new`]; [`ExportError::Still`] where no voltage moves.
     pub fn new(inverse: &Inverse) -> Result<Self, ExportError> {
         let precision = inverse.subject.precision;
         let [low, high] = inverse.range_v;

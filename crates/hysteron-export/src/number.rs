@@ -63,7 +63,7 @@ impl Precision {
         }
     }
 
-    /// As [`Self::c_literal`], for Rust.
+    /// [`Self::c_literal`] for Rust, without suffix.
     pub fn rust_literal(self, x: f64) -> String {
         match self {
             Self::F32 => format!("{:?}", f32::of(x)),

@@ -1,6 +1,6 @@
-//! What sources know of a model's operator: flags and sizes of the templates, and its numbers in tables. A
-//! new operator of the runtime is written here and in the template of the Rust crate; its C stands beside it
-//! in `hysteron-rt`.
+//! Model operator in the sources: flags and sizes of the templates, and its numbers in tables. A new operator
+//! of the runtime is written here and in the template of the Rust crate; its C stands beside it in
+//! `hysteron-rt`.
 
 use hysteron_model::hysteresis::RuntimeOperator;
 use hysteron_model::realise::TURNS;

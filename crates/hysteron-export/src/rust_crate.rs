@@ -33,7 +33,7 @@ pub enum Runtime<'a> {
 /// `src/inverse.rs` and tests with golden vectors.
 ///
 /// # Errors
-/// As [`crate::c_files`].
+/// Those of [`crate::c_files`].
 pub fn rust_files(
     subject: &Subject,
     inverse: Option<&Inverse>,
@@ -60,7 +60,7 @@ pub fn rust_files(
     Ok(files)
 }
 
-/// What both files of source are filled with.
+/// Filling common to both source files.
 fn common(subject: &Subject, description: Vec<String>, tables: String) -> Result<Filling, ExportError> {
     let mut filling = filling(subject, Numbers::Constant)?;
     let literal = |x: f64| subject.precision.rust_literal(x);

@@ -24,15 +24,15 @@ pub struct Subject {
     pub output_unit: String,
     /// Name of the model for people.
     pub title: Option<String>,
-    /// What the records covered.
+    /// Range that the records covered.
     pub range: Option<ValidRange>,
-    /// How well the model describes its records.
+    /// Scores of the model on its records.
     pub scores: Vec<ScoreEntry>,
     /// The accuracy the realisation was asked for.
     pub accuracy: f64,
-    /// What the number type may take from the displacement.
+    /// Bound on the rounding error of the displacement.
     pub rounding: Rounding,
-    /// How far the realisation is off the batch simulation along a sweep between two frequencies \[Hz\],
+    /// Deviation of the realisation from the batch simulation along a sweep between two frequencies \[Hz\],
     /// where it was compared.
     pub along_sweep: Option<(Verification, (f64, f64))>,
 }

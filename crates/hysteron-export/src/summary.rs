@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{NamedFile, Precision, Subject};
 
-/// What was exported, for programs.
+/// Summary of an export, machine-readable.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ExportSummary {
@@ -28,7 +28,7 @@ pub struct ExportSummary {
     pub input_unit: String,
     /// Symbol of the unit of the output.
     pub output_unit: String,
-    /// What was written.
+    /// Files written.
     pub files: Vec<FileSummary>,
 }
 

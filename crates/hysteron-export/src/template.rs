@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::error::ExportError;
 use crate::number::Precision;
 
-/// What a template is filled with.
+/// Values that fill a template.
 #[derive(Clone, Debug)]
 pub(crate) struct Filling {
     precision: Precision,

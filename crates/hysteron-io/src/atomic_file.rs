@@ -5,7 +5,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// What an atomic write could not do, to which file.
+/// Failure of an atomic write: the step and the file.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write `{}`: {action} failed: {source}", path.display())]
 #[non_exhaustive]
@@ -14,7 +14,7 @@ pub struct AtomicWriteError {
     pub path: PathBuf,
     /// The step that failed.
     pub action: &'static str,
-    /// What the operating system says.
+    /// Error of the operating system.
     pub source: io::Error,
 }
 
@@ -145,7 +145,7 @@ fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
 /// open descriptor (`/dev/stdout`) is written directly, and never renamed over.
 ///
 /// # Errors
-/// As [`write_atomically`]; also whatever `produce` returns.
+/// Those of [`write_atomically`], and those of `produce`.
 pub fn write_atomically_with(
     path: &Path,
     produce: impl FnOnce(&mut dyn Write) -> io::Result<()>,

@@ -46,7 +46,7 @@ pub fn write_folder(folder: &Path, files: &[NamedFile], mark: &[u8]) -> Result<(
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    // In the folder itself where it is there: that one must be writable, and may be on a disk of its own.
+    // In the folder itself where it exists: it must be writable, and may be on another disk than its parent.
     let is_new = !folder.exists();
     let place = if is_new { parent } else { folder };
     std::fs::create_dir_all(place).map_err(failed("making the folder", place))?;
@@ -266,7 +266,7 @@ mod tests {
         }
     }
 
-    /// What the checks beforehand cannot see: a rename that fails when others have been made.
+    /// A rename that fails after others have succeeded, which no check beforehand can foresee.
     #[test]
     fn what_was_replaced_before_a_failure_is_put_back() {
         let place = tempfile::tempdir().unwrap();

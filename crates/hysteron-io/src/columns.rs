@@ -20,7 +20,7 @@ pub(crate) struct Heading {
     pub array: Option<ArrayHeading>,
 }
 
-/// What a file of named arrays says about one of them, or about a column of it.
+/// Metadata of a named array, or of a column of it.
 #[derive(Clone, Debug)]
 pub(crate) struct ArrayHeading {
     /// Bytes of the header in front of its last component.
@@ -35,7 +35,7 @@ pub(crate) struct ArrayHeading {
     pub has_rate: bool,
 }
 
-/// What an array holds.
+/// Element type of an array.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Numbers,
@@ -79,7 +79,7 @@ pub(crate) struct Rate {
     pub start_s: f64,
 }
 
-/// What of a column is read.
+/// Form in which a column is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Wanted {
     Nothing,
@@ -262,7 +262,7 @@ pub(crate) fn list<'a>(columns: impl IntoIterator<Item = &'a Heading>) -> String
     listed(headers.map(|column| format!("`{}`", column.header)))
 }
 
-/// What a file of named arrays holds, for messages: path, shape, unit.
+/// List of the named arrays of a file, for messages: path, shape, unit.
 pub(crate) fn list_arrays<'a>(columns: impl IntoIterator<Item = &'a Heading>) -> String {
     listed(columns.into_iter().map(|column| {
         let unit = match column.unit.symbol() {

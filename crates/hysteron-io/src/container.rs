@@ -149,7 +149,7 @@ impl Held {
         }
     }
 
-    /// What is no column: listed, and refused where it is chosen.
+    /// The array as no column: listed, but refused where it is chosen.
     fn apart(&self, index: usize) -> Column {
         let (name, unit) = self.name_and_unit();
         let array = ArrayHeading {
@@ -324,7 +324,7 @@ fn nearest(rates: Vec<(usize, Rate)>, file: &str, is_given: bool) -> Result<Opti
     }
 }
 
-/// How the sample rate \[Hz\] follows from a number of this name, if it does.
+/// Conversion of a number of this name to the sample rate \[Hz\]; `None` for other names.
 fn rate_by_name(name: &str) -> Option<fn(f64) -> f64> {
     let name = name.to_lowercase();
     let (stem, unit) = match name.rsplit_once('_') {

@@ -34,7 +34,7 @@ pub fn contents(path: &Path, options: &ReadOptions) -> Result<Vec<Content>, IoEr
 /// format.
 ///
 /// # Errors
-/// As [`contents`].
+/// Those of [`contents`].
 pub fn contents_of_bytes(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Vec<Content>, IoError> {
     list(name, bytes, options)
 }

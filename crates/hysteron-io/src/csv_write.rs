@@ -25,7 +25,7 @@ pub fn write_csv(path: &Path, record: &Record) -> Result<(), IoError> {
 /// its shortest channel.
 ///
 /// # Errors
-/// Whatever the sink returns.
+/// Those of the sink.
 pub fn write_csv_to(out: &mut dyn Write, record: &Record) -> io::Result<()> {
     let headers: Vec<String> = headers(record).iter().map(|header| quoted(header)).collect();
     writeln!(out, "{}", headers.join(","))?;

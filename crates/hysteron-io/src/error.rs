@@ -20,7 +20,7 @@ pub enum IoError {
     Open {
         /// The file.
         file: String,
-        /// What the operating system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The file cannot be read to its end.
@@ -28,7 +28,7 @@ pub enum IoError {
     Read {
         /// Where it stands.
         place: Place,
-        /// What the operating system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The file cannot be written.
@@ -39,7 +39,7 @@ pub enum IoError {
     Empty {
         /// The file.
         file: String,
-        /// What it is instead.
+        /// Its state: empty, or without data.
         what: &'static str,
     },
     /// Arrays without data.
@@ -103,7 +103,7 @@ pub enum IoError {
         place: Place,
         /// The format.
         format: &'static str,
-        /// What is wrong.
+        /// The problem.
         problem: String,
     },
     /// An array of something else than real numbers.
@@ -222,7 +222,7 @@ pub enum IoError {
         place: Place,
         /// First byte that does not fit.
         byte: u8,
-        /// What the file may be instead.
+        /// Probable format of the file.
         hint: &'static str,
     },
     /// A quote that is not closed in its line.
@@ -254,9 +254,9 @@ pub enum IoError {
     NoSuchColumn {
         /// Where it stands.
         place: Place,
-        /// What was asked for.
+        /// Column asked for.
         asked: String,
-        /// What it was to be.
+        /// Intended role.
         role: ColumnRole,
         /// The columns there are.
         available: String,
@@ -269,9 +269,9 @@ pub enum IoError {
     AmbiguousColumn {
         /// Where it stands.
         place: Place,
-        /// What was asked for, or looked for.
+        /// Column asked for, or looked for.
         asked: String,
-        /// What it is to be.
+        /// Intended role.
         role: ColumnRole,
         /// The columns it could be.
         candidates: String,
@@ -281,7 +281,7 @@ pub enum IoError {
     ChooseArrays {
         /// Where it stands.
         place: Place,
-        /// What is the matter.
+        /// The problem.
         problem: String,
         /// The arrays, with shape and unit.
         held: String,
@@ -307,7 +307,7 @@ pub enum IoError {
         /// The column that gives it away.
         column: String,
     },
-    /// What was read is no frequency response.
+    /// The file holds no frequency response.
     #[error(transparent)]
     ResponseFile(#[from] ResponseFileError),
     /// No channel besides time and mask.
@@ -328,7 +328,7 @@ pub enum IoError {
         place: Place,
         /// The text found, cut to a readable length.
         found: String,
-        /// What to do, where the text gives a clue; begins with a separator.
+        /// Remedy, where the text suggests one; begins with a separator.
         hint: &'static str,
     },
     /// An empty field.
@@ -391,7 +391,7 @@ pub enum IoError {
         expected: usize,
         /// Line of the header.
         header_line: u64,
-        /// What to do, where there is a clue; begins with a separator.
+        /// Remedy, where one is known; begins with a separator.
         hint: &'static str,
     },
     /// A last line that stops in the middle.
@@ -450,12 +450,12 @@ pub enum IoError {
         /// The new name.
         to: String,
     },
-    /// What was read is not a usable record.
+    /// The data read do not make a usable record.
     #[error("{source}")]
     Record {
         /// The file.
         file: String,
-        /// What is wrong with it.
+        /// The reason.
         source: Box<RecordError>,
     },
     /// A file in the folder is not one that was written so before.
@@ -471,7 +471,7 @@ pub enum IoError {
         action: &'static str,
         /// The file or folder.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// A JSON or model file cannot be read.

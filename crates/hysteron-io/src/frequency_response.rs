@@ -44,7 +44,7 @@ pub fn read_frequency_response(path: &Path, options: &ResponseOptions) -> Result
 /// [`read_frequency_response`] from memory; `name` stands for the file in messages.
 ///
 /// # Errors
-/// As [`read_frequency_response`].
+/// Those of [`read_frequency_response`].
 pub fn read_frequency_response_bytes(
     name: &str,
     bytes: &[u8],
@@ -303,7 +303,7 @@ fn part_of(column: &Heading) -> Option<(String, Part, String)> {
         "std" | "sigma" | "stddev" | "uncertainty" => Part::Deviation,
         _ => return None,
     };
-    // What stands before the part is the response's name, in the letters of the file.
+    // The text before the part is the response's name, in the letters of the file.
     let before = text.len() - last.len();
     let name = column.name.get(..before)?.trim_end_matches('_');
     let (name, unit_before) =

@@ -20,7 +20,7 @@ pub enum JsonFileError {
     Unread {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         cause: std::io::Error,
     },
     /// The file is too large to be what it should be.
@@ -36,7 +36,7 @@ pub enum JsonFileError {
     Content {
         /// The file.
         path: PathBuf,
-        /// What is wrong, with line and column.
+        /// Error of the parser, with line and column.
         cause: serde_json::Error,
     },
 }

@@ -19,7 +19,7 @@ pub(crate) const READER: Reader =
 const FORMAT: &str = "LVM";
 const END_OF_HEADER: &str = "***End_of_Header***";
 
-/// How the file writes its columns.
+/// Column format of the file.
 struct Layout {
     separator: char,
     decimal_comma: bool,

@@ -20,10 +20,10 @@ pub fn load_model(path: &Path) -> Result<Model, IoError> {
     Ok(load_model_and_source(path)?.0)
 }
 
-/// As [`load_model`], with where it was read from, for the provenance of what is made of it.
+/// [`load_model`], with path and hash of the file for provenance.
 ///
 /// # Errors
-/// As [`load_model`].
+/// Those of [`load_model`].
 pub fn load_model_and_source(path: &Path) -> Result<(Model, Source), IoError> {
     let unreadable = |cause| JsonFileError::Unread { path: path.to_owned(), cause };
     let mut bytes = Vec::new();

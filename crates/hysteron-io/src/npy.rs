@@ -57,7 +57,7 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
     Ok(Columns { headings, values, texts, lines, rate: None, sha256: sha256(&bytes) })
 }
 
-/// What the header of an array says.
+/// Header of an array.
 pub(crate) struct Array {
     pub values: Type,
     shape: Vec<u64>,
@@ -67,7 +67,7 @@ pub(crate) struct Array {
     element_bytes: usize,
 }
 
-/// What an array holds.
+/// Element type of an array.
 pub(crate) enum Type {
     Number(Number),
     Fields(Vec<Field>),
@@ -86,7 +86,7 @@ pub(crate) struct Field {
     dtype: String,
 }
 
-/// How a number is stored.
+/// Storage format of a number.
 #[derive(Clone, Copy)]
 pub(crate) struct Number {
     kind: Kind,
@@ -102,7 +102,7 @@ enum Kind {
     Bool,
 }
 
-/// How much more may be read.
+/// Values and bytes that may still be read.
 pub(crate) struct Budget {
     values: usize,
     max_values: usize,

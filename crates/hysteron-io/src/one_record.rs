@@ -65,7 +65,7 @@ pub(crate) fn set_apart(
             apart[*i] = true;
         }
     }
-    // A column with a rate of its own has no time from elsewhere, e.g. from another curve of a force map.
+    // A column with its own rate takes no time from elsewhere, e.g. from another curve of a force map.
     let has_rate = |i: &usize| columns[*i].array.as_ref().is_some_and(|array| array.has_rate);
     if chosen.iter().any(has_rate) {
         for (i, column) in columns.iter().enumerate().filter(|(i, _)| !is_named(*i)) {

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Rename;
 
-/// How to read a file; the default detects everything.
+/// Options for reading a file; the default detects everything.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ReadOptions {
@@ -75,9 +75,9 @@ impl ReadOptions {
     }
 }
 
-/// What any file may unpack to \[bytes\]: then reading it takes less than 1 GiB of memory.
+/// Unpacked size allowed for any file \[bytes\]: reading it then takes less than 1 GiB of memory.
 const LEAST_UNPACKED_BYTES: u64 = 256 << 20;
-/// What a larger file may unpack to: bytes a byte, as doubles of a noisy 8-bit converter pack to less.
+/// Unpacked bytes allowed per byte of a larger file: doubles of a noisy 8-bit converter unpack to fewer.
 const UNPACKED_PER_BYTE: u64 = 16;
 /// Numbers a byte of a larger file.
 const VALUES_PER_BYTE: u64 = 8;

@@ -53,7 +53,7 @@ pub fn read_record(path: &Path, options: &ReadOptions) -> Result<Record, IoError
 /// [`read_record`], with the number of samples in the file.
 ///
 /// # Errors
-/// As [`read_record`].
+/// Those of [`read_record`].
 pub fn read_part(path: &Path, options: &ReadOptions) -> Result<PartRead, IoError> {
     let Assembled { record, file_samples, chosen, .. } =
         read(&path.display().to_string(), open(path)?, options)?;
@@ -65,7 +65,7 @@ pub fn read_part(path: &Path, options: &ReadOptions) -> Result<PartRead, IoError
 /// format.
 ///
 /// # Errors
-/// As [`read_record`].
+/// Those of [`read_record`].
 pub fn read_record_bytes(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Record, IoError> {
     Ok(read(name, bytes, options)?.record)
 }
@@ -74,7 +74,7 @@ pub fn read_record_bytes(name: &str, bytes: &[u8], options: &ReadOptions) -> Res
 /// [`Record::select`](hysteron_model::record::Record::select).
 ///
 /// # Errors
-/// As [`read_record`]; [`IoError::Record`] where input or output cannot be decided.
+/// Those of [`read_record`]; [`IoError::Record`] where input or output cannot be decided.
 pub fn read_input_output(path: &Path, options: &ReadOptions) -> Result<ReadOutcome, IoError> {
     selected(&path.display().to_string(), open(path)?, options)
 }
@@ -82,7 +82,7 @@ pub fn read_input_output(path: &Path, options: &ReadOptions) -> Result<ReadOutco
 /// [`read_input_output`] from memory; `name` as for [`read_record_bytes`].
 ///
 /// # Errors
-/// As [`read_input_output`].
+/// Those of [`read_input_output`].
 pub fn read_input_output_bytes(
     name: &str,
     bytes: &[u8],
@@ -95,7 +95,7 @@ pub fn read_input_output_bytes(
 /// [`Record::drive`].
 ///
 /// # Errors
-/// As [`read_record`]; [`IoError::Record`] where the drive cannot be decided.
+/// Those of [`read_record`]; [`IoError::Record`] where the drive cannot be decided.
 pub fn read_drive(path: &Path, options: &ReadOptions) -> Result<Driven, IoError> {
     read_alone(path, options, |record, chosen| record.driven(chosen.input.as_deref()))
 }
@@ -104,7 +104,7 @@ pub fn read_drive(path: &Path, options: &ReadOptions) -> Result<Driven, IoError>
 /// [`Record::reference`].
 ///
 /// # Errors
-/// As [`read_record`]; [`IoError::Record`] where the reference cannot be decided.
+/// Those of [`read_record`]; [`IoError::Record`] where the reference cannot be decided.
 pub fn read_reference(path: &Path, options: &ReadOptions) -> Result<Signal, IoError> {
     read_alone(path, options, |record, chosen| record.reference(chosen.reference.as_deref()))
 }

@@ -18,7 +18,7 @@ pub(crate) struct Reader {
     pub read: ReadColumns,
 }
 
-/// What reads the columns of a file.
+/// Function that reads the columns of a file.
 pub(crate) type ReadColumns = fn(Input<'_>) -> Result<Columns, IoError>;
 
 /// A zip archive in memory, which several formats are.

@@ -36,7 +36,7 @@ pub enum ResponseFileError {
     Choose {
         /// Where it stands.
         place: Place,
-        /// What is the matter.
+        /// The problem.
         problem: String,
         /// Names of the responses.
         available: String,
@@ -59,12 +59,12 @@ pub enum ResponseFileError {
         /// The frequency \[Hz\].
         frequency_hz: f64,
     },
-    /// What was read is not a usable frequency response.
+    /// The data read do not make a usable frequency response.
     #[error("`{file}`: {source}")]
     Unusable {
         /// The file.
         file: String,
-        /// What is wrong with it.
+        /// The reason.
         source: Box<RecordError>,
     },
 }

@@ -10,7 +10,7 @@ use crate::one_record::{no_channels, set_apart};
 use crate::place::{Part, Place};
 use crate::{IoError, ReadOptions};
 
-/// What a column is read as.
+/// Role of a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Role {
     /// Time; the factor makes seconds of it.
@@ -39,7 +39,7 @@ pub(crate) struct Roles {
     /// Name in the record, one a column: with its path where another channel has the same name.
     pub names: Vec<String>,
     pub chosen: Chosen,
-    /// What is cut out, its columns by their headers; without the conditions on texts.
+    /// Cut of the record, its columns by their headers; without the conditions on texts.
     pub cut: Cut,
     /// Columns of texts and the text that each must be.
     pub texts: Vec<(usize, String)>,
@@ -101,7 +101,7 @@ impl Roles {
         Ok(Roles { roles, names, chosen: Chosen { input, output, reference }, cut, texts })
     }
 
-    /// What a reader has to read of each column.
+    /// Form in which a reader has to read each column.
     pub fn wanted(&self) -> Vec<Wanted> {
         let wanted = |role: &Role| match role {
             Role::Skipped => Wanted::Nothing,

@@ -33,7 +33,7 @@ struct Column {
     refused: Option<String>,
 }
 
-/// What a cell holds.
+/// Content of a cell.
 enum Cell {
     Number(f64),
     /// Days; the unit is a second.
@@ -130,7 +130,7 @@ fn check_size(archive: &mut Archive<'_>, file: &str, max_bytes: u64) -> Result<(
     Ok(())
 }
 
-/// What is wrong with a sheet: an error, or a problem of the file.
+/// Failure on a sheet: an error, or a problem of the file.
 type Problem = Result<IoError, String>;
 
 impl Sheet {

@@ -66,7 +66,7 @@ mod tests {
                     let x = pole * time;
                     let expected = if x.norm() < 2.0 { series(x) } else { x.exp() - 1.0 };
                     let error = (Complex64::new(re, im) - expected).norm();
-                    // Rounding of the angle itself is what is left at large ones.
+                    // At large angles the error is the rounding of the angle itself.
                     let allowed = 4.0 * f64::EPSILON * expected.norm().min(1.0) * x.im.abs().max(1.0);
                     assert!(error <= allowed, "{pole} {time:e}: {error:e}");
                 }

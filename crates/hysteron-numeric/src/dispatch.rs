@@ -32,7 +32,7 @@ enum Level {
 }
 
 impl InstructionSet {
-    /// What every processor of the target has.
+    /// Instruction set of every processor of the target.
     pub fn baseline() -> Self {
         Self(Level::Baseline)
     }

@@ -24,7 +24,7 @@ pub enum Target {
 /// A parameter's direct action: `factor` times a signal, on a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forcing {
-    /// What it acts on.
+    /// Target of the action.
     pub target: Target,
     /// Lane of the parameter.
     pub lane: usize,

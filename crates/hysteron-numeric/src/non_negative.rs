@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::triangular;
 
-/// What is left of a gradient by rounding, as a share of the sizes that it comes from.
+/// Rounding error of a gradient, relative to the norm of the target.
 const ROUNDING: f64 = 1e-13;
 
 /// c ≥ 0 that minimises ‖`target` − Σ c_j `columns`_j‖: the active-set method of C. L. Lawson and R. J.

@@ -32,7 +32,7 @@ pub fn significant(value: f64, digits: usize) -> String {
 }
 
 /// `value` and its standard error, both to the digit that the error's two leading digits reach,
-/// and with the same power of ten. A value lost in its error keeps three digits of its own.
+/// and with the same power of ten. A value lost in its error keeps three digits.
 ///
 /// Without an error (or with one that is not positive and finite) the value has five significant digits and
 /// the error is an empty text.

@@ -245,7 +245,7 @@ fn gains(rates: &[f64; LANES], largest: f64, length_s: f64, g: &mut [f64; LANES]
 mod tests {
     use super::*;
 
-    /// The same with the library's functions, one relaxation at a time.
+    /// Reference implementation with the library's functions, one relaxation at a time.
     fn oracle(rates: &[f64], states: &mut [f64], [from, slope]: [f64; 2], length_s: f64) {
         for (state, rate) in states.iter_mut().zip(rates) {
             let gain = -(-rate * length_s).exp_m1();

@@ -272,7 +272,7 @@ mod tests {
         let mut same: Option<Vec<f64>> = None;
         for set in InstructionSet::available() {
             let mut bank = ResonanceBank::default();
-            // The last of nine inputs, in a row of its own.
+            // The last of nine inputs, alone in its row.
             bank.reset(&poles, 9, true);
             let mut lines = Lines { from: vec![[0.0; ABREAST]; 2], slope: vec![[0.0; ABREAST]; 2] };
             let mut states = [[Complex64::ZERO; 2]; 3];

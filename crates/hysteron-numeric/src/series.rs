@@ -55,7 +55,7 @@ impl SeriesPanel {
         Self::evaluate_one(set, &coefficients, degree, re, im);
     }
 
-    /// [`Self::evaluate`] for a series of its own, real and imaginary part of each coefficient.
+    /// [`Self::evaluate`] of one series, given by real and imaginary part of each coefficient.
     pub fn evaluate_one(
         set: InstructionSet,
         coefficients: &[[f64; 2]; Self::TERMS],

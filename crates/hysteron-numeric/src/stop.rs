@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Asks work to end soon, from any thread; its clones ask the same work.
 ///
-/// What is under way looks at it before every evaluation of a model, and within the long ones.
+/// Running work checks it before every evaluation of a model, and within the long ones.
 #[derive(Clone, Debug, Default)]
 pub struct Stop(Arc<AtomicBool>);
 

@@ -37,7 +37,7 @@ pub struct Checkpoint {
     pub(super) finished: Option<StopReason>,
 }
 
-/// What the algorithm itself keeps from one generation to the next.
+/// State of the algorithm itself between generations.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum State {

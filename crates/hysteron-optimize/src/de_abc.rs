@@ -31,7 +31,7 @@ pub struct DeAbcOptions {
     pub moved: Moved,
     /// Failures L that a source may have before the scout is sent; `None`: SN·D.
     pub limit: Option<usize>,
-    /// What the scout does.
+    /// Action of the scout.
     pub scout: Scout,
 }
 
@@ -52,7 +52,7 @@ pub enum Moved {
     All,
 }
 
-/// What the scout does with a source that no longer improves.
+/// Action of the scout on a source that no longer improves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scout {
@@ -66,7 +66,7 @@ pub enum Scout {
         iterates: usize,
         /// Reading of Eq. 12.
         chaos: Chaos,
-        /// What may take the source's place.
+        /// Candidates for the source's place.
         keeps: ScoutKeeps,
     },
 }
@@ -82,7 +82,7 @@ pub enum Chaos {
     ChaoticMap,
 }
 
-/// What may take the place of a scouted source.
+/// Candidates for the place of a scouted source.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ScoutKeeps {

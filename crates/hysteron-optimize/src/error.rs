@@ -18,7 +18,7 @@ pub enum OptimizeError {
         low: f64,
         /// Its upper bound.
         high: f64,
-        /// What is allowed.
+        /// Allowed values.
         wanted: &'static str,
     },
     /// An option outside its allowed range.
@@ -28,7 +28,7 @@ pub enum OptimizeError {
         option: &'static str,
         /// Its value.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         wanted: &'static str,
     },
     /// A start point of the wrong length or with a value that is not finite.
@@ -63,7 +63,7 @@ pub enum OptimizeError {
     Threads {
         /// Number asked for.
         threads: usize,
-        /// What the operating system said.
+        /// Error of the operating system.
         reason: String,
     },
     /// A Jacobian was asked for at a point where the model cannot be simulated.
@@ -138,7 +138,7 @@ pub enum OptimizeError {
     /// The state of a checkpoint contradicts itself: the file was damaged or edited.
     #[error("the checkpoint is damaged: {what}")]
     CheckpointDamaged {
-        /// What is wrong.
+        /// The contradiction.
         what: &'static str,
     },
 }

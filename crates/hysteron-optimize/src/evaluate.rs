@@ -59,7 +59,7 @@ impl Refusal {
     }
 }
 
-/// What one evaluating thread owns.
+/// Workspace and results of one evaluating thread.
 struct Slot<W> {
     workspace: Option<W>,
     x: Vec<f64>,
@@ -67,7 +67,7 @@ struct Slot<W> {
 }
 
 impl<'p, P: Problem> Evaluator<'p, P> {
-    /// `threads`: a pool of its own, or `None` for the current one.
+    /// `threads`: size of a separate pool, or `None` for the current one.
     pub(super) fn new(
         problem: &'p P,
         threads: Option<usize>,

@@ -25,7 +25,7 @@ const SAME_ABSOLUTE: f64 = 1e-8;
 pub struct LeastSquaresOptions {
     /// Number of starts, those of [`Settings::starts`] included (which are all used, even if they are more).
     pub starts: usize,
-    /// How the other starts are spread.
+    /// Distribution of the other starts.
     pub spread: Starts,
     /// Stop once this many starts have ended in the same best minimum; `None`: use all starts. Three may
     /// agree on a wrong one: in 2 of 200 runs of the study's static problem, whose box holds an edge without
@@ -86,7 +86,7 @@ impl LeastSquaresOptions {
     }
 }
 
-/// How a local fit ended.
+/// Termination reason of a local fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
@@ -117,7 +117,7 @@ impl LocalStatus {
     }
 }
 
-/// What one start came to.
+/// Result of one start.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StartResult {
@@ -133,7 +133,7 @@ pub struct StartResult {
     pub iterations: usize,
     /// Evaluations.
     pub evaluations: usize,
-    /// How it ended.
+    /// Termination reason.
     pub status: LocalStatus,
 }
 

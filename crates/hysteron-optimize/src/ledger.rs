@@ -26,7 +26,7 @@ pub struct Improvement {
     pub cost: f64,
 }
 
-/// What every algorithm keeps: counts, the best point, the history, the position in the random streams.
+/// State common to all algorithms: counts, best point, history, position in the random streams.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Ledger {

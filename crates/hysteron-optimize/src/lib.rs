@@ -20,12 +20,12 @@
 //! | [`LeastSquares`](Algorithm::LeastSquares) | bounded Levenberg–Marquardt from many starts | Kanzow,
 //! Yamashita and Fukushima 2004, doi:10.1016/j.cam.2004.02.013 |
 //!
-//! What holds for every one of them:
+//! Common to all of them:
 //! - The search runs on the unit box: each parameter is scaled to [0, 1], logarithmically where its [`Range`]
 //!   says so.
 //! - **Bit-identical for a seed whatever the number of threads**: a generation is proposed as a whole,
-//!   evaluated in parallel, accepted in index order; every candidate has a random stream of its own, numbered
-//!   by the candidate.
+//!   evaluated in parallel, accepted in index order; every candidate has its own random stream, numbered by
+//!   the candidate.
 //! - A run ends on its generations, its budget of evaluations, a target cost, stagnation, or the
 //!   [`Observer`]'s word; the best so far is kept, [`Outcome::stopped`] says which it was.
 //! - Every evaluation is counted, those of finite differences and of the scout too.

@@ -56,7 +56,7 @@ pub fn minimize<P: LeastSquaresProblem>(
 /// `resume`: go on from this checkpoint of the same run, to the same final bits.
 ///
 /// # Errors
-/// As [`minimize`]; [`OptimizeError::NeedsResiduals`] for least squares.
+/// Those of [`minimize`]; [`OptimizeError::NeedsResiduals`] for least squares.
 pub fn minimize_cost<P: Problem>(
     problem: &P,
     algorithm: &Algorithm,

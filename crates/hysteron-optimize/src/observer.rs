@@ -10,8 +10,8 @@ pub trait Observer {
     /// One generation is done.
     fn generation(&mut self, progress: &Progress<'_>) -> ControlFlow<()>;
 
-    /// What ends the run within a generation, from another thread: evaluations that have not begun are left
-    /// out, and the checkpoint is that of the generation before.
+    /// Stop signal that ends the run within a generation, from another thread: evaluations not yet begun are
+    /// left out, and the checkpoint is that of the generation before.
     fn stop(&self) -> Option<Stop> {
         None
     }

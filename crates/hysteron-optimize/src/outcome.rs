@@ -24,7 +24,7 @@ pub enum StopReason {
     Agreement,
 }
 
-/// What a run found, and how.
+/// Result of an optimisation run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Outcome {
@@ -42,9 +42,9 @@ pub struct Outcome {
     pub improvements: Vec<Improvement>,
     /// Why the run ended.
     pub stopped: StopReason,
-    /// How often a scout was sent out (bee colonies; 0 elsewhere).
+    /// Number of scouts sent out (bee colonies; 0 elsewhere).
     pub scouts_fired: usize,
-    /// What each start came to (least squares; empty elsewhere).
+    /// Result of each start (least squares; empty elsewhere).
     pub starts: Vec<StartResult>,
     /// State at the end: a cancelled run goes on from here.
     pub checkpoint: Checkpoint,

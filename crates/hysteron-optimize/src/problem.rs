@@ -15,8 +15,8 @@ pub trait Problem: Sync {
     fn workspace(&self) -> Self::Workspace;
     /// Cost at `x`; anything not finite counts as +∞ and never wins.
     fn cost(&self, x: &[f64], workspace: &mut Self::Workspace) -> f64;
-    /// What problem this is (model and data, say a hash of the record), written into checkpoints: resuming a
-    /// run on a problem of another identity is refused. The search box and the cost at the best point are
+    /// Identity of the problem (model and data, say a hash of the record), written into checkpoints: resuming
+    /// a run on a problem of another identity is refused. The search box and the cost at the best point are
     /// compared in any case.
     fn identity(&self) -> String {
         String::new()

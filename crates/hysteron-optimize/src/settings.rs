@@ -1,9 +1,9 @@
-//! How long a run may take, and where it starts.
+//! Limits and starts of a run.
 
 use super::OptimizeError;
 use serde::{Deserialize, Serialize};
 
-/// How long a run may take, and where it starts; the same for every algorithm.
+/// Seed, limits and starts of a run; the same for every algorithm.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {

@@ -3,7 +3,7 @@
 use super::stream::Stream;
 use serde::{Deserialize, Serialize};
 
-/// How starts beyond the given ones are spread over the unit box.
+/// Distribution over the unit box of the starts beyond the given ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Starts {

@@ -107,7 +107,7 @@ impl Model {
     }
 }
 
-/// What is said of an export.
+/// Options of an export.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Exporting {

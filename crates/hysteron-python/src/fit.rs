@@ -29,7 +29,7 @@ impl Fit {
         self.inner.model.clone().into()
     }
 
-    /// What `hysteron identify --json` prints.
+    /// Output of `hysteron identify --json`.
     fn to_json(&self) -> PyResult<String> {
         to_json(&self.inner)
     }
@@ -40,7 +40,7 @@ impl Fit {
         self.inner.scores.iter().map(|score| (score.record.clone(), figures(score))).collect()
     }
 
-    /// What was done to the data, in words.
+    /// Treatment of the data, in words.
     #[getter]
     fn treatment(&self) -> Vec<String> {
         self.inner.treatment.clone()
@@ -52,7 +52,7 @@ impl Fit {
         self.inner.interrupted
     }
 
-    /// What `identify(resume=…)` goes on from.
+    /// Checkpoints of the searches, for `identify(resume=…)`.
     fn searches(&self) -> PyResult<String> {
         to_json(&self.inner.resume)
     }

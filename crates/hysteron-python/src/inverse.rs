@@ -20,7 +20,7 @@ use crate::model::{Model, maker};
 use crate::signals::{Samples, samples};
 use crate::work;
 
-/// What is said of an inverse beside the model; what is left out is the library's default.
+/// Options of an inverse beside the model; missing ones take the library's defaults.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Inverting {

@@ -159,7 +159,7 @@ impl Model {
         self.inner.sample_rate_hz()
     }
 
-    /// What the records of the identification covered, in words.
+    /// Range that the records of the identification covered, in words.
     #[getter]
     fn valid_range(&self) -> Option<String> {
         self.inner.valid_range().map(|range| range.in_words())
@@ -213,8 +213,8 @@ impl Model {
         ))
     }
 
-    /// [`Self::score`] with what is left of a new measurement: the output with its offset, the band and the
-    /// start in words.
+    /// Prediction of the measurement from the start of [`Self::score`]: the output with its offset, the band
+    /// and the start in words.
     #[pyo3(signature = (record, input=None, output=None, from_start=None, band=None))]
     fn predict<'py>(
         &self,
@@ -401,7 +401,7 @@ impl Model {
     }
 }
 
-/// What is said of a correction over a record.
+/// Options of a correction over a record.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Adapting {

@@ -137,7 +137,7 @@ pub fn split_header(header: &str) -> (String, String) {
     (name, unit.symbol().to_owned())
 }
 
-/// What Python says about files, beside [`ReadOptions`].
+/// Options for reading files from Python: [`ReadOptions`] and more.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Reading {
@@ -177,7 +177,7 @@ pub fn read(py: Python<'_>, paths: Vec<PathBuf>, options: &str) -> PyResult<Vec<
     Ok(parts.map(|part| (part.record.into(), part.chosen.input, part.chosen.output)).collect())
 }
 
-/// What a file holds, as JSON.
+/// Contents of a file, as JSON.
 #[pyfunction]
 pub fn contents(py: Python<'_>, path: PathBuf) -> PyResult<String> {
     let held = work::run(py, || hysteron::contents(&path, &ReadOptions::default()))?;
@@ -200,7 +200,7 @@ pub fn prepare(py: Python<'_>, records: Vec<PyRef<'_, Record>>, options: &str) -
     Ok((prepared.record.into(), summary))
 }
 
-/// What is in records, and what a model can learn from all of them, as JSON.
+/// Inspection of records, and what a model can learn from all of them, as JSON.
 #[pyfunction]
 #[pyo3(signature = (records, input=None, output=None))]
 pub fn inspect(

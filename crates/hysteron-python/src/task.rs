@@ -16,7 +16,7 @@ use serde::Deserialize;
 
 use crate::errors::{from_json, option, raised};
 
-/// Options of a Hammerstein model; what is left out is the library's default.
+/// Options of a Hammerstein model; missing ones take the library's defaults.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Asked {

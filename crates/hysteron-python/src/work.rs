@@ -36,7 +36,7 @@ pub fn run<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult
     Ok(py.detach(|| pool.install(work)))
 }
 
-/// What work told last.
+/// Last progress report.
 struct Told {
     stage: String,
     fraction: f64,
@@ -66,7 +66,7 @@ pub fn watched<T: Send>(
                 ControlFlow::Continue(())
             };
             let watch = Watch::new(tell).stopped_by(&stopped);
-            // Nobody listens any more only where this thread panicked.
+            // The receiver is gone only where this thread panicked.
             let _ = done.send(pool.install(|| work(&watch)));
         });
         loop {

@@ -161,6 +161,6 @@ pub fn cells(candidate: &Candidate, best: f64) -> [String; 6] {
     ]
 }
 
-/// What the criterion means.
+/// Explanation of the criterion.
 pub const ABOUT_AIC: &str = "AIC: Akaike's criterion, lower is better; it takes residuals for independent, \
     which those of a wrong structure are not, so read small differences as none.";

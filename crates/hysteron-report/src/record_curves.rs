@@ -146,7 +146,7 @@ impl RecordCurves {
         )
     }
 
-    /// What the bands hold, in words; empty without bands.
+    /// Coverage and width of the bands, in words; empty without bands.
     fn about_bands(&self) -> String {
         let Some(band) = &self.band else { return String::new() };
         let used = |k: &usize| self.valid.is_empty() || self.valid.get(*k).copied().unwrap_or(false);
@@ -301,7 +301,7 @@ mod tests {
     use hysteron_model::record::TimeBase;
     use std::f64::consts::TAU;
 
-    /// Sines of 5 and 50 Hz, each at a rate of its own, beside a ramp; the model's gain is 5 % larger.
+    /// Sines of 5 and 50 Hz, each at its own rate, beside a ramp; the model's gain is 5 % larger.
     #[test]
     fn gain_and_phase_at_the_oscillations_are_shown_where_there_are_several() {
         let ramp = (0..200).map(|k| (f64::from(k) * 5e-3, 0.05 * f64::from(k)));

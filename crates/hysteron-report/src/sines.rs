@@ -7,8 +7,8 @@ use hysteron_identify::{GainPhase, SineResponse};
 /// Width of the bars behind the model's points \[px\].
 const BAR_PX: f64 = 9.0;
 
-/// What one panel shows of measured and model: values and half the widths of their intervals, NaN where there
-/// is none.
+/// Points of one panel, measured and model: values and half the widths of their intervals, NaN where there is
+/// none.
 struct Shown {
     measured: Vec<(f64, f64)>,
     model: Vec<(f64, f64)>,
@@ -80,7 +80,7 @@ pub(crate) fn figure(record: &str, gain_unit: &str, sines: &[SineResponse]) -> O
     )
 }
 
-/// What is drawn, and how wide the intervals are at their widest.
+/// Caption, with the intervals at their widest.
 fn caption(record: &str, gain: &Shown, phase: &Shown) -> String {
     let widest = |values: &[(f64, f64)]| values.iter().map(|v| v.1).fold(f64::NAN, f64::max);
     let about = |gain: f64, phase: f64| {

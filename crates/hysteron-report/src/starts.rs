@@ -6,7 +6,7 @@ use crate::page::{Block, Column, Table};
 /// The starts of one search.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SearchStarts {
-    /// What was searched, e.g. `joint fit`.
+    /// Search, e.g. `joint fit`.
     pub step: String,
     /// Unit of the objective.
     pub unit: String,
@@ -23,7 +23,7 @@ pub struct StartRow {
     pub end: f64,
     /// Iterations.
     pub iterations: usize,
-    /// How it ended, in words.
+    /// Termination reason, in words.
     pub how: String,
     /// It ended in the best optimum found.
     pub best: bool,

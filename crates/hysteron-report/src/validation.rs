@@ -58,7 +58,7 @@ pub fn page(models: &[Validated<'_>], maker: &Maker) -> Page {
     page.footer_line(&maker.program)
 }
 
-/// What the scores say about device and range.
+/// Table of the verdicts on device and range.
 fn verdicts(models: &[Validated<'_>]) -> Option<Table> {
     let columns =
         [Column::text("model"), Column::text("record"), Column::text("verdict"), Column::text("why")];

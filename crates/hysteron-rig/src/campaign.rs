@@ -7,7 +7,7 @@ use super::{RigRun, Truth, measure};
 use crate::RigError;
 use crate::excitation::{Excitation, ExcitationSpec, SweepLaw, Waveform};
 
-/// What a record of the campaign is for.
+/// Purpose of a record of the campaign.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Role {
     /// Slow loop that identifies the hysteresis block.
@@ -28,9 +28,9 @@ pub enum Role {
 /// One record of the campaign.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CampaignRun {
-    /// What it is for.
+    /// Purpose.
     pub role: Role,
-    /// What was measured and what is true.
+    /// Measured and true signals.
     pub run: RigRun,
 }
 

@@ -14,7 +14,7 @@ pub enum RigError {
         parameter: String,
         /// Its value.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         expected: &'static str,
     },
     /// A list of the truth that must not be empty is empty.
@@ -72,11 +72,11 @@ pub enum RigError {
     /// The drive waveform cannot be played.
     #[error("drive: {what} is {value}, expected {expected}")]
     Drive {
-        /// What is wrong.
+        /// Quantity that is wrong.
         what: &'static str,
         /// Its value.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         expected: &'static str,
     },
     /// A converter that draws a line to the next sample, in a loop that does not know it yet.
@@ -94,7 +94,7 @@ pub enum RigError {
         parameter: &'static str,
         /// Its value.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         expected: String,
     },
     /// A list of a waveform that must not be empty is empty.
@@ -180,7 +180,7 @@ pub enum RigError {
         parameter: &'static str,
         /// Its value.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         expected: &'static str,
     },
 }

@@ -1,5 +1,5 @@
-//! What the bench as a whole promises: accuracy of the computation, and that the default stage looks like a
-//! real one.
+//! Tests of the bench as a whole: accuracy of the computation, and that the default stage looks like a real
+//! one.
 
 use std::f64::consts::TAU;
 
@@ -110,7 +110,7 @@ fn article_plant_stepped_on_the_grid_gives_the_reference_step_response() {
         let error = y[1 + k] / expected - 1.0;
         assert!(error.abs() < 1e-8, "sample {k}: {error:e}");
     }
-    // The same, read through a delay of 3.7 samples, is the response 3.7 samples earlier.
+    // Through a delay of 3.7 samples, the output is the response 3.7 samples earlier.
     let Plant::BoucWenFractional(plant) = &mut truth.plant else { panic!("article truth") };
     plant.delay_s = 3.7e-4;
     let delayed = measure(&truth, &drive, 1, 0).unwrap().y_true_um;
@@ -257,7 +257,7 @@ fn campaign_is_the_articles_and_depends_on_seed_but_not_on_threads() {
         assert!(
             record.channels.iter().all(|c| c.samples.len() == n && c.samples.iter().all(|x| x.is_finite()))
         );
-        // What the sensor adds to the truth: 5 nm of noise and a step of 0.92 nm.
+        // Error of the sensor: 5 nm of noise and a step of 0.92 nm.
         let error: f64 = record.channels[1]
             .samples
             .iter()

@@ -32,7 +32,8 @@ impl<'a> LiveRig<'a> {
     /// [`measure`](super::measure).
     ///
     /// # Errors
-    /// As [`measure`](super::measure); [`RigError::Ahead`] for a truth whose converter draws straight lines.
+    /// Those of [`measure`](super::measure); [`RigError::Ahead`] for a truth whose converter draws straight
+    /// lines.
     pub fn at_rest(
         truth: &'a Truth,
         sample_rate_hz: f64,

@@ -45,7 +45,7 @@ pub(super) struct PartialFractions {
     pub static_gain: f64,
 }
 
-/// What is known of a transfer function before its cut is sampled.
+/// Decomposition of a transfer function before its branch cut is sampled.
 pub(super) struct Splitting<'a> {
     /// G as a function of L = ln(s + corner), 0 ≤ Im L ≤ π.
     pub response: &'a dyn Fn(Complex64) -> Complex64,

@@ -23,8 +23,8 @@ const STARTS_PER_E_FOLD: f64 = 2.0;
 const STARTS_IN_ANGLE: usize = 12;
 
 /// ln s of the zeros with 0 ≤ arg s ≤ π, by Newton's method in L = ln s from a grid around the magnitudes at
-/// which two terms balance. Completeness is not proved here: whoever uses the zeros checks the partial
-/// fractions they give.
+/// which two terms balance. Completeness is not proved here: the caller checks the partial fractions that the
+/// zeros give.
 pub(super) fn upper_zeros(terms: &[PowerTerm]) -> Vec<Complex64> {
     let mut lowest = f64::INFINITY;
     let mut highest = f64::NEG_INFINITY;

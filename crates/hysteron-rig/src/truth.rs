@@ -1,4 +1,4 @@
-//! What the simulated bench really is: chosen by the user, or the default that lies outside the model class.
+//! Truth of the simulated bench: chosen by the user, or the default that lies outside the model class.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,7 +15,7 @@ use super::Play;
 pub struct Truth {
     /// The actuator with its mechanics.
     pub plant: Plant,
-    /// What the drive does between two samples of the command.
+    /// Interpolation of the drive between two samples of the command.
     pub dac: Dac,
     /// The displacement sensor and its converter.
     pub sensor: Sensor,
@@ -119,7 +119,7 @@ pub struct PowerTerm {
     pub order: f64,
 }
 
-/// What the drive does between two samples of the command.
+/// Interpolation of the drive between two samples of the command.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Dac {
@@ -243,7 +243,7 @@ impl Truth {
         }
     }
 
-    /// The same bench with an ideal sensor: no noise, drift, offset or converter.
+    /// This bench with an ideal sensor: no noise, drift, offset or converter.
     pub fn with_ideal_sensor(mut self) -> Self {
         self.sensor = Sensor {
             noise_um: 0.0,

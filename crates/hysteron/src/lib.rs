@@ -182,7 +182,7 @@ pub fn read<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>) -> Result<Vec<Re
 /// ```
 ///
 /// # Errors
-/// As [`read`].
+/// Those of [`read`].
 pub fn read_with<P: AsRef<Path>>(
     paths: impl IntoIterator<Item = P>,
     options: &ReadOptions,
@@ -194,7 +194,7 @@ pub fn read_with<P: AsRef<Path>>(
 /// and units.
 ///
 /// # Errors
-/// As [`read`].
+/// Those of [`read`].
 pub fn contents(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Vec<Content>, Error> {
     Ok(hysteron_io::contents(path.as_ref(), options)?)
 }

@@ -69,7 +69,7 @@ impl Model {
         })
     }
 
-    /// How well the model describes a record, simulated from the start that explains it best. Columns are the
+    /// Score of the model on a record, simulated from the start that explains it best. Columns are the
     /// model's own, else chosen by name and unit.
     ///
     /// # Errors
@@ -78,7 +78,7 @@ impl Model {
         Ok(self.0.score(&self.signals(record)?, Start::AsIdentified, &scoring)?)
     }
 
-    /// How well the model describes consecutive records of one run, simulated at one go from the start that
+    /// Scores of the model on consecutive records of one run, simulated at one go from the start that
     /// explains the first best. A record that begins before the one before it ends starts another run.
     ///
     /// # Errors

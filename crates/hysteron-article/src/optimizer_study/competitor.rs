@@ -26,7 +26,7 @@ pub enum Competitor {
     DeAbcNoScout,
     /// DE-ABC with a limit so low (10) that the chaotic scout fires.
     DeAbcEagerScout,
-    /// The same with a random scout instead of the chaotic one.
+    /// DE-ABC with that limit and a random scout instead of the chaotic one.
     DeAbcEagerRandomScout,
     /// Differential evolution rand/1/bin.
     De,

@@ -4,7 +4,7 @@ use super::Competitor;
 use crate::ArticleError;
 use serde::{Deserialize, Serialize};
 
-/// What is to be compared, and how long.
+/// Scope and budget of the comparison.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StudyOptions {

@@ -136,7 +136,7 @@ impl Ticker<'_, '_> {
     fn tick(&self, problem: StudyProblem, competitor: super::Competitor) {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
         let stage = format!("{}: {}", problem.title(), competitor.name());
-        // What comes next asks whether to stop.
+        // The next step asks whether to stop.
         let _ = self.watch.tell(Event::new(&stage, done as f64 / self.runs as f64, None));
     }
 }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Everything a study found. JSON writes +∞ as `null`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Study {
-    /// What was asked for.
+    /// Options of the study.
     pub options: StudyOptions,
     /// One table a problem.
     pub problems: Vec<ProblemResult>,
@@ -66,7 +66,7 @@ pub struct Row {
     pub evaluations_to_target: Option<Quartiles>,
     /// Median over the runs of all evaluations made.
     pub median_evaluations: f64,
-    /// How often the scout fired, over all runs.
+    /// Number of scouts sent out, over all runs.
     pub scouts_fired: usize,
     /// Runs in which it fired at all.
     pub runs_with_scouts: usize,
@@ -107,7 +107,7 @@ pub struct Run {
     pub evaluations: usize,
     /// Evaluations to come within 1 % of the best reachable RMSE; `None` if it did not.
     pub evaluations_to_target: Option<usize>,
-    /// How often the scout fired.
+    /// Number of scouts sent out.
     pub scouts_fired: usize,
     /// Why it ended.
     pub stopped: StopReason,

@@ -24,7 +24,7 @@ pub struct ComparisonTable {
 /// One row of a [`ComparisonTable`]; texts are formatted numbers, and a missing one shows `—`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ComparisonRow {
-    /// What the row is about.
+    /// Subject of the row.
     pub name: String,
     /// The article's numbers, one for each quantity.
     pub printed: Vec<String>,

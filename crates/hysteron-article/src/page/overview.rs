@@ -1,5 +1,5 @@
-//! What the reader must know first: that the bench is simulated, what became of the claims, how the text was
-//! read.
+//! Overview at the top of the page: that the bench is simulated, the verdicts on the claims, the reading of
+//! the text.
 
 use crate::{Claim, ModelKind, Reproduction, Verdict};
 

@@ -105,7 +105,7 @@ pub struct Adapt {
     columns: ColumnFlags,
 }
 
-/// How coefficients are moved.
+/// Adaptation law of the coefficients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Method {
     /// Recursive least squares with forgetting

@@ -27,7 +27,7 @@ pub struct Excite {
     wave: Wave,
 }
 
-/// What every waveform needs.
+/// Options common to all waveforms.
 #[derive(Args, Clone, Debug)]
 pub struct Drive {
     /// Sample rate in Hz
@@ -112,7 +112,7 @@ pub struct Drive {
     capacitance: Option<f64>,
 }
 
-/// What was written, as JSON.
+/// JSON output: the file written and its drive.
 #[derive(Serialize)]
 struct Written {
     file: String,

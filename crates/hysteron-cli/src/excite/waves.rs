@@ -180,7 +180,7 @@ pub struct Sweep {
     drive: Drive,
 }
 
-/// How a sweep's frequency runs.
+/// Frequency law of a sweep.
 #[derive(Clone, Copy, ValueEnum)]
 enum Law {
     /// Linear: equal time for equal differences of frequency
@@ -232,7 +232,7 @@ enum LineChoice {
     OddWithDetection,
 }
 
-/// How the phases of a multisine are chosen.
+/// Choice of the phases of a multisine.
 #[derive(Clone, Copy, ValueEnum)]
 enum PhaseChoice {
     /// Independent, uniformly distributed

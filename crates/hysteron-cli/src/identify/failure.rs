@@ -62,7 +62,7 @@ pub(super) fn explain(error: &IdentifyError, kind: Kind) -> Failure {
     }
 }
 
-/// What there is not.
+/// Headline of a failure: the result that is missing.
 fn title(error: &IdentifyError, kind: Kind) -> &'static str {
     match (error, kind) {
         // Before it came to a fit of the kind.

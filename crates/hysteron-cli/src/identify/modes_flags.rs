@@ -5,7 +5,7 @@ use hysteron_identify::modes::Options;
 
 use crate::numbers::{count, positive, whole};
 
-/// What can be said about scheduled modes.
+/// Options of scheduled modes.
 #[derive(Args, Clone, Debug)]
 pub struct ModesFlags {
     /// Pairs of poles that the search of modes starts from [default: as many as improve the fit of the

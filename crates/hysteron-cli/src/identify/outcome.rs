@@ -19,7 +19,7 @@ pub struct Outcome<'a> {
     pub fit: &'a Fit,
 }
 
-/// The same for people.
+/// Result as text, for people.
 pub fn text(fit: &Fit) -> String {
     let mut text = String::new();
     if !fit.parameters.is_empty() {

@@ -59,7 +59,7 @@ pub fn fmu_files(subject: &Subject, compiler: &str) -> Result<Vec<NamedFile>, Ex
 /// [`fmu_files`].
 ///
 /// # Errors
-/// As [`fmu_files`].
+/// Those of [`fmu_files`].
 pub fn inverse_fmu_files(inverse: &Inverse, compiler: &str) -> Result<Vec<NamedFile>, ExportError> {
     both(&inverse.subject, Some(inverse), compiler)
 }
@@ -136,7 +136,7 @@ fn unit(
     Ok(files)
 }
 
-/// What ties description and binary to each other: two 64-bit FNV-1a sums of the sources.
+/// Token that ties description and binary to each other: two 64-bit FNV-1a sums of the sources.
 fn token(sources: &[NamedFile], version: FmiVersion) -> String {
     let sum = |start: u64| {
         sources

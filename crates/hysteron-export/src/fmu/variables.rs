@@ -137,7 +137,7 @@ const WHOLE_OUTPUT: &str = r#"causality="output" variability="discrete" initial=
 const FIXED: &str = r#"causality="parameter" variability="fixed" initial="exact""#;
 const TUNABLE: &str = r#"causality="parameter" variability="tunable" initial="exact""#;
 
-/// What goes in and comes out, in the order of the file.
+/// Input and output variables, in the order of the file.
 fn signals(subject: &Subject, inverse: Option<&Inverse>) -> Vec<Variable> {
     let variable = |name, reference, attributes, about: &str, unit: Option<&str>, start| Variable {
         name,

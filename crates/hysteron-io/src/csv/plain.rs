@@ -1,7 +1,7 @@
 //! Blocks of lines that hold plain numbers, many lines at once.
 //!
-//! What is read here is what reading line by line gives. Whatever is not plain (comments, quotes, decimal
-//! commas, an error) is left to that.
+//! The result is that of reading line by line; anything not plain (comments, quotes, decimal commas, an
+//! error) is left to that.
 
 use rayon::prelude::*;
 

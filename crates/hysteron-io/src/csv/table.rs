@@ -14,7 +14,7 @@ use crate::{IoError, ReadOptions};
 /// The columns read so far.
 pub(crate) struct Table {
     headings: Headings,
-    /// What of each column is read.
+    /// Form in which each column is read.
     wanted: Vec<Wanted>,
     /// Which columns are read as numbers.
     numbers: Vec<bool>,
@@ -229,7 +229,7 @@ impl Table {
         Place::cell(&self.headings.file, line.number, column + 1, self.headings.header(column))
     }
 
-    /// What was read, after the last line.
+    /// The columns read, after the last line.
     pub fn into_columns(self, sha256: String) -> Columns {
         let Table { headings, columns: values, texts, lines, .. } = self;
         let in_order = |texts: HashMap<String, usize>| {

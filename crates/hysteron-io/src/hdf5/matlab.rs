@@ -29,7 +29,7 @@ pub(super) struct References {
 }
 
 impl References {
-    /// What stands in `#refs#` of a file.
+    /// Datasets and groups in `#refs#` of a file.
     pub fn new(root: &Group) -> Result<Self, Error> {
         let mut references = References { offset_bytes: root.offset_size(), ..References::default() };
         let (names, _) = root.member_names()?;
@@ -41,14 +41,13 @@ impl References {
         Ok(references)
     }
 
-    /// What the cells of an array refer to; `None` for another dataset.
+    /// Addresses that the cells of an array refer to; `None` for another dataset.
     pub fn of_cells(&self, dataset: &Dataset) -> Option<Result<Vec<u64>, Error>> {
         let class = text(&dataset.attributes(), "MATLAB_class")?;
         (class == "cell").then(|| self.of(dataset))?
     }
 
-    /// What a field of an array of structures refers to, one element behind the other; `None` for another
-    /// dataset.
+    /// Addresses that a field of a structure array refers to, element by element; `None` for another dataset.
     pub fn of_structures(&self, dataset: &Dataset) -> Option<Result<Vec<u64>, Error>> {
         let is_classless = text(&dataset.attributes(), "MATLAB_class").is_none();
         is_classless.then(|| self.of(dataset))?
@@ -65,7 +64,7 @@ impl References {
         }))
     }
 
-    /// What a group is, where it is not a structure with fields.
+    /// Description of a group that is not a structure with fields; `None` for one that is.
     pub fn other_than_structure(&self, group: &Group) -> Result<Option<String>, Error> {
         let attributes = group.attributes()?;
         let class = text(&attributes, "MATLAB_class");

@@ -22,11 +22,11 @@ use walk::Walk;
 pub(crate) const READER: Reader = Reader { extensions: &["h5", "hdf5", "hdf", "nxs"], recognises, read };
 
 const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
-/// What a MAT file of version 7.3 begins with; the HDF5 file stands behind the first 512 bytes.
+/// Beginning of a MAT file of version 7.3, whose HDF5 file follows the first 512 bytes.
 const MATLAB: &[u8] = b"MATLAB 7.3 MAT-file";
 /// Most bytes of one chunk of a dataset.
 const MOST_CHUNK_BYTES: usize = 256 << 20;
-/// Most bytes of what describes one object.
+/// Most bytes of an object header.
 const MOST_HEADER_BYTES: usize = 16 << 20;
 
 fn recognises(head: &[u8]) -> bool {

@@ -4,7 +4,7 @@ use hdf5_reader::messages::datatype::Datatype;
 
 use crate::columns::Kind;
 
-/// What a dataset of a type holds.
+/// Element type of a dataset.
 pub(super) fn kind(datatype: &Datatype) -> Kind {
     let other = |what: &str| Kind::Other(what.to_owned());
     match datatype {

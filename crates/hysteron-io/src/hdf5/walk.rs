@@ -17,7 +17,7 @@ pub(super) const MOST_DEPTH: usize = 32;
 
 /// Goes through the groups of a file.
 pub(super) struct Walk<'a> {
-    /// What cells and structures of MATLAB refer to, in a file of MATLAB.
+    /// Targets of the references in cells and structures, in a file of MATLAB.
     pub references: Option<&'a References>,
     held: Vec<Held>,
     /// One an array; `None` for what is no dataset that is read.

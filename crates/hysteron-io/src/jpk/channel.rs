@@ -7,7 +7,7 @@ use super::properties::Properties;
 /// Most conversions that follow on one another.
 const MAX_CONVERSIONS: usize = 8;
 
-/// How numbers are stored, all of them big-endian.
+/// Storage format of numbers, all of them big-endian.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Encoding {
     Signed(usize),
@@ -71,10 +71,10 @@ pub(super) struct Channel {
     pub description: Arc<Description>,
 }
 
-/// How the numbers of a channel are to be understood.
+/// Storage format and units of a channel.
 #[derive(Debug, PartialEq)]
 pub(super) struct Description {
-    /// How they are stored, or what the array holds instead of numbers that can be read.
+    /// Storage format, else the content of an array that is not read as numbers.
     pub encoding: Result<Encoding, String>,
     pub slots: Vec<Slot>,
 }
@@ -123,7 +123,7 @@ impl Channel {
 }
 
 impl Description {
-    /// What the properties of a segment, then those of all say about a channel.
+    /// Description of a channel from the properties of a segment, then from those of all.
     pub fn new(name: &str, sources: &[&Properties]) -> Self {
         let number = sources.iter().find_map(|own| own.shared_number(name));
         let lookup = Lookup { name, sources, shared: number.map(str::to_owned) };
@@ -137,7 +137,7 @@ impl Description {
     }
 }
 
-/// How a channel is stored, and its units; else why it is not read.
+/// Storage format and units of a channel; else the reason why it is not read.
 fn described(lookup: &Lookup<'_>) -> Result<(Encoding, Vec<Slot>), String> {
     let encoding =
         match (lookup.any(&["data.encoder.type", "encoder.type"]), lookup.any(&["data.type", "type"])) {

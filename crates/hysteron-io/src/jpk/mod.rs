@@ -24,7 +24,7 @@ use properties::Properties;
 
 /// Longest list of properties \[bytes\].
 const MAX_PROPERTIES_BYTES: u64 = 1 << 22;
-/// What all lists of properties of any archive may have \[bytes\], and of a larger one for each of its bytes.
+/// Total size of the property lists allowed for any archive \[bytes\], and per byte of a larger one.
 const LEAST_PROPERTIES_BYTES: u64 = 32 << 20;
 const PROPERTIES_PER_BYTE: u64 = 16;
 /// Most channels of a segment, segments of a curve, and arrays that are read.

@@ -6,7 +6,7 @@ use crate::laboratory_text::Text;
 
 /// Key of the number of the properties that segments share.
 const SHARED: &str = "lcd-info.*";
-/// What those properties begin with that say something about numbers and times.
+/// Prefixes of the keys that describe numbers and times.
 const READ: [&str; 3] = ["channel.", "lcd-info.", "force-segment-header.duration"];
 
 /// Properties of a file, a segment, or shared by all segments, as far as they are read.

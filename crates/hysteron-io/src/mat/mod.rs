@@ -19,7 +19,7 @@ use element::Numbers;
 pub(crate) const READER: Reader =
     Reader { extensions: &["mat"], recognises: |head| v5::is_little_endian(head).is_some(), read };
 
-/// What a file holds: arrays, and where the numbers of each stand.
+/// Arrays of a file, and where the numbers of each stand.
 #[derive(Default)]
 struct Variables {
     held: Vec<Held>,

@@ -72,7 +72,7 @@ pub(super) fn variables(file: &[u8], big_endian: bool, limit_bytes: u64) -> Resu
                 }
             }
             MATRIX => element.data.to_vec(),
-            // What a later version adds to its files.
+            // Elements that later versions add.
             _ => continue,
         };
         let mut walk = Walk { found: &mut found, data: &buffer, big_endian };

@@ -35,7 +35,7 @@ pub(super) struct Object {
     /// Names of group and channel.
     pub path: Vec<String>,
     pub properties: Properties,
-    /// What its values are, if it is not a channel of numbers.
+    /// Type of its values, where they are not read as numbers.
     pub refused: Option<String>,
     /// Whether it is a channel of timestamps.
     pub timestamps: bool,
@@ -46,7 +46,7 @@ pub(super) struct Object {
     listed: Option<usize>,
 }
 
-/// What one chunk of a segment holds of an object.
+/// Raw-data index of an object: its values in one chunk of a segment.
 #[derive(Clone, Copy, PartialEq)]
 enum Index {
     Values { data_type: DataType, values: u64, bytes: u64 },
@@ -66,7 +66,7 @@ pub(super) struct Part {
     pub offset_in_row: u32,
 }
 
-/// What each chunk of a segment holds, in this order.
+/// Layout of the chunks of a segment, in this order.
 #[derive(Default, PartialEq)]
 pub(super) struct Layout {
     pub parts: Vec<Part>,
@@ -92,7 +92,7 @@ pub(super) struct Rest {
     pub offset: u64,
 }
 
-/// What makes a last chunk what it is: its layout, its bytes, and whether it is interleaved and cut off.
+/// Key of an incomplete last chunk: layout, bytes, interleaved, cut off.
 type RestKey = (usize, u64, bool, bool);
 
 /// Raw data of a segment.
@@ -119,7 +119,7 @@ pub(super) struct Contents {
     pub rests: Vec<Vec<Rest>>,
     rest_numbers: HashMap<RestKey, usize>,
     by_path: HashMap<String, usize>,
-    /// Objects of the current segment and what a chunk holds of them.
+    /// Objects of the current segment with their raw-data indices.
     list: Vec<(usize, Option<Index>)>,
     parts: usize,
     visits: usize,
@@ -248,7 +248,7 @@ impl Contents {
         Ok(number)
     }
 
-    /// What a chunk holds of an object.
+    /// Reads the raw-data index of an object; `None` without data.
     fn read_index(&mut self, bytes: &mut Bytes<'_>, number: usize) -> Result<Option<Index>, String> {
         let object = &mut self.objects[number];
         let index = match bytes.u32()? {
@@ -411,7 +411,7 @@ impl Layout {
                 let values = share(part.values, left, self.chunk_bytes);
                 Rest { values, offset }
             } else if let Some(last) = self.parts.last() {
-                // Whatever comes before the last channel is whole where that one has begun.
+                // All channels before the last are complete once the last has begun.
                 let of_last = left.saturating_sub(self.chunk_bytes - last.bytes) / bytes(last).max(1);
                 Rest { values: share(part.values, of_last, last.values), offset: part.offset }
             } else {

@@ -30,7 +30,7 @@ fn differences_agree_with_the_derivatives_by_hand() {
     }
 }
 
-/// The same residuals with their own derivatives.
+/// These residuals with analytic derivatives.
 struct WithDerivatives(Bounds);
 
 impl Problem for WithDerivatives {

@@ -10,7 +10,7 @@ const FULL: f64 = 0.7;
 /// Part of a cell's width that its number may fill.
 const FILLED: f64 = 0.9;
 
-/// How a number is written, the longer ways first; all cells alike.
+/// Formats of the numbers, the longer first; all cells use the same one.
 const FORMATS: [fn(f64) -> String; 3] =
     [|x| fixed(x, 2), |x| without_zero(fixed(x, 2)), |x| without_zero(fixed(x, 1))];
 

@@ -49,7 +49,7 @@ impl PlacedAxis {
     }
 }
 
-/// What a legend entry explains.
+/// Sample drawn beside a legend entry.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Sample {
     /// A series, with or without a band.

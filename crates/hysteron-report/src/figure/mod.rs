@@ -85,8 +85,8 @@ impl Axis {
         }
     }
 
-    /// The same axis with fixed limits, in its unit. Limits that are not finite or not ordered are
-    /// ignored when drawing.
+    /// Sets fixed limits, in the axis's unit. Limits that are not finite or not ordered are ignored when
+    /// drawing.
     #[must_use]
     pub fn with_range(mut self, low: f64, high: f64) -> Self {
         self.range = Some((low, high));
@@ -124,7 +124,7 @@ impl Series {
         Self { label: label.into(), x, y, style, band: None }
     }
 
-    /// The same series with a shaded band between `lower` and `upper`.
+    /// Adds a shaded band between `lower` and `upper`.
     #[must_use]
     pub fn with_band(mut self, lower: Vec<f64>, upper: Vec<f64>) -> Self {
         self.band = Some(Band { lower, upper });
@@ -179,28 +179,28 @@ impl Panel {
         Self { x, y, ..Self::default() }
     }
 
-    /// The same panel with a title.
+    /// Sets the title.
     #[must_use]
     pub fn titled(mut self, title: impl Into<String>) -> Self {
         self.title = title.into();
         self
     }
 
-    /// The same panel with one more curve.
+    /// Adds a curve.
     #[must_use]
     pub fn series(mut self, series: Series) -> Self {
         self.series.push(series);
         self
     }
 
-    /// The same panel with `text` beside the point (`x`, `y`).
+    /// Adds `text` beside the point (`x`, `y`).
     #[must_use]
     pub fn name(mut self, x: f64, y: f64, text: impl Into<String>) -> Self {
         self.names.push(PointName { x, y, text: text.into() });
         self
     }
 
-    /// The same panel with a shaded stretch `from ..= to` of the x axis.
+    /// Adds a shaded stretch `from ..= to` of the x axis.
     #[must_use]
     pub fn span(mut self, from: f64, to: f64, label: impl Into<String>) -> Self {
         self.spans.push(Span { from, to, label: label.into() });
@@ -245,49 +245,49 @@ impl Figure {
         }
     }
 
-    /// The same figure with another title.
+    /// Sets the title.
     #[must_use]
     pub fn titled(mut self, title: impl Into<String>) -> Self {
         self.title = title.into();
         self
     }
 
-    /// The same figure with a second title line.
+    /// Sets the second title line.
     #[must_use]
     pub fn subtitled(mut self, subtitle: impl Into<String>) -> Self {
         self.subtitle = subtitle.into();
         self
     }
 
-    /// The same figure with a caption.
+    /// Sets the caption.
     #[must_use]
     pub fn captioned(mut self, caption: impl Into<String>) -> Self {
         self.caption = caption.into();
         self
     }
 
-    /// The same figure with one more panel.
+    /// Adds a panel.
     #[must_use]
     pub fn panel(mut self, panel: Panel) -> Self {
         self.panels.push(panel);
         self
     }
 
-    /// The same figure with `columns` panels per row.
+    /// Sets the number of panels per row.
     #[must_use]
     pub fn in_columns(mut self, columns: usize) -> Self {
         self.columns = columns.max(1);
         self
     }
 
-    /// The same figure with frames `height_px` high.
+    /// Sets the height of the frames \[px\].
     #[must_use]
     pub fn panel_height(mut self, height_px: f64) -> Self {
         self.panel_height_px = height_px;
         self
     }
 
-    /// The same figure with linked x axes.
+    /// Links the x axes of the panels.
     #[must_use]
     pub fn link_x(mut self) -> Self {
         self.linked_x = true;

@@ -1,4 +1,4 @@
-//! How a curve looks: the Okabe–Ito palette, dashes that survive a grey print, marker shapes.
+//! Style of a curve: the Okabe–Ito palette, dashes that survive a grey print, marker shapes.
 //!
 //! Palette: M. Okabe, K. Ito, "Color Universal Design" (2008), distinguishable with every common kind of
 //! colour blindness; its yellow is left out because it cannot be seen on white paper.
@@ -147,17 +147,17 @@ impl Style {
         Self { colour, dash: Dash::Solid, width_px: 1.4, marker: Marker::None }
     }
 
-    /// What was measured: a wide pale line that a model drawn over it leaves visible.
+    /// Measured curve: a wide pale line that a model drawn over it leaves visible.
     pub fn measured() -> Self {
         Self { width_px: 2.8, ..Self::line(Colour::Sky) }
     }
 
-    /// What a model says: a thin dark line on top.
+    /// Model curve: a thin dark line on top.
     pub fn model() -> Self {
         Self { width_px: 1.2, ..Self::line(Colour::Ink) }
     }
 
-    /// What is left over.
+    /// Residual curve.
     pub fn residual() -> Self {
         Self { width_px: 1.0, ..Self::line(Colour::Vermillion) }
     }
@@ -173,7 +173,7 @@ impl Style {
         Self { colour, dash, width_px: 1.6, marker: Marker::None }
     }
 
-    /// The same style with the `index`-th marker shape at every point.
+    /// Sets the `index`-th marker shape, at every point.
     #[must_use]
     pub fn marked(mut self, index: usize) -> Self {
         const SHAPES: [Marker; 5] =
@@ -182,21 +182,21 @@ impl Style {
         self
     }
 
-    /// The same style with another marker.
+    /// Sets the marker.
     #[must_use]
     pub fn with_marker(mut self, marker: Marker) -> Self {
         self.marker = marker;
         self
     }
 
-    /// The same style with another line pattern.
+    /// Sets the line pattern.
     #[must_use]
     pub fn with_dash(mut self, dash: Dash) -> Self {
         self.dash = dash;
         self
     }
 
-    /// The same style with another line width \[px\].
+    /// Sets the line width \[px\].
     #[must_use]
     pub fn with_width(mut self, width_px: f64) -> Self {
         self.width_px = width_px;

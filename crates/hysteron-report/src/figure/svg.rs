@@ -13,10 +13,10 @@ use super::{Figure, Panel, Scale};
 use super::{heat, names};
 use crate::escape::escape;
 
-/// What the drawing is for.
+/// Use of the drawing.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Use<'a> {
-    /// A file of its own.
+    /// A stand-alone file.
     StandAlone,
     /// An element of a page; `id` makes its references unique there.
     Inline { id: &'a str },

@@ -220,7 +220,7 @@ fn equations(found: &Identification) -> Vec<String> {
     list
 }
 
-/// What creep makes of a unit step.
+/// Creep in the transfer function and its step response.
 fn creep(found: &Identification) -> Option<&'static str> {
     Some(match found.structure.creep {
         Creep::None => return None,
@@ -289,7 +289,7 @@ fn structures(others: &Result<Neighbours, IdentifyError>) -> Vec<StructureRow> {
     others.entries.iter().enumerate().map(row).collect()
 }
 
-/// How the structures were compared, or why not.
+/// Method by which the structures were compared, or the reason why they were not.
 fn about_structures(found: &Identification, others: &Result<Neighbours, IdentifyError>) -> String {
     match others {
         Ok(others) => format!(

@@ -45,7 +45,7 @@ pub struct IdentificationReportData {
     pub highlights: Vec<Highlight>,
     /// Warnings in plain words, shown first.
     pub warnings: Vec<String>,
-    /// What the records can not determine, in plain words.
+    /// Properties that the records cannot determine, in plain words.
     pub limits: Vec<String>,
     /// Model equations, one line each, in plain text.
     pub equations: Vec<String>,
@@ -57,7 +57,7 @@ pub struct IdentificationReportData {
     pub scores: Vec<ScoreRow>,
     /// Definition of every score, one sentence each.
     pub score_definitions: Vec<String>,
-    /// What was done to the data, in order.
+    /// Steps of data preparation, in order.
     pub preparation: Vec<String>,
     /// Records with their simulation.
     pub records: Vec<RecordCurves>,
@@ -83,7 +83,7 @@ pub struct IdentificationReportData {
     pub degrees: Vec<DegreeRow>,
     /// Structures next to the identified one; empty where they were not compared.
     pub structures: Vec<StructureRow>,
-    /// How these numbers came about, or why there are none; may be empty.
+    /// Method behind these numbers, or the reason why there are none; may be empty.
     pub structures_note: String,
     /// Why the convergence curves do not end at the scores; may be empty.
     pub convergence_note: String,
@@ -102,7 +102,7 @@ pub struct ParameterRow {
     pub block: String,
     /// Symbol, e.g. `β`.
     pub symbol: String,
-    /// What it is, in words.
+    /// Meaning, in words.
     pub meaning: String,
     /// Value.
     pub value: f64,
@@ -114,7 +114,7 @@ pub struct ParameterRow {
     pub interval: Option<(f64, f64)>,
     /// The interval comes from a profile of the fit instead of the standard error.
     pub is_profiled: bool,
-    /// How it came about when it was not estimated (`fixed`, `at its bound` …), behind the meaning; may be
+    /// Origin of a value that was not estimated (`fixed`, `at its bound` …), behind the meaning; may be
     /// empty.
     pub note: String,
 }

@@ -36,21 +36,21 @@ impl Page {
         Self { title: title.into(), ..Self::default() }
     }
 
-    /// The same page with a line under the title.
+    /// Sets the line under the title.
     #[must_use]
     pub fn subtitled(mut self, subtitle: impl Into<String>) -> Self {
         self.subtitle = subtitle.into();
         self
     }
 
-    /// The same page with one more line of small print.
+    /// Adds a line of small print.
     #[must_use]
     pub fn footer_line(mut self, line: impl Into<String>) -> Self {
         self.footer.push(line.into());
         self
     }
 
-    /// The same page with one more section; one without content is left out.
+    /// Adds a section; one without content is left out.
     #[must_use]
     pub fn section(mut self, section: Section) -> Self {
         if !section.blocks.is_empty() {
@@ -96,14 +96,14 @@ impl Section {
         Self { title: title.into(), blocks: Vec::new() }
     }
 
-    /// The same section with one more block.
+    /// Adds a block.
     #[must_use]
     pub fn block(mut self, block: impl Into<Block>) -> Self {
         self.blocks.push(block.into());
         self
     }
 
-    /// The same section with more blocks.
+    /// Adds blocks.
     #[must_use]
     pub fn blocks<B: Into<Block>>(mut self, blocks: impl IntoIterator<Item = B>) -> Self {
         self.blocks.extend(blocks.into_iter().map(Into::into));
@@ -125,7 +125,7 @@ pub enum NoteKind {
 /// One of the few numbers that sum a page up.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Highlight {
-    /// What it is.
+    /// Name of the quantity.
     pub label: String,
     /// The number, formatted.
     pub value: String,
@@ -172,7 +172,7 @@ pub enum Block {
     Details {
         /// The line that is always visible.
         summary: String,
-        /// What it opens.
+        /// The content that it opens.
         blocks: Vec<Block>,
     },
 }

@@ -2,7 +2,7 @@
 
 use crate::escape::escape;
 
-/// How the cells of a column stand.
+/// Alignment of a column's cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Align {
     /// Text.
@@ -21,7 +21,7 @@ pub struct Column {
     pub header: String,
     /// Unit shown under the heading; may be empty.
     pub unit: String,
-    /// How its cells stand.
+    /// Alignment of its cells.
     pub align: Align,
 }
 
@@ -101,35 +101,35 @@ impl Table {
         Self { columns: columns.into_iter().collect(), ..Self::default() }
     }
 
-    /// The same table with a caption.
+    /// Sets the caption.
     #[must_use]
     pub fn captioned(mut self, caption: impl Into<String>) -> Self {
         self.caption = caption.into();
         self
     }
 
-    /// The same table with a heading over the next `columns` columns.
+    /// Adds a heading over the next `columns` columns.
     #[must_use]
     pub fn group(mut self, heading: impl Into<String>, columns: usize) -> Self {
         self.groups.push((heading.into(), columns));
         self
     }
 
-    /// The same table with one more row.
+    /// Adds a row.
     #[must_use]
     pub fn row<C: Into<Cell>>(mut self, cells: impl IntoIterator<Item = C>) -> Self {
         self.rows.push(Row { cells: cells.into_iter().map(Into::into).collect(), highlight: false });
         self
     }
 
-    /// The same table with one more row, shaded.
+    /// Adds a shaded row.
     #[must_use]
     pub fn highlighted_row<C: Into<Cell>>(mut self, cells: impl IntoIterator<Item = C>) -> Self {
         self.rows.push(Row { cells: cells.into_iter().map(Into::into).collect(), highlight: true });
         self
     }
 
-    /// The same table with one more note under it.
+    /// Adds a note under the table.
     #[must_use]
     pub fn note(mut self, text: impl Into<String>) -> Self {
         self.notes.push(text.into());

@@ -43,7 +43,7 @@ fn number(x: f64, digits: usize) -> String {
     if x.is_finite() { significant(x, digits) } else { "∞".to_owned() }
 }
 
-/// What each controller leaves.
+/// Tracking error and drive range of each controller.
 pub fn errors(found: &Tracking) -> Option<TextTable> {
     let (input, output) = (found.input.to_string(), found.output.to_string());
     let columns = [
@@ -73,7 +73,7 @@ pub fn errors(found: &Tracking) -> Option<TextTable> {
     TextTable::new(1, columns).filled(found.runs.iter().map(row))
 }
 
-/// How far up each controller follows: by formula, and sines that were played.
+/// Bandwidths of each controller: by formula, and by sines that were played.
 pub fn bandwidths(found: &Tracking) -> Option<TextTable> {
     let hz = || "Hz".to_owned();
     let columns = [
@@ -128,7 +128,7 @@ pub fn margins(found: &Tracking) -> Option<TextTable> {
     TextTable::new(2, columns).filled(found.runs.iter().filter_map(row))
 }
 
-/// How the weights of the controllers that have some adapted.
+/// Weight adaptation of the controllers that have it: step size, stability limit, phase margin.
 pub fn adaptations(found: &Tracking) -> Option<TextTable> {
     let columns = [
         ("adaptation", String::new()),
@@ -159,7 +159,7 @@ pub fn adaptations(found: &Tracking) -> Option<TextTable> {
     TextTable::new(1, columns).filled(found.runs.iter().filter_map(row))
 }
 
-/// What the largest rate of the drive leaves.
+/// Highest frequency of a sine that the largest rate of the drive allows, by amplitude.
 pub fn reaches(found: &Tracking) -> Option<TextTable> {
     let columns = [
         ("amplitude of a sine", found.output.to_string()),

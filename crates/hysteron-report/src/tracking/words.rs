@@ -46,7 +46,7 @@ pub fn of_runaways(found: &Tracking) -> Option<String> {
     })
 }
 
-/// How the bandwidths were found, and whether what was played is what the formula says.
+/// Definition of the bandwidths, and whether formula and played sines agree.
 pub fn of_bandwidths(found: &Tracking) -> String {
     let Some(sines) = &found.sines else { return String::new() };
     let apart = found.runs.iter().filter_map(|run| run.bandwidths());

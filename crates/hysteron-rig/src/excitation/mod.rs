@@ -44,7 +44,7 @@ pub use waveform::Waveform;
 /// Two rates or times are the same sample count if they differ by less than this part of a sample.
 const SAMPLE_ROUNDING: f64 = 1e-6;
 
-/// What a generator makes: the waveform proper in units of the range, 0 = `low_v`, 1 = `high_v`.
+/// Waveform from a generator, in units of the range: 0 = `low_v`, 1 = `high_v`.
 struct Shape {
     /// Values in 0 … 1.
     values: Vec<f64>,

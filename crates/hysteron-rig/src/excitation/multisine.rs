@@ -28,7 +28,7 @@ pub enum Lines {
     },
 }
 
-/// How the phases of a multisine are chosen.
+/// Choice of the phases of a multisine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Phases {
@@ -138,7 +138,7 @@ fn schroeder(count: usize) -> Vec<f64> {
     (0..count).map(|i| -PI * (i as f64 * (i as f64 - 1.0) / k % 2.0)).collect()
 }
 
-/// Repeated clipping: clip the signal's peaks, keep the phases of what is left, restore the amplitudes.
+/// Repeated clipping: clip the signal's peaks, keep the phases of the clipped signal, restore the amplitudes.
 struct Clipper<'a> {
     excited: &'a [usize],
     forward: Arc<dyn RealToComplex<f64>>,

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{SAMPLE_ROUNDING, Shape};
 
-/// How a sweep's frequency goes from f₀ to f₁ over T.
+/// Frequency law of a sweep from f₀ to f₁ over T.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SweepLaw {

@@ -87,7 +87,7 @@ pub enum Waveform {
     },
     /// u = low + range·(1 − cos φ(t))/2 with instantaneous frequency φ'/2π going from `start_hz` to `end_hz`.
     Sweep {
-        /// How the frequency goes.
+        /// Frequency law.
         #[serde(default)]
         law: SweepLaw,
         /// Frequency at the start \[Hz\].
@@ -111,7 +111,7 @@ pub enum Waveform {
         /// Which multiples are excited.
         #[serde(default)]
         lines: Lines,
-        /// How the phases are chosen.
+        /// Choice of the phases.
         #[serde(default)]
         phases: Phases,
     },
