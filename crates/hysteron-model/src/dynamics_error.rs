@@ -58,7 +58,7 @@ pub enum DynamicsError {
         name: &'static str,
         /// The value given.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
     /// No inverse up to this frequency.
@@ -88,7 +88,7 @@ pub enum DynamicsError {
     Tangents {
         /// Parameters of the form, and the delay.
         expected: usize,
-        /// What the response has room for.
+        /// Number of derivatives that the response has room for.
         found: usize,
     },
     /// A derivative was asked for that was not computed.
@@ -99,7 +99,7 @@ pub enum DynamicsError {
     NoTangent {
         /// The derivative asked for, from 0.
         which: usize,
-        /// How many there are.
+        /// Number of derivatives computed.
         found: usize,
     },
     /// The sample rate is not a positive finite number.

@@ -1,4 +1,4 @@
-//! What can go wrong in this crate, of whatever part: a caller that only tells crates apart takes [`Error`].
+//! Errors of the whole crate: a caller that only distinguishes crates takes [`Error`].
 
 use crate::Advice;
 use crate::axes::AxesError;

@@ -11,9 +11,9 @@ use crate::Advice;
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Finding {
-    /// How much it matters.
+    /// Severity.
     pub kind: FindingKind,
-    /// What it is about, in a word or two.
+    /// Topic, in a word or two.
     pub topic: Cow<'static, str>,
     /// The statement.
     pub text: String,
@@ -22,7 +22,7 @@ pub struct Finding {
     pub advice: Option<Advice>,
 }
 
-/// How much a [`Finding`] matters.
+/// Severity of a [`Finding`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FindingKind {

@@ -34,7 +34,7 @@ pub struct Model {
     pub delay_s: f64,
     /// Simulation scheme the dynamic block was identified with.
     pub scheme: Scheme,
-    /// What the drive does between its samples.
+    /// Inter-sample behaviour of the drive.
     pub inter_sample: InterSample,
     /// Sample rate the model was identified at \[Hz\]; `None` for a static model of a record without one.
     pub sample_rate_hz: Option<f64>,
@@ -49,7 +49,7 @@ pub const SETTLING_PERIODS: usize = 4;
 pub const FINER: usize = 8;
 
 /// Whether the output of the hysteresis block is joined by straight lines through samples that keep its
-/// means: where the drive goes along straight lines and the scheme has no rule of its own.
+/// means: for a piecewise linear drive and a scheme that implies no inter-sample rule.
 #[doc(hidden)]
 pub fn joins_means(scheme: Scheme, inter_sample: InterSample) -> bool {
     scheme == Scheme::BandLimited && inter_sample == InterSample::Linear
@@ -128,13 +128,13 @@ impl Model {
         Ok(y)
     }
 
-    /// As [`Self::simulate`] for a model that belongs to one sample rate (an ARX block, the
-    /// `grunwald-letnikov` scheme) over a drive of another rate: the drive is read at the model's rate and
-    /// the output at the record's, both linearly between samples. Right for a drive that is slow against both
-    /// rates. Other models are simulated as they are.
+    /// [`Self::simulate`] for a model that belongs to one sample rate (an ARX block, the `grunwald-letnikov`
+    /// scheme) over a drive of another rate: the drive is read at the model's rate and the output at the
+    /// record's, both linearly between samples. Right for a drive that is slow against both rates. Other
+    /// models are simulated as they are.
     ///
     /// # Errors
-    /// As [`Self::simulate`], but for [`SimulationError::SampleRate`].
+    /// Those of [`Self::simulate`] except [`SimulationError::SampleRate`].
     pub fn simulate_at_own_rate<'a>(
         &self,
         u: &[f64],
@@ -219,7 +219,7 @@ impl Model {
                 let memory = self.hysteresis.own_memory(Memory::VirginAt(virgin))?;
                 (Some(memory), Start::Remembering { voltage_v: rest_voltage_v, memory })
             }
-            // What ran before is in the drive.
+            // The extended drive contains the motion before the record.
             _ => (None, Start::Rest { voltage_v: rest_voltage_v }),
         })
     }
@@ -248,7 +248,7 @@ impl Model {
     ) -> Result<(Vec<f64>, usize, f64), SimulationError> {
         let grid = |finer, factor| DriveGrid::new(timing.sample_rate_hz(), finer, factor);
         let (extended, prologue, rest_voltage_v) = extend(start, u)?;
-        // On stamps every move has a time of its own.
+        // On stamps the moves differ in duration.
         let times_s = match timing {
             Timing::Stamps(times_s) => {
                 check_length("time stamps", times_s.len(), u.len())?;
@@ -309,7 +309,7 @@ impl Model {
             Dynamics::Arx(arx) => arx.dc_gain(),
             Dynamics::Integer(g) | Dynamics::Fractional(g) => g.dc_gain(),
         };
-        // What creeps for ever cannot have rested: its creep up to the record is in the offset.
+        // Unbounded creep never comes to rest: the creep before the record is in the offset.
         if gain.is_finite() { gain } else { 1.0 }
     }
 

@@ -27,9 +27,9 @@ use crate::hysteresis::{DriveGrid, DriveLimits, Followed, HysteresisError};
 use crate::realise::RealiseError;
 use crate::start::{Memory, Start};
 
-/// Share of the reference that is missing at the bandwidth, where nobody says otherwise.
+/// Default share of the reference that is missing at the bandwidth.
 pub const ERROR_AT_BANDWIDTH: f64 = 1e-3;
-/// Bandwidth as a share of the sample rate, where nobody says otherwise.
+/// Default bandwidth, as a share of the sample rate.
 pub const BANDWIDTH_SHARE: f64 = 0.05;
 
 /// Share of the reference that is missing at what counts as the bandwidth of a law that works sample by
@@ -40,7 +40,7 @@ const FIRST_CYCLES: f64 = 2.0;
 /// Parts of the range in which a fall of the output is looked for.
 const LOOKED_AT: usize = 256;
 
-/// How a reference is to be followed.
+/// Options of an inverse drive.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InverseOptions {
     /// Frequency up to which the output follows \[Hz\]; `None`: [`BANDWIDTH_SHARE`] of the sample rate.
@@ -52,9 +52,9 @@ pub struct InverseOptions {
     /// Largest rate of the drive \[V/s\]; infinite for none.
     #[serde(with = "crate::unlimited")]
     pub slew_v_per_s: f64,
-    /// What the device does before. [`Start::AsIdentified`]: it rests where it gives the first value of the
-    /// reference;
-    /// [`Start::Settled`]: it has been following the reference, a whole number of periods, for long.
+    /// State of the device before the reference. [`Start::AsIdentified`]: it rests where it gives the first
+    /// value of the reference; [`Start::Settled`]: it has been following the reference, a whole number of
+    /// periods, for long.
     pub start: Start,
     /// Voltage \[V\] at which it was free of hysteresis memory and from which it was driven, without turning,
     /// to where it rests; `None`: where it rests.
@@ -62,8 +62,8 @@ pub struct InverseOptions {
 }
 
 impl InverseOptions {
-    /// Voltage at which a device with this drive was free of hysteresis memory, where nobody says: switched
-    /// on, 0 V, if the range holds it.
+    /// Default voltage at which a device with this drive was free of hysteresis memory: switched on, 0 V, if
+    /// the range holds it.
     pub fn switched_on([low, high]: [f64; 2]) -> Option<f64> {
         (low..=high).contains(&0.0).then_some(0.0)
     }
@@ -88,13 +88,13 @@ pub struct InverseDrive {
     pub drive: Vec<f64>,
     /// Output of the model for it \[µm\].
     pub predicted: Vec<f64>,
-    /// What was before the first sample; `None` where the reference repeats.
+    /// State before the first sample; `None` where the reference repeats.
     pub rest: Option<Start>,
     /// Samples at which the range held the drive back.
     pub at_range: usize,
     /// Samples at which its largest rate did.
     pub at_slew: usize,
-    /// What the inverse of the dynamics does; `None` for a static model, whose inverse is exact at every
+    /// Figures of the inverse of the dynamics; `None` for a static model, whose inverse is exact at every
     /// frequency.
     pub dynamics: Option<InverseOfDynamics>,
 }
@@ -104,7 +104,7 @@ pub struct InverseDrive {
 pub struct LastRun<'a> {
     /// Its drive \[V\].
     pub drive: &'a [f64],
-    /// What was measured \[µm\].
+    /// Measured output \[µm\].
     pub measured: &'a [f64],
 }
 
@@ -141,13 +141,13 @@ impl Model {
         task.drive(&wanted)
     }
 
-    /// The drive for the next run after a `last` one of the same reference, from what was left of it
+    /// The drive for the next run after a `last` one of the same reference, from its tracking error
     /// (iterative learning, S. Arimoto, S. Kawamura, F. Miyazaki, *J. Robot. Syst.* 1 (1984) 123–140,
     /// doi:10.1002/rob.4620010203): v ← v + W (r − y), v the output of the hysteresis, W the inverse of the
-    /// dynamics. What the model and the device have in common is taken off in one run; what is left shrinks
-    /// by |1 − W P'| a run, P' the device's response, and so falls wherever the model is within 100 % of it.
-    /// The mean of what is left counts as the sensor's own zero and is not learned: learned, it would be a
-    /// jump from rest. What does not repeat (noise, drift) is not learned away but passed on.
+    /// dynamics. One run removes the error that model and device share; the residual shrinks by |1 − W P'| a
+    /// run, P' the device's response, and so falls wherever the model is within 100 % of it. The mean error
+    /// counts as the sensor's zero and is not learned: learned, it would be a jump from rest. Errors that do
+    /// not repeat (noise, drift) are not learned away but passed on.
     ///
     /// # Errors
     /// [`InversionError`].
@@ -181,8 +181,8 @@ impl Model {
         let zero = left().sum::<f64>() / samples as f64;
         let mut left: Vec<f64> = left().map(|e| e - zero).collect();
         if let (false, Some(figures)) = (task.periodic, task.linear.figures()) {
-            // The drive cannot begin before the record, so that what is left at its beginning would be
-            // learned again and again.
+            // The drive cannot begin before the record: without this window the residual at its beginning
+            // would be learned again in every run.
             let first = (FIRST_CYCLES * sample_rate_hz / figures.bandwidth_hz).ceil();
             for (k, e) in left.iter_mut().enumerate().take(first as usize) {
                 *e *= (FRAC_PI_2 * k as f64 / first).sin().powi(2);
@@ -275,7 +275,7 @@ impl Compensation {
     }
 }
 
-/// What a reference is followed with.
+/// Inversion of one reference.
 struct Task<'a> {
     model: &'a Model,
     options: &'a InverseOptions,
@@ -284,7 +284,7 @@ struct Task<'a> {
     periodic: bool,
     /// Voltage before the first sample; of a periodic reference, at which the first period begins.
     rest_v: f64,
-    /// What the hysteresis remembers there, in its own scale.
+    /// Hysteresis memory there, in the operator's scale.
     memory: Option<f64>,
     /// Outputs of hysteresis and model that deviations count from.
     level: f64,
@@ -363,7 +363,7 @@ impl<'a> Task<'a> {
         })
     }
 
-    /// What the model does with a drive.
+    /// The drive with its predicted output and its limited samples counted.
     fn answer(&self, followed: Followed) -> Result<InverseDrive, InversionError> {
         let (at_range, at_slew) = (followed.count(Limited::Range), followed.count(Limited::Step));
         let Followed { drive, output, .. } = followed;

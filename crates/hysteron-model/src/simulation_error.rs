@@ -16,7 +16,7 @@ pub enum SimulationError {
          has {record_hz} Hz"
     )]
     SampleRate {
-        /// What ties the model to its rate: a scheme, or `ARX`.
+        /// Scheme that ties the model to its rate, or `ARX`.
         scheme: &'static str,
         /// Rate of the model \[Hz\].
         model_hz: f64,
@@ -50,7 +50,7 @@ pub enum SimulationError {
         name: &'static str,
         /// Its value.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         expected: &'static str,
     },
     /// A state to start from is infinite or not a number.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::record::Unit;
 
-/// What happened before a record's first sample. `M` is how the memory at rest is given: [`Memory`] for a
+/// State of a device before a record's first sample. `M` is the form of the memory at rest: [`Memory`] for a
 /// model, the number in the operator's own scale for a hysteresis operator, the whole state for an
 /// oscillator, nothing for a linear block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -25,7 +25,7 @@ pub enum Start<M = Memory> {
     Remembering {
         /// Voltage before the first sample \[V\].
         voltage_v: f64,
-        /// What the hysteresis remembers there.
+        /// Hysteresis memory there.
         memory: M,
     },
     /// The record repeats: its first period has been running for long.
@@ -44,7 +44,7 @@ pub enum Start<M = Memory> {
 /// at this input.
 pub type LinearStart = Start<std::convert::Infallible>;
 
-/// What a hysteresis operator remembers where a record begins, in one number.
+/// Memory of a hysteresis operator where a record begins, as one number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Memory {
@@ -118,7 +118,7 @@ impl Memory {
         words.trim_end().to_owned()
     }
 
-    /// The same kind of memory with another number.
+    /// This kind of memory with another number.
     #[must_use]
     pub fn with_value(self, value: f64) -> Self {
         match self {

@@ -4,7 +4,7 @@
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("no {what} is called `{name}`: expected one of {known}")]
 pub struct UnknownName {
-    /// What was to be named.
+    /// Kind of the thing named.
     pub what: &'static str,
     /// The name given.
     pub name: String,

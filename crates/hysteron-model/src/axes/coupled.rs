@@ -98,7 +98,7 @@ impl CoupledHammerstein {
     }
 }
 
-/// What happened before a drive.
+/// Start of a drive: settled on its period where one is given, else at rest at its first voltage.
 #[doc(hidden)]
 pub fn start(u: &[f64], settled: Option<usize>) -> Start {
     match settled {

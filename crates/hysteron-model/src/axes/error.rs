@@ -75,7 +75,7 @@ pub enum AxesError {
         /// Record.
         record: String,
     },
-    /// The records do not tell the inputs apart.
+    /// The inputs of the records are linearly dependent at a frequency.
     #[error(
         "the {inputs} inputs of these {records} records are not independent at {frequency_hz} Hz: drive them \
          with different phases, in {inputs} records or more"
@@ -115,7 +115,7 @@ pub enum AxesError {
         what: &'static str,
         /// The number.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         expected: &'static str,
     },
     /// A mode that does not decay.
@@ -174,7 +174,7 @@ pub enum AxesError {
     /// A branch that cannot be simulated.
     #[error("{problem}")]
     Branch {
-        /// What is wrong with it.
+        /// Description of the problem.
         problem: String,
     },
     /// The poles of all entries could not be found.

@@ -19,7 +19,7 @@ pub const HALF_WINDOW: usize = 4;
 const COEFFICIENTS: usize = 3;
 /// Power of a line over that of the strongest above which it is excited.
 const EXCITED: f64 = 1e-5;
-/// Share of a column outside the span of the others below which unknowns are not told apart.
+/// Share of a column outside the span of the others below which the matrix counts as rank deficient.
 const DEPENDENT: f64 = 1e-6;
 
 /// Outputs over inputs at the excited lines of a period.
@@ -137,7 +137,7 @@ fn excited(spectra: &[Spectra], inputs: usize, samples: usize) -> Vec<usize> {
     inner.filter(|&k| power(k) > EXCITED * most).collect()
 }
 
-/// G_0 at the line `centre` from the lines of a window; `None` where the unknowns are not told apart.
+/// G_0 at the line `centre` from the lines of a window; `None` where the matrix is rank deficient.
 fn local(
     window: &[usize],
     centre: usize,
@@ -169,7 +169,7 @@ fn local(
 pub(crate) mod tests {
     use super::*;
 
-    /// A period of a linear system Y = G U: every line of each input with a phase of its own.
+    /// A period of a linear system Y = G U: every line of each input with an independent phase.
     pub(crate) fn period(
         seed: u64,
         (samples, rate): (usize, f64),

@@ -36,8 +36,7 @@ impl InfluenceMatrix {
         Self::new(response.inputs, response.outputs, response.mean_real(BAND.0 * top, BAND.1 * top))
     }
 
-    /// Largest over smallest singular value; infinite where the outputs do not tell all actuators apart (or
-    /// the other way round).
+    /// Largest over smallest singular value; infinite where the matrix is rank deficient.
     pub fn condition_number(&self) -> f64 {
         match (self.singular_values.first(), self.singular_values.last()) {
             (Some(largest), Some(smallest)) => largest / smallest,

@@ -4,7 +4,7 @@ use super::{AxesError, AxesRecord, SteadyPeriod, remove_means};
 use crate::record::InputOutput;
 use crate::validate::{Scores, Scoring, score};
 
-/// How well a simulation agrees with a record, output by output and pooled.
+/// Agreement of a simulation with a record, output by output and pooled.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxesScores {
     /// Every output on its own.

@@ -105,7 +105,7 @@ impl VectorFit {
     /// rms difference of the entries and their fit by these poles.
     ///
     /// # Errors
-    /// As [`Self::residues`].
+    /// Those of [`Self::residues`].
     pub fn error(&self, poles: &CommonPoles) -> Result<f64, AxesError> {
         let basis = self.basis(poles, true);
         let q = basis.qr().q();

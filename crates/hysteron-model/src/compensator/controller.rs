@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::{Compensation, CompensatorOptions, CompensatorParts, InversionError};
 use crate::hammerstein::Model;
 
-/// What a drive keeps to.
+/// Limits of a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Limits {
     /// Least voltage \[V\].
@@ -29,7 +29,7 @@ impl Limits {
         Self { low, high, slew_v_per_s: f64::INFINITY }
     }
 
-    /// The same, with a largest rate \[V/s\].
+    /// These limits with a largest rate \[V/s\].
     #[must_use]
     pub fn slew(self, v_per_s: f64) -> Self {
         Self { slew_v_per_s: v_per_s, ..self }
@@ -60,7 +60,7 @@ impl Controller {
     /// V.
     ///
     /// # Errors
-    /// As [`Compensation::new`] and [`CompensatorParts::new`].
+    /// Those of [`Compensation::new`] and [`CompensatorParts::new`].
     pub fn new(
         model: &Model,
         sample_rate_hz: f64,

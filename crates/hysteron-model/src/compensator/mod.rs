@@ -41,15 +41,14 @@ const MOST_AHEAD: usize = 4096;
 /// row end the preview.
 const NEGLIGIBLE: f64 = 1e-10;
 const IN_A_ROW: usize = 32;
-/// Share of the sum of the gains on the reference that a preview of nobody's choosing may leave to
-/// prediction.
+/// Default preview: leaves at most this share of the sum of the gains on the reference to prediction.
 const LEFT_TO_PREDICTION: f64 = 1e-4;
 /// Angles at which noise is added up.
 const ANGLES: usize = 4096;
 /// Lowest frequency at which an error is looked for, as a share of half the sample rate.
 const LOWEST_SHARE: f64 = 1e-6;
 
-/// How a reference is to be followed.
+/// Options of a compensator: bandwidth, preview and prediction of the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CompensatorOptions {
@@ -59,7 +58,7 @@ pub struct CompensatorOptions {
     pub error_at_bandwidth: f64,
     /// Samples of the reference known ahead: 0 knows the present one. `None`: as many as make a difference.
     pub preview: Option<usize>,
-    /// What is beyond.
+    /// Prediction of the reference beyond the preview.
     pub prediction: Prediction,
     /// Accuracy of the dynamics, and the lowest frequency of creep.
     pub realise: RealiseOptions,

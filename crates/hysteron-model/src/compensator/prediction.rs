@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 const MOST_SAMPLES: usize = 128;
 const PERIODS: f64 = 1.0;
 
-/// How a reference goes on beyond what is known of it.
+/// Model of a reference beyond its known samples.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Prediction {
@@ -26,7 +26,7 @@ pub enum Prediction {
     },
 }
 
-/// Noise that a reference of which nobody says otherwise carries, as a share of its motion.
+/// Default rms of the noise on a reference, as a share of that of its motion.
 const USUAL_NOISE: f64 = 1e-3;
 
 impl Prediction {

@@ -16,7 +16,7 @@ const DOUBLINGS: usize = 60;
 /// Relative change of P at which the doubling has settled.
 const SETTLED: f64 = 1e-14;
 
-/// What makes Σ q(x, u) smallest, q = xᵀQx + 2 xᵀs u + r u²: u = −K x.
+/// Linear-quadratic regulator u = −K x: minimises Σ q(x, u), q = xᵀQx + 2 xᵀs u + r u².
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Regulator {
     /// K.

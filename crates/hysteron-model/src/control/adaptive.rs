@@ -28,7 +28,7 @@ const SILENCE: f64 = 1e-2;
 /// Samples that the best weights are computed from, at most.
 const MOST_SAMPLES: usize = 20_000;
 
-/// What is asked of weights that adapt; see [`hysteron_rt::FilteredLms`].
+/// Specification of adaptive feedforward weights; see [`hysteron_rt::FilteredLms`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Adaptive {
     /// Highest frequency of the reference \[Hz\].
@@ -49,7 +49,7 @@ impl Adaptive {
 /// Weights that adapt, ready for one model and rate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AdaptiveFilter {
-    /// What was asked for.
+    /// Specification of the weights.
     pub adaptive: Adaptive,
     /// Samples from one weight to the next.
     pub stride: usize,

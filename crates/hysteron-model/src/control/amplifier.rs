@@ -14,7 +14,7 @@ pub fn slew_of_current(current_a: f64, capacitance_f: f64) -> f64 {
     current_a / capacitance_f
 }
 
-/// How fast a sine of one size may be.
+/// Highest frequency of a sine of one amplitude within the limits of slew rate and range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reach {
     /// Amplitude \[µm\].

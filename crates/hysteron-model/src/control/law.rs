@@ -140,7 +140,7 @@ impl FeedbackLaw {
         Ok(Self { kind, proportional, integral_per_s, dynamics, sample_rate_hz })
     }
 
-    /// The same with `gain` times the gain.
+    /// This law with `gain` times the gain.
     #[must_use]
     pub fn scaled(mut self, gain: f64) -> Self {
         self.proportional *= gain;

@@ -28,7 +28,7 @@ impl StraightLine {
     /// along them.
     ///
     /// # Errors
-    /// What the hysteresis refuses.
+    /// [`HysteresisError`] of the simulated loops.
     pub fn of_model(model: &Model, slow_gain: f64, [low, high]: [f64; 2]) -> Result<Self, HysteresisError> {
         let mut u = Vec::with_capacity(SIZES.len() * 2 * HALF);
         for size in SIZES {

@@ -1,4 +1,4 @@
-//! How far a loop is from the edge of stability.
+//! Stability margins of a loop.
 
 use std::f64::consts::{PI, TAU};
 

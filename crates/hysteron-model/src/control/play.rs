@@ -37,7 +37,7 @@ pub trait StageRun {
     fn step(&mut self, drive_v: f64) -> Result<StageSample, StageError>;
 }
 
-/// What the loop drives.
+/// Plant of a loop.
 #[derive(Clone, Copy)]
 pub enum Plant<'a> {
     /// A stage, e.g. the simulated bench.

@@ -1,6 +1,6 @@
-//! How well a reference was followed.
+//! Tracking score of a displacement against its reference.
 
-/// The error of a displacement against its reference, its mean taken off: a sensor has a zero of its own.
+/// The error of a displacement against its reference, its mean removed: a sensor's zero is arbitrary.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackingScore {
     /// Root mean square \[µm\].

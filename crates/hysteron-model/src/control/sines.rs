@@ -1,4 +1,4 @@
-//! How far up a loop follows on a plant: sines that are played.
+//! Bandwidth of a loop on a plant, measured with sines.
 
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -40,12 +40,12 @@ impl Sines {
     }
 }
 
-/// What became of a sine.
+/// Response to one sine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SineAnswer {
     /// Its frequency \[Hz\].
     pub frequency_hz: f64,
-    /// What is left of it, harmonics and noise included, the mean taken off: rms in per cent of stroke.
+    /// Tracking error, harmonics and noise included, its mean removed: rms in per cent of stroke.
     pub error_percent: f64,
     /// Its share in the displacement, as a complex number: 1 is ideal.
     pub followed: Complex64,
@@ -71,12 +71,12 @@ impl Edge {
     }
 }
 
-/// What sines say of a loop on a plant.
+/// Response of a loop on a plant to sines, with the measured bandwidths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Followed {
-    /// What became of each, at rising frequencies.
+    /// Response to each sine, at rising frequencies.
     pub answers: Vec<SineAnswer>,
-    /// Where less than 1/√2 of the reference is left.
+    /// Lowest frequency with a gain below 1/√2.
     pub minus_3_db: Edge,
     /// Where the error is above 1 % of the stroke, rms.
     pub one_percent: Edge,
@@ -86,7 +86,7 @@ impl Loop {
     /// Plays one sine, of whole periods: its share is the coherent one, Σ y e^(−jωt)/Σ r e^(−jωt).
     ///
     /// # Errors
-    /// As [`play`]; [`ControlError::Sine`] below [`Sines::lowest_hz`].
+    /// Those of [`play`]; [`ControlError::Sine`] below [`Sines::lowest_hz`].
     pub fn sine(
         &self,
         sines: &Sines,
@@ -132,7 +132,7 @@ impl Loop {
     /// Plays sines from the lowest to the highest frequency, four a decade and more where a bandwidth lies.
     ///
     /// # Errors
-    /// As [`Self::sine`].
+    /// Those of [`Self::sine`].
     pub fn sines(
         &self,
         sines: &Sines,
@@ -174,7 +174,7 @@ impl Loop {
         Ok(Followed { minus_3_db: edge(&lost), one_percent: edge(&left), answers })
     }
 
-    /// The same loop, its weights held at 0.
+    /// This loop without adaptation: its weights stay 0.
     #[must_use]
     pub fn without_adaptation(&self) -> Self {
         Self { adaptive: None, ..self.clone() }

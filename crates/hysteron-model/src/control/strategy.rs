@@ -18,7 +18,7 @@ pub(super) const SLOW: f64 = 1e-4;
 /// |1 − T| of a sine whose error is 1 % of its stroke, rms: the stroke is 2 √2 times its rms.
 const ONE_PERCENT: f64 = 0.02 * std::f64::consts::SQRT_2;
 
-/// What makes the drive of the reference.
+/// Feedforward: the law from reference to drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Forward {
     /// The straight line through the loop: no compensation.
@@ -30,7 +30,7 @@ pub enum Forward {
 /// A way to follow a reference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Strategy {
-    /// What it is called.
+    /// Name of the strategy.
     pub name: String,
     /// Feedforward.
     pub forward: Forward,
@@ -48,26 +48,26 @@ impl Strategy {
         Self { name: name.into(), forward, feedback: None, observer: false, adaptive: None }
     }
 
-    /// The same with feedback.
+    /// This strategy with feedback.
     #[must_use]
     pub fn with_feedback(self, family: LawFamily) -> Self {
         Self { feedback: Some(family), ..self }
     }
 
-    /// The same with a disturbance observer.
+    /// This strategy with a disturbance observer.
     #[must_use]
     pub fn with_observer(self) -> Self {
         Self { observer: true, ..self }
     }
 
-    /// The same with weights that adapt.
+    /// This strategy with adaptive feedforward weights.
     #[must_use]
     pub fn with_adaptive(self, adaptive: Adaptive) -> Self {
         Self { adaptive: Some(adaptive), ..self }
     }
 }
 
-/// What every loop of a stage keeps to.
+/// Settings shared by all loops of a stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoopSettings {
     /// The controller's rate \[Hz\].
@@ -82,10 +82,10 @@ pub struct LoopSettings {
     pub realise: RealiseOptions,
 }
 
-/// How far up a linear loop follows, from 1e-4 of the sample rate on.
+/// Bandwidths of a linear loop, sought from 1e-4 of the sample rate on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bandwidth {
-    /// Lowest frequency \[Hz\] at which less than 1/√2 of the reference is left.
+    /// Lowest frequency \[Hz\] with a gain below 1/√2.
     pub minus_3_db_hz: f64,
     /// Lowest frequency \[Hz\] at which the error is above 1 % of the stroke, rms.
     pub one_percent_hz: f64,
@@ -96,7 +96,7 @@ pub struct Bandwidth {
 pub struct Loop {
     /// The strategy.
     pub strategy: Strategy,
-    /// What it keeps to.
+    /// Settings of the loop.
     pub settings: LoopSettings,
     /// The model.
     pub model: Model,
@@ -112,7 +112,7 @@ pub struct Loop {
     pub observer: Option<(f64, Margins)>,
     /// The weights that adapt.
     pub adaptive: Option<AdaptiveFilter>,
-    /// How far up it follows: the model taken for linear and true.
+    /// Bandwidths, the model taken for linear and exact.
     pub bandwidth: Bandwidth,
 }
 

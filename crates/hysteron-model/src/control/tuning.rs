@@ -16,7 +16,7 @@ const ORDERS: [f64; 7] = [0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
 const HALVINGS: usize = 40;
 const GAINS: (f64, f64) = (1e-6, 1e2);
 
-/// What is asked of a loop.
+/// Required stability margins of a loop.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Wanted {
@@ -45,8 +45,8 @@ pub struct Tuned {
     pub law: FeedbackLaw,
     /// Margins of its loop.
     pub margins: Margins,
-    /// √Σ |S|²/f over frequencies evenly spread on a logarithmic scale, S = 1/(1 + L): what is left of a
-    /// disturbance that wanders (its spectrum falling as 1/f²), up to a factor.
+    /// √Σ |S|²/f over frequencies evenly spread on a logarithmic scale, S = 1/(1 + L): up to a factor, the
+    /// residual of a wandering disturbance (its spectrum falling as 1/f²).
     pub left: f64,
 }
 
@@ -134,7 +134,7 @@ fn resonance(dynamics: &LinearRealisation, sample_rate_hz: f64) -> Option<(f64, 
     pairs.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// The largest gain up to which all margins are kept, those, and what is left.
+/// Largest gain up to which all margins are kept, those margins, and [`Tuned::left`].
 fn largest_gain(shape: &[(f64, Complex64)], wanted: &Wanted) -> Option<(f64, Margins, f64)> {
     // A scale: the gain at which the loop would cross 1 at a hundredth of the sample rate.
     let middle = shape.get(shape.len() / 2)?.1.norm();

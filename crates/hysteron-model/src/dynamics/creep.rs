@@ -65,7 +65,7 @@ impl Creep {
     /// Every kind of creep, with its usual number of elements.
     pub const USUAL: [Self; 3] = [Self::Fractional, Self::Logarithmic, Self::KelvinVoigt { elements: 2 }];
 
-    /// What it is, in a line.
+    /// One-line description.
     pub fn summary(self) -> &'static str {
         match self {
             Self::None => "no creep",
@@ -77,7 +77,7 @@ impl Creep {
         }
     }
 
-    /// The same with another number of elements; `None` for a kind that has none.
+    /// This kind with another number of elements; `None` for a kind that has none.
     pub fn with_elements(self, elements: usize) -> Option<Self> {
         matches!(self, Self::KelvinVoigt { .. }).then_some(Self::KelvinVoigt { elements })
     }

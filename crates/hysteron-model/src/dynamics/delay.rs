@@ -52,7 +52,7 @@ pub fn delayed(
 /// [`delayed`] by the `Linear` rule into an existing buffer. Allocates nothing.
 ///
 /// # Errors
-/// As [`delayed`], and [`DynamicsError::Length`]; samples are not looked at.
+/// Those of [`delayed`], and [`DynamicsError::Length`]; samples are not checked.
 pub fn delay_linear(
     signal: &[f64],
     delay_s: f64,

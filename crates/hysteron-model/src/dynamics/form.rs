@@ -137,7 +137,7 @@ impl DynamicForm {
     /// [`Self::transfer_function`] into an existing one. Allocates nothing once that held as many terms.
     ///
     /// # Errors
-    /// As [`Self::transfer_function`].
+    /// Those of [`Self::transfer_function`].
     pub fn write_to(&self, p: &[f64], tf: &mut TransferFunction) -> Result<(), DynamicsError> {
         let (numerator, denominator) = self.polynomials::<f64, { LONG.1 }>(self.check(p)?);
         numerator.store(&mut tf.numerator, |_, _| {});
@@ -149,7 +149,7 @@ impl DynamicForm {
     /// forward differentiation of the same code. Allocates nothing once `out` held as many terms.
     ///
     /// # Errors
-    /// As [`Self::transfer_function`].
+    /// Those of [`Self::transfer_function`].
     pub fn linearise(&self, p: &[f64], out: &mut Linearised) -> Result<(), DynamicsError> {
         self.check(p)?;
         let fits = |(parameters, terms): (usize, usize)| p.len() <= parameters && self.most_terms() <= terms;

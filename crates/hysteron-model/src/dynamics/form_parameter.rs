@@ -5,11 +5,11 @@
 pub struct FormParameter {
     /// Name, as on the command line.
     pub name: &'static str,
-    /// What it is.
+    /// Kind of the parameter.
     pub kind: ParameterKind,
     /// Symbol; its name where it has none.
     pub symbol: &'static str,
-    /// What it is, in a few words.
+    /// Meaning, in a few words.
     pub meaning: &'static str,
     /// Unit; empty for a number without one.
     pub unit: &'static str,
@@ -18,7 +18,7 @@ pub struct FormParameter {
     range: Range,
 }
 
-/// What a parameter of a [`DynamicForm`](super::DynamicForm) is. Modes and creep elements are counted from 1.
+/// Kind of a parameter of a [`DynamicForm`](super::DynamicForm). Modes and creep elements are counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ParameterKind {
     /// Natural frequency ω_n/2π of a mode.

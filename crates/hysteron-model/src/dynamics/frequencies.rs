@@ -105,9 +105,9 @@ impl Circle {
         Complex64::new(self.damping, TAU * bin / self.length as f64)
     }
 
-    /// How far from there, in bins, ln s is smooth: to s = 0, or three quarters of the way to the pole of
-    /// `Tustin` at x = πi, since powers of s grow towards it; `GrunwaldLetnikov` and `Bdf2` are polynomials
-    /// in e^(−x), which grow everywhere.
+    /// Radius about a bin, in bins, within which ln s is smooth: the distance to s = 0, or three quarters of
+    /// that to the pole of `Tustin` at x = πi, since powers of s grow towards it; `GrunwaldLetnikov` and
+    /// `Bdf2` are polynomials in e^(−x), which grow everywhere.
     fn distance(&self, bin: f64) -> f64 {
         let x = self.place(bin);
         let other = match self.scheme {

@@ -7,9 +7,9 @@
 //!
 //! Σ |r − P v|² + λ Σ |Δ²v|²
 //!
-//! smallest, P the plant from held samples to samples, delay included, Δ² the second difference. Its answer
-//! is W r, W = P̄/(|P|² + λ|1 − z|⁴), which looks ahead: r must be known. What is left of r is 1 − P W = λ|1
-//! − z|⁴/(|P|² + λ|1 − z|⁴), a real number between 0 and 1 at every frequency: no phase error.
+//! smallest, P the plant from held samples to samples, delay included, Δ² the second difference. The
+//! minimiser is W r, W = P̄/(|P|² + λ|1 − z|⁴), which looks ahead: r must be known. The relative error is 1 −
+//! P W = λ|1 − z|⁴/(|P|² + λ|1 − z|⁴), a real number between 0 and 1 at every frequency: no phase error.
 
 use std::f64::consts::PI;
 
@@ -17,7 +17,7 @@ use super::{Arx, DynamicsError, Response, SimulationPlan};
 use crate::dynamics_error::check_length;
 use hysteron_numeric::Complex64;
 
-/// What an inverse is to do.
+/// Specification of an inverse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InverseAim {
     /// Frequency up to which the output follows \[Hz\], below half the sample rate.

@@ -47,7 +47,7 @@ pub struct SimulationPlan {
     pub(super) frequencies: Frequencies,
     /// r^k for the samples of the input.
     decay: Exponential,
-    /// What its continuation is multiplied by, `BandLimited` only: fading times r^k, from one past the last
+    /// Factors of the input's continuation, `BandLimited` only: fading times r^k, from one past the last
     /// sample.
     fade: Vec<f64>,
     /// r^−k / L for the samples of the output.
@@ -169,7 +169,7 @@ impl SimulationPlan {
     /// nothing.
     ///
     /// # Errors
-    /// As [`SimulationPlan::transform`] and [`SimulationPlan::simulate_spectrum`].
+    /// Those of [`SimulationPlan::transform`] and [`SimulationPlan::simulate_spectrum`].
     pub fn simulate(
         &self,
         tf: &TransferFunction,
@@ -198,7 +198,7 @@ impl SimulationPlan {
     /// [`SimulationPlan::transform`] into an existing spectrum. Allocates nothing.
     ///
     /// # Errors
-    /// As [`SimulationPlan::transform`].
+    /// Those of [`SimulationPlan::transform`].
     pub fn transform_into(
         &self,
         input: &[f64],
@@ -286,7 +286,7 @@ impl SimulationPlan {
         (lowest * self.sample_rate_hz).ln()
     }
 
-    /// What can be refused before any frequency is computed.
+    /// Checks of a candidate that need no frequency response.
     pub(super) fn check_candidate(&self, tf: &TransferFunction) -> Result<(), DynamicsError> {
         tf.validate()?;
         // Squares of the polynomials must stay in range, or a quotient would quietly become zero.
@@ -403,8 +403,8 @@ impl InputSpectrum {
         Self { bins: Vec::new(), level: 0.0 }
     }
 
-    /// What was taken off the input before the transform: its first sample under [`Start::AsIdentified`], the
-    /// input before it under [`Start::Rest`], else 0.
+    /// Level subtracted from the input before the transform: its first sample under [`Start::AsIdentified`],
+    /// the input before it under [`Start::Rest`], else 0.
     pub fn level(&self) -> f64 {
         self.level
     }

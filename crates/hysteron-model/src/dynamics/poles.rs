@@ -7,7 +7,7 @@ use super::transfer_function::{highest, lowest};
 use super::{DynamicsError, Term, TransferFunction};
 use hysteron_numeric::Complex64;
 
-/// What is nearer to the cut, as a share of π, is on it.
+/// Distance from the cut, as a share of π, below which a zero counts as on it.
 const HAIR: f64 = 1e-9;
 
 impl TransferFunction {
@@ -24,7 +24,7 @@ impl TransferFunction {
     /// Article Eq. 13: −1441.298 ± 1062.396i.
     ///
     /// # Errors
-    /// What [`TransferFunction::validate`] refuses.
+    /// Those of [`TransferFunction::validate`].
     pub fn poles(&self) -> Result<Vec<Complex64>, DynamicsError> {
         self.validate()?;
         let terms = &self.denominator;

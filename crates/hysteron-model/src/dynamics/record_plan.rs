@@ -92,7 +92,7 @@ impl RecordPlan {
     /// none ([`PlanInput::none`]).
     ///
     /// # Errors
-    /// As [`SimulationPlan::transform_into`].
+    /// Those of [`SimulationPlan::transform_into`].
     pub fn prepare_into(
         &self,
         input: &[f64],
@@ -116,10 +116,10 @@ impl RecordPlan {
         }
     }
 
-    /// [`Self::prepare_into`] with buffers of its own.
+    /// [`Self::prepare_into`] with newly allocated buffers.
     ///
     /// # Errors
-    /// As [`Self::prepare_into`].
+    /// Those of [`Self::prepare_into`].
     pub fn prepare(&self, input: &[f64]) -> Result<PlanInput, DynamicsError> {
         let mut prepared = self.empty_input();
         self.prepare_into(input, &mut self.workspace(), &mut prepared)?;
@@ -129,7 +129,7 @@ impl RecordPlan {
     /// The response of `tf` behind a delay \[s\].
     ///
     /// # Errors
-    /// As [`SimulationPlan::response`], [`StampedPlan::response`].
+    /// Those of [`SimulationPlan::response`], [`StampedPlan::response`].
     pub fn response(
         &self,
         tf: &TransferFunction,
@@ -147,7 +147,7 @@ impl RecordPlan {
     /// [`Self::response`] with its derivative in each parameter, and in the delay as the last.
     ///
     /// # Errors
-    /// As [`SimulationPlan::response_with_tangents`], [`StampedPlan::response`].
+    /// Those of [`SimulationPlan::response_with_tangents`], [`StampedPlan::response`].
     pub fn response_with_tangents(
         &self,
         linearised: &Linearised,
@@ -169,7 +169,7 @@ impl RecordPlan {
     /// `output` = the response to `input`.
     ///
     /// # Errors
-    /// As [`SimulationPlan::apply`], [`StampedPlan::apply`].
+    /// Those of [`SimulationPlan::apply`], [`StampedPlan::apply`].
     pub fn apply(
         &self,
         response: &PlanResponse,
@@ -197,7 +197,7 @@ impl RecordPlan {
     /// [`Self::apply`] to several inputs, one output beside each: on stamps in one pass.
     ///
     /// # Errors
-    /// As [`Self::apply`].
+    /// Those of [`Self::apply`].
     pub fn apply_each(
         &self,
         response: &PlanResponse,
@@ -215,10 +215,10 @@ impl RecordPlan {
         each.try_for_each(|(input, output)| self.apply(response, input, workspace, output))
     }
 
-    /// As [`Self::apply`] for derivative `which` of the response.
+    /// [`Self::apply`] for derivative `which` of the response.
     ///
     /// # Errors
-    /// As [`SimulationPlan::apply_tangent`], [`StampedPlan::apply_tangent`].
+    /// Those of [`SimulationPlan::apply_tangent`], [`StampedPlan::apply_tangent`].
     pub fn apply_tangent(
         &self,
         response: &PlanResponse,
@@ -247,7 +247,7 @@ impl RecordPlan {
     /// [`Self::apply_tangent`] of several derivatives, one output beside each: on stamps in one pass.
     ///
     /// # Errors
-    /// As [`Self::apply_tangent`].
+    /// Those of [`Self::apply_tangent`].
     pub fn apply_tangents(
         &self,
         response: &PlanResponse,

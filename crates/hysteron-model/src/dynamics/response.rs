@@ -16,7 +16,7 @@ use crate::dynamics_error::check_length;
 use crate::record::InterSample;
 use hysteron_numeric::{Complex64, multiply};
 
-/// How signals go between their samples.
+/// Inter-sample behaviour of delay and input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Sampling {
     /// Rule of the delay. `BandLimited` is e^(−sτ), exact for a band-limited signal; one that starts with a
@@ -24,10 +24,10 @@ pub struct Sampling {
     /// takes away but for the first samples. `Linear` is what [`super::delay::delay_linear`] does; `Hold` a
     /// delay by whole samples, rounded up, with derivative zero.
     pub delay: InterSample,
-    /// What the input of the dynamics does between its samples, under the scheme `BandLimited`; the other
-    /// schemes have a rule of their own and do not look at it. The staircase of `Hold` and the polygon of
-    /// `Linear` reach above half the sample rate, and what G passes of their images there is in the samples
-    /// of the output, delayed by e^(−sτ) at the s of each image (`tests/driven_between_samples.rs`).
+    /// Inter-sample behaviour of the input of the dynamics, under the scheme `BandLimited`; the other schemes
+    /// imply a rule and ignore this one. The staircase of `Hold` and the polygon of `Linear` reach above half
+    /// the sample rate, and what G passes of their images there is in the samples of the output, delayed by
+    /// e^(−sτ) at the s of each image (`tests/driven_between_samples.rs`).
     pub reconstruction: InterSample,
 }
 
@@ -80,8 +80,8 @@ impl SimulationPlan {
     /// sample rate.
     ///
     /// # Errors
-    /// As [`SimulationPlan::simulate_spectrum`]; [`DynamicsError::Parameter`] for a delay that is negative or
-    /// not finite; [`DynamicsError::Length`] for a response of another plan.
+    /// Those of [`SimulationPlan::simulate_spectrum`]; [`DynamicsError::Parameter`] for a delay that is
+    /// negative or not finite; [`DynamicsError::Length`] for a response of another plan.
     pub fn response(
         &self,
         tf: &TransferFunction,
@@ -101,8 +101,8 @@ impl SimulationPlan {
     /// terms, their orders held.
     ///
     /// # Errors
-    /// As [`SimulationPlan::response`]; [`DynamicsError::Tangents`] for a response made for another number of
-    /// parameters.
+    /// Those of [`SimulationPlan::response`]; [`DynamicsError::Tangents`] for a response made for another
+    /// number of parameters.
     pub fn response_with_tangents(
         &self,
         linearised: &Linearised,
@@ -132,12 +132,12 @@ impl SimulationPlan {
         self.apply_bins(&response.values, input, workspace, output)
     }
 
-    /// As [`SimulationPlan::apply`] for derivative `which` of the response: a parameter's, or the delay's,
-    /// which is the last.
+    /// [`SimulationPlan::apply`] for derivative `which` of the response: a parameter's, or the delay's, which
+    /// is the last.
     ///
     /// # Errors
-    /// As [`SimulationPlan::apply`]; [`DynamicsError::NoTangent`] where there is no such derivative, or the
-    /// response was last computed without.
+    /// Those of [`SimulationPlan::apply`]; [`DynamicsError::NoTangent`] where there is no such derivative, or
+    /// the response was last computed without.
     pub fn apply_tangent(
         &self,
         response: &Response,

@@ -11,8 +11,8 @@ use super::{DynamicsError, Term, TransferFunction};
 /// - natural frequency ω_n = c₀^(1/(α₂ − α₀)): where |s^α₂| = |c₀ s^α₀| on the imaginary axis,
 /// - damping ζ = c₁ / (2 ω_n^(α₂ − α₁)): there |c₁ s^α₁| = 2ζ |s^α₂|.
 ///
-/// With α = 2, 1, 0 these are the usual ones. Fractional orders add damping of their own when α₂ < 2 and take
-/// it away when α₂ > 2.
+/// With α = 2, 1, 0 these are the usual ones. Fractional orders add damping where α₂ < 2 and remove it
+/// where α₂ > 2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SecondOrder {
     /// K = b / c₀ (output unit per input unit, times (rad/s)^α₀).
@@ -44,11 +44,11 @@ impl SecondOrder {
         Ok(tf)
     }
 
-    /// As [`SecondOrder::to_transfer_function`], into an existing one; allocates nothing if that has one
+    /// [`SecondOrder::to_transfer_function`] into an existing one; allocates nothing if that has one
     /// numerator and three denominator terms.
     ///
     /// # Errors
-    /// As [`SecondOrder::to_transfer_function`].
+    /// Those of [`SecondOrder::to_transfer_function`].
     pub fn write_to(&self, tf: &mut TransferFunction) -> Result<(), DynamicsError> {
         if !(self.natural_frequency_hz.is_finite() && self.natural_frequency_hz > 0.0) {
             let value = self.natural_frequency_hz;

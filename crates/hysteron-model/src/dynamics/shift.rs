@@ -94,7 +94,7 @@ pub(super) struct InputFactor<'a> {
     set: InstructionSet,
 }
 
-/// What a plan knows of inputs that are held, or go along straight lines, between their samples.
+/// Spectral factors and images of a held or piecewise linear input.
 #[derive(Debug)]
 pub(super) struct Reconstruction {
     table: Vec<Complex64>,
@@ -195,9 +195,9 @@ impl<'a> InputFactor<'a> {
     }
 }
 
-/// What a signal does between its samples, as a factor on the spectrum of the samples: (1 − e^(−sh))/(sh)
-/// held, ((e^(sh/2) − e^(−sh/2))/(sh))² on straight lines; what a staircase or a polygon holds above half the
-/// sample rate are its [`Images`]. `period`: h in sample periods of the plan.
+/// Factor of the reconstruction on the spectrum of the samples: (1 − e^(−sh))/(sh) held, ((e^(sh/2) −
+/// e^(−sh/2))/(sh))² on straight lines; the content of a staircase or polygon above half the sample rate is
+/// in its [`Images`]. `period`: h in sample periods of the plan.
 fn reconstruction_table(rule: InterSample, damping: f64, length: usize, period: f64) -> Vec<Complex64> {
     let at = |bin: usize| {
         let theta = if 2 * bin == length { PI } else { TAU * bin as f64 / length as f64 };

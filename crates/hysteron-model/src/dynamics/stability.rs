@@ -27,7 +27,7 @@ pub enum Stability {
     },
     /// Poles in the right half-plane: the response grows exponentially.
     Unstable {
-        /// How many, each of a pair counted.
+        /// Number of unstable poles, both of a pair counted.
         poles: usize,
     },
 }
@@ -172,7 +172,7 @@ impl Ray<'_> {
             turned += (next.value * here.value.conj()).arg();
             here = next;
         }
-        // Beyond `to` the last term rules; what is left to turn is the difference from its direction.
+        // Beyond `to` the last term dominates: the remaining rotation is the difference from its direction.
         Ok(turned - (here.value * last.unit.conj()).arg())
     }
 }

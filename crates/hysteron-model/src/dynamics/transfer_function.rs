@@ -20,7 +20,7 @@ impl TransferFunction {
     /// A checked transfer function.
     ///
     /// # Errors
-    /// What [`TransferFunction::validate`] refuses.
+    /// Those of [`TransferFunction::validate`].
     pub fn new(numerator: Vec<Term>, denominator: Vec<Term>) -> Result<Self, DynamicsError> {
         let tf = Self { numerator, denominator };
         tf.validate()?;

@@ -10,7 +10,7 @@ impl TransferFunction {
     /// (`tests/step_response.rs`). `BandLimited` rings about the jump, as a step is not band-limited.
     ///
     /// # Errors
-    /// As [`SimulationPlan::new`] and [`SimulationPlan::simulate`].
+    /// Those of [`SimulationPlan::new`] and [`SimulationPlan::simulate`].
     pub fn step_response(
         &self,
         samples: usize,
@@ -32,7 +32,7 @@ impl TransferFunction {
     /// does not vanish at high frequency has a δ-function in its response, which appears as G(∞)/h there.
     ///
     /// # Errors
-    /// As [`SimulationPlan::new`] and [`SimulationPlan::simulate`].
+    /// Those of [`SimulationPlan::new`] and [`SimulationPlan::simulate`].
     pub fn impulse_response(
         &self,
         samples: usize,

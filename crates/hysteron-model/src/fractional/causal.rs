@@ -8,16 +8,16 @@ use hysteron_numeric::convolution::{CausalConvolver, causal_convolution};
 /// Ranges up to this length are solved by the plain recursion.
 const DIRECT: usize = 128;
 
-/// The same recursion as [`super::simulate_recursion`], same arguments and errors, in O(N log² N): the past's
-/// contribution to the second half of a range is one FFT convolution with its first half, recursively
-/// (Hairer, Lubich, Schlichte 1985, doi:10.1137/0906037).
+/// [`super::simulate_recursion`] in O(N log² N), same arguments and errors: the past's contribution to the
+/// second half of a range is one FFT convolution with its first half, recursively (Hairer, Lubich, Schlichte
+/// 1985, doi:10.1137/0906037).
 ///
 /// Unlike the one-transform simulation of [`crate::dynamics::SimulationPlan`] it makes no assumption of
 /// stability: the error grows no faster than the response. Agrees with the plain recursion within 1e-12 of
 /// the largest value on article Eq. 13.
 ///
 /// # Errors
-/// As [`super::simulate_recursion`].
+/// Those of [`super::simulate_recursion`].
 pub fn simulate_causal(
     numerator: &[Term],
     denominator: &[Term],

@@ -37,7 +37,7 @@ pub fn differintegral(
 /// [`differintegral`] by the sum as it is written, O(N²): the oracle.
 ///
 /// # Errors
-/// As [`differintegral`].
+/// Those of [`differintegral`].
 pub fn differintegral_direct(
     alpha: f64,
     samples: &[f64],

@@ -43,7 +43,7 @@ impl Scheme {
         }
     }
 
-    /// What it is, in a line.
+    /// One-line description.
     pub const fn summary(self) -> &'static str {
         match self {
             Self::Tustin => "s = 2 (1 - z)/(h (1 + z)): second order",

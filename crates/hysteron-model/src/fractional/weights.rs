@@ -28,8 +28,8 @@ pub fn weights(scheme: Scheme, alpha: f64, count: usize) -> Result<Vec<f64>, Dyn
     cleared_weights(scheme, alpha, 0.0, count)
 }
 
-/// As [`weights`], for `Tustin` times (1 + z)^`cleared`: a quotient of two polynomials in δ cleared of the
-/// singularity at z = −1 has kernels that decay, and its recursion does not amplify rounding there.
+/// [`weights`], for `Tustin` multiplied by (1 + z)^`cleared`: a quotient of two polynomials in δ cleared of
+/// the singularity at z = −1 has kernels that decay, and its recursion does not amplify rounding there.
 ///
 /// Three-term recurrences from the differential equation of the generating function:
 /// (3 − 4z + z²) f′ = −α(4 − 2z) f for BDF2, and for Tustin, f = 2ᵅ (1 − z)^p (1 + z)^q with p = α and

@@ -112,7 +112,7 @@ pub enum InversionError {
         name: &'static str,
         /// The value given.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
     /// The hysteresis has no inverse within the range.

@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::model_file::Kind;
 
-/// What can be asked of a model.
+/// Operation that a kind of model may support.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Capability {
     /// The output for a drive.
@@ -47,7 +47,7 @@ impl Capability {
         Self::StartOfFit,
     ];
 
-    /// What is asked, as the subject of a sentence.
+    /// Name of the operation, as the subject of a sentence.
     pub fn name(self) -> &'static str {
         match self {
             Self::Simulation => "simulation",
@@ -87,7 +87,7 @@ impl fmt::Display for Capability {
 pub struct Unsupported {
     /// The kind of the model.
     pub kind: Kind,
-    /// What was asked of it.
+    /// The operation asked for.
     pub wanted: Capability,
 }
 

@@ -48,7 +48,7 @@ fn frequencies(range: Option<&ValidRange>, sample_rate_hz: f64) -> (f64, f64) {
 pub struct CheckedRealisation {
     /// The realisation.
     pub realisation: Realisation,
-    /// What it is off the batch simulation along the sweep.
+    /// Deviation from the batch simulation along the sweep.
     pub verification: Verification,
     /// The sweep.
     pub sweep: Sweep,
@@ -64,7 +64,7 @@ impl CheckedRealisation {
     /// Checks and times the realisation of a model file; `now` is a clock.
     ///
     /// # Errors
-    /// As [`verify`].
+    /// Those of [`verify`].
     pub fn new(
         realisation: Realisation,
         file: &ModelFile,

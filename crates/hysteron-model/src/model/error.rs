@@ -13,9 +13,9 @@ use hysteron_numeric::display::short;
 pub enum SignalRole {
     /// The drive.
     Input,
-    /// What was measured.
+    /// The measured output.
     Output,
-    /// What the output is to be.
+    /// The desired output.
     Reference,
 }
 
@@ -49,7 +49,7 @@ pub enum RunError {
     Signals {
         /// The kind of the model.
         kind: Kind,
-        /// What it takes.
+        /// The signals it takes.
         expected: &'static str,
     },
     /// A rest voltage or a memory is given to a model that knows none.

@@ -21,8 +21,8 @@ impl Hammerstein {
         (over > 0.0 && !over.is_nan()).then_some((over, lowest_hz))
     }
 
-    /// What keeps the drive `found` from following its reference, or makes it follow the model rather than
-    /// the device: limits that hold it back, and what the model only extrapolates of a rest.
+    /// Warnings on the drive `found`: limits that keep it from following its reference, and gains at rest
+    /// that the model only extrapolates, so that it follows the model rather than the device.
     pub fn findings_on_drive(&self, found: &InverseDrive, range: [f64; 2]) -> Vec<Finding> {
         let mut findings = Vec::new();
         let mut say = |topic, text: String, advice| {

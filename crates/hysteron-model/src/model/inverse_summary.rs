@@ -8,8 +8,8 @@ use crate::invert::InverseDrive;
 use crate::model_file::SignalUnits;
 use crate::record::{Keyed, key_in, range_of};
 
-/// What an inverse asks of the drive and what it leaves. As JSON, quantities in the units of input and output
-/// have keys that end in them.
+/// Figures of an inverse drive and of its predicted error. As JSON, quantities in the units of input and
+/// output have keys that end in them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InverseSummary {
     /// Samples of the reference.
@@ -42,7 +42,7 @@ pub struct InverseSummary {
     pub predicted_rms_percent_of_stroke: f64,
     /// Half of the 95 % band of the model's output at its widest; `None` where the file holds no correlation.
     pub band: Option<f64>,
-    /// What keeps the drive from following, and what to do about it.
+    /// Limits on tracking, with remedies.
     pub findings: Vec<Finding>,
     /// Symbol of the unit of the input.
     pub input_unit: String,

@@ -82,7 +82,7 @@ impl Hammerstein {
         self.data.valid_range.as_ref().map(|range| [range.input.low, range.input.high])
     }
 
-    /// What a user should know about the inverse for a reference.
+    /// Remarks for the user on the inverse for a reference.
     pub fn remarks_on_reference(&self, reference: &[f64], sample_rate_hz: f64) -> Vec<Remark> {
         let time = TimeBase::uniform(sample_rate_hz);
         let fast = self.data.valid_range.as_ref().and_then(|valid| valid.exceeded_by(reference, &time));
@@ -94,8 +94,8 @@ impl Hammerstein {
         remark.into_iter().collect()
     }
 
-    /// The same options; where the model creeps for ever and no lowest frequency is named, a thousandth of
-    /// the lowest frequency of the records it was identified from.
+    /// `options`; where the model creeps for ever and no lowest frequency is named, with a thousandth of the
+    /// lowest frequency of the records it was identified from.
     pub fn realise_options(&self, sample_rate_hz: f64, options: RealiseOptions) -> RealiseOptions {
         let frequency = self.data.valid_range.as_ref().and_then(|range| range.frequency.as_ref());
         let low = frequency.map(|f| CREEP_BELOW_RECORDS * f.low).filter(|low| *low > 0.0);
@@ -179,12 +179,12 @@ impl Model {
         }
     }
 
-    /// What the records of the identification covered; outside of it the model extrapolates.
+    /// Range covered by the records of the identification; outside of it the model extrapolates.
     pub fn valid_range(&self) -> Option<&ValidRange> {
         header!(self, body => body.data.valid_range.as_ref())
     }
 
-    /// How the model was made.
+    /// Provenance of the model.
     pub fn provenance(&self) -> Option<&Provenance> {
         header!(self, body => body.data.provenance.as_ref())
     }

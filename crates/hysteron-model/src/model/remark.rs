@@ -7,7 +7,7 @@ use crate::Advice;
 use crate::record::Unit;
 use crate::start::Start;
 
-/// What was decided without being told, or deserves attention.
+/// Assumption made by default, or a caution to the user.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Remark {

@@ -56,7 +56,7 @@ impl Model {
     /// than 1 %; a hysteresis memory is estimated.
     ///
     /// # Errors
-    /// As [`Self::simulate`]; a record that says nothing about a model.
+    /// Those of [`Self::simulate`]; a record that says nothing about a model.
     pub fn score(&self, signals: &Signals, start: Start, scoring: &Scoring) -> Result<Score, RunError> {
         self.check_start(start)?;
         let (simulation, record, scores) = match (self, signals) {
@@ -101,7 +101,7 @@ impl Model {
     /// the first record best, as [`Self::score`] finds it; the later ones do not help.
     ///
     /// # Errors
-    /// As [`Self::score`]; [`RunError::Signals`] for models of several inputs and outputs.
+    /// Those of [`Self::score`]; [`RunError::Signals`] for models of several inputs and outputs.
     pub fn score_run(&self, run: &Run, start: Start, scoring: &Scoring) -> Result<RunScore, RunError> {
         let first = run.beginning();
         let chosen = match start {

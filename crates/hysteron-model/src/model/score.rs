@@ -1,4 +1,4 @@
-//! How well a model describes a record, as numbers and as data whose keys name the units.
+//! Scores of a model on a record, as numbers and as data whose keys name the units.
 
 use serde::de::{Deserializer, Error};
 use serde::ser::Serializer;
@@ -10,7 +10,7 @@ use crate::start::Memory;
 use crate::start::Start;
 use crate::validate::Scores;
 
-/// How well a model describes a record.
+/// Scores of a model on a record.
 ///
 /// As JSON, quantities in the unit of the outputs have keys that end in it (`rmse_um`), and `unit` names it
 /// where it is not µm; `start` is there where a hysteresis memory was estimated, with the score from the
@@ -30,21 +30,21 @@ pub struct Score {
     pub fit_percent: Option<f64>,
     /// Scores of each output.
     pub outputs: Vec<Scores>,
-    /// What a record of several axes has beside them.
+    /// Further figures of a record of several axes.
     pub axes: Option<AxesScore>,
-    /// How the 95 % band of a new measurement holds the record, where it was asked for.
+    /// Coverage of the record by the 95 % band of a new measurement, where it was asked for.
     pub band: Option<BandScore>,
     /// Scores from the start that the model file assumes, where a hysteresis memory was estimated from the
     /// record.
     pub without_estimated_start: Option<Box<Scores>>,
-    /// What the score says about device and range, where the model file tells how the training scored.
+    /// Verdict on device and range, where the model file holds the scores of its training.
     pub verdict: Option<Verdict>,
     /// The simulation that was scored.
     pub simulation: Simulation,
 }
 
-/// How well a model describes a run of several records, simulated at one go from the start of the first, with
-/// one offset.
+/// Scores of a model on a run of several records, simulated in one pass from the start of the first, with one
+/// offset.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunScore {
     /// Each part of the run, with the offset of the whole.
@@ -67,14 +67,14 @@ pub struct AxesScore {
     pub mean_period_rmse: Option<f64>,
 }
 
-/// How the 95 % band of a new measurement holds a record.
+/// Coverage of a record by the 95 % band of a new measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BandScore {
     /// Share of the scored samples within the band \[%\].
     pub inside_percent: f64,
     /// Half of its width at its widest, in the unit of the output.
     pub measurement: f64,
-    /// The same of the band of the model's output.
+    /// Half of the width of the band of the model's output at its widest.
     pub model: f64,
 }
 
@@ -164,9 +164,9 @@ pub struct ScoreSummary {
     pub start: Option<RememberingStart>,
     /// Errors from the start that the model file assumes, where a memory was estimated from the record.
     pub without_estimated_start: Option<ErrorSummary>,
-    /// What the score says about device and range.
+    /// Verdict on device and range.
     pub verdict: Option<Verdict>,
-    /// What a record of several axes has beside them, with the errors of each output.
+    /// Further figures of a record of several axes, with the errors of each output.
     pub axes: Option<(AxesScore, Vec<ErrorSummary>)>,
 }
 

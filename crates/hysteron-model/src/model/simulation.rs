@@ -16,7 +16,7 @@ pub struct Simulation {
     pub input_unit: Unit,
     /// Mean period of a record of several axes that repeats.
     pub period: Option<SteadyPeriod>,
-    /// What a user should know about it.
+    /// Remarks for the user.
     pub remarks: Vec<Remark>,
 }
 

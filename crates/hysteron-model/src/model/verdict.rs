@@ -19,7 +19,7 @@ const BEYOND_ERROR: f64 = 3.0;
 /// Excess over the range of the identification, as a share of it, that does not count.
 pub(super) const RANGE_SLACK: f64 = 0.01;
 
-/// What the score of a record says about device and range.
+/// Judgement on device and range from the score of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
@@ -104,7 +104,7 @@ impl Verdict {
     }
 }
 
-/// How the drive leaves what the model was identified with.
+/// Ways in which the drive leaves the range of the identification, in words.
 fn leaves(range: &ValidRange, record: &InputOutput) -> Vec<String> {
     let (low, high) = range_of(&record.u);
     let (least, most) = (range.input.low, range.input.high);
@@ -129,7 +129,8 @@ fn leaves(range: &ValidRange, record: &InputOutput) -> Vec<String> {
     amplitude.into_iter().chain(frequency).collect()
 }
 
-/// What is another one in the record than in the model; `trained`: error of the training \[% of the stroke\].
+/// Differences in gain and loop width between record and model, in words; `trained`: error of the training
+/// \[% of the stroke\].
 fn differs(record: &InputOutput, simulated: &[f64], scores: &Scores, trained: f64) -> Vec<String> {
     let scored: Vec<bool> = match &record.valid {
         Some(mask) => mask.clone(),

@@ -107,7 +107,7 @@ impl ModelFile {
     /// The model in the file.
     ///
     /// # Errors
-    /// As [`ModelFile::check`].
+    /// Those of [`ModelFile::check`].
     pub fn to_model(&self) -> Result<Model, ModelFileError> {
         self.check()?;
         let values = |list: &[TermEntry]| list.iter().map(|t| t.coefficient.value).collect::<Vec<f64>>();

@@ -1,4 +1,4 @@
-//! How the estimates of the numbers in a model file hang together.
+//! Correlation of the estimates of the numbers in a model file.
 //!
 //! Standard errors stand at the numbers themselves; beside them the file holds their correlation R, so that
 //! nothing is said twice: the covariance is σ_i R_ij σ_j.
@@ -164,7 +164,7 @@ impl ModelFile {
         }
     }
 
-    /// The same, to set its standard error.
+    /// The number of this name, mutable, to set its standard error.
     pub fn number_mut(&mut self, name: &str) -> Option<&mut Quantity> {
         match (name, term(name)) {
             ("delay", _) => Some(&mut self.delay),

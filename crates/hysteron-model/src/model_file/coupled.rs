@@ -155,7 +155,7 @@ impl CoupledFile {
     /// The model in the file.
     ///
     /// # Errors
-    /// As [`Self::check`].
+    /// Those of [`Self::check`].
     pub fn to_model(&self) -> Result<CoupledHammerstein, ModelFileError> {
         self.check()?;
         let actuator = |a: &ActuatorEntry| BoucWen {
@@ -227,7 +227,7 @@ impl CoupledFile {
     /// The file's text: indented JSON with a final newline.
     ///
     /// # Errors
-    /// As [`Self::check`].
+    /// Those of [`Self::check`].
     pub fn to_json(&self) -> Result<String, ModelFileError> {
         self.check()?;
         json::text(self)

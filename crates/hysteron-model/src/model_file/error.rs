@@ -4,7 +4,7 @@ use super::{FORMAT, Kind, VERSION};
 use crate::axes::AxesError;
 use crate::hysteresis::HysteresisError;
 
-/// What is wrong with a model file, where, and what was expected.
+/// Error in a model file: the fault, its place, and the value expected.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ModelFileError {
@@ -19,19 +19,19 @@ pub enum ModelFileError {
     Syntax {
         /// Place in the file, e.g. `dynamics.denominator[1].order.value`; empty for the file itself.
         path: String,
-        /// What is wrong, with line and column.
+        /// The problem, with line and column.
         problem: serde_json::Error,
     },
     /// The key `format` is missing or something else.
     #[error("format: expected \"{FORMAT}\", found {}", found.as_deref().unwrap_or("no such key"))]
     NotAModel {
-        /// What is there, as JSON.
+        /// The value found, as JSON.
         found: Option<String>,
     },
     /// The key `kind` is missing or something else.
     #[error("kind: expected {}, found {}", Kind::names(), found.as_deref().unwrap_or("no such key"))]
     UnknownKind {
-        /// What is there, as JSON.
+        /// The value found, as JSON.
         found: Option<String>,
     },
     /// The keys are those of another kind.
@@ -54,7 +54,7 @@ pub enum ModelFileError {
     /// The file is of a version this program does not know.
     #[error("version: this program reads versions 1 and {VERSION}, found {}", found.as_deref().unwrap_or("no such key"))]
     UnknownVersion {
-        /// What is there, as JSON.
+        /// The value found, as JSON.
         found: Option<String>,
     },
     /// A number is outside of what is allowed.
@@ -64,7 +64,7 @@ pub enum ModelFileError {
         path: String,
         /// The number.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         expected: &'static str,
     },
     /// A number is given in another unit than the format's.
@@ -94,7 +94,7 @@ pub enum ModelFileError {
     /// Shape numbers that the hysteresis block cannot have.
     #[error("hysteresis.parameters: {problem}")]
     Shape {
-        /// What is wrong with them.
+        /// The problem.
         problem: HysteresisError,
     },
     /// A list of terms does not suit the kind of dynamics.
@@ -104,7 +104,7 @@ pub enum ModelFileError {
         path: &'static str,
         /// Terms found.
         terms: usize,
-        /// What is expected.
+        /// The terms expected.
         expected: &'static str,
     },
     /// A settled start has no rest voltage.
@@ -113,7 +113,7 @@ pub enum ModelFileError {
     /// The correlation of the numbers is not one.
     #[error("correlation: {problem}")]
     Correlation {
-        /// What is wrong with it.
+        /// The problem.
         problem: String,
     },
     /// An ARX model lives in z at one sample rate, and the file names none.

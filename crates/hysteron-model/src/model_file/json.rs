@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{FORMAT, Kind, MAX_BYTES, ModelFileError, VERSION};
 
-/// Format, version and kind alone, so that a file of another version is told apart from a broken one.
+/// Format, version and kind alone, to distinguish a file of another version from a broken one.
 #[derive(Deserialize)]
 #[serde(expecting = "a model file (a JSON object)")]
 pub(super) struct Header {

@@ -287,7 +287,7 @@ impl ValidRange {
         (fastest > FASTER * covered).then_some((fastest, covered))
     }
 
-    /// The same, with the largest rate of the input per second.
+    /// This range with the largest rate of the input per second.
     #[must_use]
     pub fn with_rate(self, largest: f64) -> Self {
         let unit = match self.input.unit.as_str() {

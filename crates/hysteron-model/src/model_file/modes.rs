@@ -236,7 +236,7 @@ impl ModesFile {
     /// The model in the file.
     ///
     /// # Errors
-    /// As [`Self::check`].
+    /// Those of [`Self::check`].
     pub fn to_model(&self) -> Result<ScheduledModes, ModelFileError> {
         self.check()?;
         Ok(self.unchecked())
@@ -298,7 +298,7 @@ impl ModesFile {
     /// The file's text: indented JSON with a final newline.
     ///
     /// # Errors
-    /// As [`Self::check`].
+    /// Those of [`Self::check`].
     pub fn to_json(&self) -> Result<String, ModelFileError> {
         self.check()?;
         json::text(self)

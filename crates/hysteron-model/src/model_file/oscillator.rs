@@ -84,7 +84,7 @@ impl OscillatorParameters {
         [&self.mass, &self.damping, &self.stiffness, &self.alpha, &self.beta, &self.gamma, &self.n]
     }
 
-    /// The same, to set their standard errors.
+    /// The parameters, mutable, to set their standard errors.
     pub fn all_mut(&mut self) -> [&mut Quantity; 7] {
         [
             &mut self.mass,
@@ -158,7 +158,7 @@ impl OscillatorFile {
     /// The oscillator in the file.
     ///
     /// # Errors
-    /// As [`Self::check`].
+    /// Those of [`Self::check`].
     pub fn to_oscillator(&self) -> Result<Oscillator, ModelFileError> {
         self.check()?;
         Ok(Oscillator::from_values(self.parameters.all().map(|quantity| quantity.value)))
@@ -194,7 +194,7 @@ impl OscillatorFile {
     /// The file's text: indented JSON with a final newline.
     ///
     /// # Errors
-    /// As [`Self::check`].
+    /// Those of [`Self::check`].
     pub fn to_json(&self) -> Result<String, ModelFileError> {
         self.check()?;
         json::text(self)

@@ -1,4 +1,4 @@
-//! How a model was made and how well it does.
+//! Provenance and scores of a model.
 
 use std::collections::BTreeMap;
 
@@ -32,7 +32,7 @@ pub struct Provenance {
     pub command: Option<String>,
 }
 
-/// What only the program that makes a model knows: itself, the time, its command line.
+/// Facts known only to the program that makes a model: its version, the time, its command line.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Maker {
     /// Program and version, e.g. `hysteron 0.1.0`.
@@ -44,7 +44,7 @@ pub struct Maker {
 }
 
 impl Provenance {
-    /// How a model was made from these records with these options by name.
+    /// Provenance of a model made from these records with these options by name.
     pub fn new(
         maker: &Maker,
         records: Vec<RecordEntry>,

@@ -30,9 +30,8 @@ pub(super) enum StartKind {
 }
 
 impl ModelFile {
-    /// What the device is assumed to have done before a record, where nobody says otherwise;
-    /// [`Start::AsIdentified`]: it rested at the record's own first sample, [`Start::PERIODIC`]: the drive's
-    /// own period has been running for long.
+    /// Default start before a record. [`Start::AsIdentified`]: at rest at the record's own first sample;
+    /// [`Start::PERIODIC`]: the drive's own period has been running for long.
     pub fn start(&self) -> Start {
         match (&self.start.voltage, self.start.kind) {
             (Some(voltage), _) => Start::Rest { voltage_v: voltage.value },
@@ -55,7 +54,7 @@ impl ModelFile {
 }
 
 impl OscillatorFile {
-    /// As [`ModelFile::start`]; an oscillator rests without force.
+    /// [`ModelFile::start`] for an oscillator, which rests without force.
     pub fn start(&self) -> Start {
         match self.start {
             StartKind::Rest => Start::AsIdentified,

@@ -70,7 +70,7 @@ impl Drive {
         self.step_s
     }
 
-    /// What the force does beyond its last sample.
+    /// Continuation of the force beyond its last sample.
     pub fn ends(&self) -> RecordEnds {
         self.ends
     }

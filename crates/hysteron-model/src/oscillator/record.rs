@@ -15,7 +15,7 @@ impl Oscillator {
     /// followed from there.
     ///
     /// # Errors
-    /// As [`Drive::new`] and [`Self::simulate`]; [`SimulationError::Period`].
+    /// Those of [`Drive::new`] and [`Self::simulate`]; [`SimulationError::Period`].
     pub fn simulate_record(
         &self,
         u: &[f64],

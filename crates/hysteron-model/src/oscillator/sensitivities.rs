@@ -67,7 +67,8 @@ impl Oscillator {
     /// they are those of the steady state: the ones with respect to the first state are then 0.
     ///
     /// # Errors
-    /// As [`Self::simulate`]; [`SimulationError::NotContracting`] where a steady state has no derivatives.
+    /// Those of [`Self::simulate`]; [`SimulationError::NotContracting`] where a steady state has no
+    /// derivatives.
     pub fn simulate_with_sensitivities(
         &self,
         drive: &Drive,

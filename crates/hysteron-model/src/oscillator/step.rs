@@ -7,7 +7,7 @@
 use super::sensitivities::{PARTIALS, Tangent};
 use super::{Oscillator, OscillatorState};
 
-/// What the exponent asks for.
+/// Case of the exponent n: 1, 2 or any other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Power {
     One,

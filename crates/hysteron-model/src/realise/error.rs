@@ -15,7 +15,7 @@ pub enum RealiseError {
         name: &'static str,
         /// The value given.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
     /// The model's parameters belong to one sample rate.
@@ -24,15 +24,15 @@ pub enum RealiseError {
          {rate_hz} Hz"
     )]
     SampleRate {
-        /// What ties the model to its rate: a scheme, or `ARX`.
+        /// Scheme that ties the model to its rate, or `ARX`.
         scheme: &'static str,
         /// Rate of the model \[Hz\].
         model_hz: f64,
         /// Rate asked for \[Hz\].
         rate_hz: f64,
     },
-    /// The gain at zero frequency is infinite, or not reached in any time that matters: the model is realised
-    /// down to some frequency, which nobody has named.
+    /// The gain at zero frequency is infinite, or not reached in any time that matters: the lowest frequency
+    /// of the realisation must be named.
     #[error(
         "the model creeps for ever (its gain at zero frequency is infinite, or not reached in any time that \
          matters): name the lowest frequency to realise it down to"

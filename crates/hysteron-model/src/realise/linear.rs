@@ -37,7 +37,7 @@ pub struct LinearRealisation {
     pub sections: Vec<Section>,
     /// Whole samples of delay.
     pub delay_samples: usize,
-    /// What the block puts out at rest, over its input: G(0), or 1 where that is infinite.
+    /// Gain at rest: G(0), or 1 where that is infinite.
     pub rest_gain: f64,
     /// Largest |error of the response| over the band, as a share of `reference_gain`.
     pub frequency_error: f64,
@@ -67,7 +67,7 @@ impl LinearRealisation {
         self.sections.iter().map(Section::states).sum()
     }
 
-    /// What taps and sections add up to at rest: (where it creeps for ever) the gain at which it stops.
+    /// Sum of taps and sections at rest; where the model creeps for ever, the gain at which creep stops.
     pub fn held_gain(&self) -> f64 {
         self.taps.iter().sum::<f64>() + self.sections.iter().map(|s| s.weight.re).sum::<f64>()
     }
@@ -80,8 +80,8 @@ impl LinearRealisation {
         (taps + sections) / self.reference_gain
     }
 
-    /// The same as x⁺ = A x + B w, v = C x + D w of one input and one output: a register of the past inputs
-    /// that delay and taps reach, then the sections, real and imaginary part of a pair.
+    /// State-space form x⁺ = A x + B w, v = C x + D w of one input and one output: a register of the past
+    /// inputs that delay and taps reach, then the sections, real and imaginary part of a pair.
     pub fn state_space(&self) -> StateSpace {
         let depth = self.delay_samples + self.taps.len();
         let n = depth + self.states();

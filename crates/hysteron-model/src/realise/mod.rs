@@ -32,7 +32,7 @@ use crate::hammerstein::{Model, joins_means};
 use crate::record::InterSample;
 use serde::{Deserialize, Serialize};
 
-/// What a realisation is asked for.
+/// Options of a realisation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RealiseOptions {

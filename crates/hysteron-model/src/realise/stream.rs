@@ -25,7 +25,7 @@ pub struct RuntimeParts<T> {
 pub struct Coefficients<'a, T> {
     /// l\[u\] = Σ_{i≥1} polynomial\[i−1\] uⁱ.
     pub polynomial: &'a [T],
-    /// What adds memory to it.
+    /// Hysteresis operator that is added to it.
     pub operator: &'a RuntimeOperator<T>,
     /// The dynamic block.
     pub sections: Sections<'a, T>,
@@ -160,7 +160,7 @@ impl StreamParts {
     /// The parts of a realisation.
     ///
     /// # Errors
-    /// As [`RuntimeParts::new`].
+    /// Those of [`RuntimeParts::new`].
     pub fn new(realisation: &Realisation) -> Result<Self, RealiseError> {
         RuntimeParts::new(realisation).map(Self)
     }
@@ -168,7 +168,7 @@ impl StreamParts {
     /// The model, at rest and virgin at 0 V.
     ///
     /// # Errors
-    /// As [`RuntimeParts::model`].
+    /// Those of [`RuntimeParts::model`].
     pub fn stream(&mut self) -> Result<Stream<'_>, RealiseError> {
         self.0.model().map(Stream)
     }
@@ -195,7 +195,7 @@ impl Stream<'_> {
     /// Displacements along a drive.
     ///
     /// # Errors
-    /// As [`Self::step`].
+    /// Those of [`Self::step`].
     pub fn run(&mut self, drive: &[f64], out: &mut [f64]) -> Result<(), RealiseError> {
         for (y, &u) in out.iter_mut().zip(drive) {
             *y = self.step(u)?;
@@ -208,7 +208,7 @@ impl Stream<'_> {
 /// turn, so that whatever else the machine does meets all of them; `now` is a clock, from any time on.
 ///
 /// # Errors
-/// As [`Stream::step`].
+/// Those of [`Stream::step`].
 pub fn nanoseconds_per_sample(
     streams: &mut [Stream<'_>],
     drive: &[f64],

@@ -6,7 +6,7 @@ use super::stream::StreamParts;
 use super::{Realisation, RealiseError};
 use crate::start::Start;
 
-/// What a realisation does differently along one drive.
+/// Deviation of a realisation from the batch simulation along one drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verification {
     /// Largest difference to the batch simulation, as a share of its range.

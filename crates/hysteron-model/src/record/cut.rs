@@ -36,7 +36,7 @@ pub struct Cut {
 pub struct Condition {
     /// Bare name or header of the column; `valid` is the sample mask (1 and 0).
     pub column: String,
-    /// What its values must be.
+    /// Values kept.
     pub is: Admitted,
 }
 

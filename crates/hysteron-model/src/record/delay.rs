@@ -1,7 +1,7 @@
 //! Delay between drive and output, without mistaking the width of the loop for it.
 //!
 //! A hysteresis loop lags by the same *angle* at every frequency, a delay by the same *time*. One steady
-//! frequency cannot tell them apart; a start from rest, or several frequencies, can.
+//! frequency cannot distinguish them; a start from rest, or several frequencies, can.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +16,7 @@ const SPREAD: f64 = 1.4;
 /// Fewest spectral lines of one record for a line through their phases.
 const FEWEST_RESPONSES: usize = 8;
 
-/// What a record says about the delay.
+/// Delay identified from a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DelayFinding {
     /// From a jump out of rest: pure dead time beside a first-order lag.

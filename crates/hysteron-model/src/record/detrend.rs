@@ -36,8 +36,8 @@ impl Record {
     /// The record with the least-squares line through a channel's valid samples taken from the channel, and
     /// that line.
     ///
-    /// A drive that does not begin and end alike leaves a slope of its own, which is taken away as well; for
-    /// a periodic drive [`super::linear_drift`] tells the drift apart from the motion.
+    /// A drive that begins and ends at different values adds a slope, which is removed as well; for a
+    /// periodic drive [`super::linear_drift`] separates the drift from the motion.
     ///
     /// # Errors
     /// [`RecordError::NoSuchChannel`]; [`RecordError::NoTimes`]; [`RecordError::TooShort`] with fewer than

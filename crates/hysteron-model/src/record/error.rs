@@ -5,7 +5,7 @@ use hysteron_numeric::display::short;
 use super::time_base::NO_TIMES;
 use crate::advice::{Advice, ColumnRole};
 
-/// What is wrong with a record, or why a step cannot be done with it. Sample indices count from 0.
+/// Fault of a record, or the reason why a step cannot be done with it. Sample indices count from 0.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordError {
@@ -24,7 +24,7 @@ pub enum RecordError {
         got: usize,
         /// Samples needed.
         need: usize,
-        /// What they are needed for.
+        /// Purpose they are needed for.
         purpose: &'static str,
     },
     /// Channels, times or mask of different lengths.
@@ -69,7 +69,7 @@ pub enum RecordError {
         /// The name found.
         name: String,
     },
-    /// Two channels that cannot be told apart.
+    /// Two channels with the same header.
     #[error("record `{record}` has two channels `{channel}`; rename one of them")]
     DuplicateChannel {
         /// Name of the record.
@@ -84,9 +84,9 @@ pub enum RecordError {
     NoSuchChannel {
         /// Name of the record.
         record: String,
-        /// What was asked for.
+        /// The channel asked for.
         asked: String,
-        /// What it is to be.
+        /// Role it is chosen for.
         role: ColumnRole,
         /// The channels there are.
         available: String,
@@ -96,7 +96,7 @@ pub enum RecordError {
     AmbiguousChannel {
         /// Name of the record.
         record: String,
-        /// What it is to be.
+        /// Role to be filled.
         role: ColumnRole,
         /// The channels that could be meant.
         candidates: String,
@@ -108,9 +108,9 @@ pub enum RecordError {
     NoCandidate {
         /// Name of the record.
         record: String,
-        /// What it is to be.
+        /// Role to be filled.
         role: ColumnRole,
-        /// What such a channel would look like.
+        /// Features of such a channel.
         expected: &'static str,
         /// The channels there are.
         available: String,
@@ -144,13 +144,13 @@ pub enum RecordError {
     WrongUnit {
         /// Name of the record.
         record: String,
-        /// What it is to be.
+        /// Role of the channel.
         role: ColumnRole,
         /// The channel.
         channel: String,
         /// Its unit.
         unit: String,
-        /// What would be accepted.
+        /// Accepted units.
         expected: &'static str,
     },
     /// Time stamps that run backwards.
@@ -216,9 +216,9 @@ pub enum RecordError {
     NotUniform {
         /// Name of the record.
         record: String,
-        /// What was asked.
+        /// Operation asked for.
         purpose: &'static str,
-        /// What the time base is instead.
+        /// Description of the time base.
         found: &'static str,
     },
     /// A range of samples that is not inside the record.
@@ -270,7 +270,7 @@ pub enum RecordError {
         setting: &'static str,
         /// The value given.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
     /// A signal that never changes.
@@ -286,7 +286,7 @@ pub enum RecordError {
         channel: String,
         /// Its one value.
         value: f64,
-        /// What was asked.
+        /// Operation asked for.
         purpose: &'static str,
     },
     /// A signal in which no period was found.
@@ -294,7 +294,7 @@ pub enum RecordError {
     NotPeriodic {
         /// Name of the record.
         record: String,
-        /// What was asked.
+        /// Operation asked for.
         purpose: &'static str,
     },
     /// A step that needs time stamps.
@@ -304,7 +304,7 @@ pub enum RecordError {
     NoTimes {
         /// Name of the record.
         record: String,
-        /// What was asked.
+        /// Operation asked for.
         purpose: &'static str,
     },
     /// A cut that keeps next to nothing.
@@ -353,7 +353,7 @@ pub enum RecordError {
         first: String,
         /// Name of the other.
         second: String,
-        /// What differs.
+        /// Their difference.
         difference: String,
     },
     /// Records that overlap in time.
@@ -405,7 +405,7 @@ pub enum RecordError {
         frequency_hz: f64,
         /// Value found.
         found: String,
-        /// What is wanted.
+        /// Property required of the value.
         wanted: &'static str,
     },
     /// A standard deviation that is not positive and finite.

@@ -25,7 +25,7 @@ pub struct FrequencyResponse {
     /// Standard deviation σ of each value, in `unit`: σ² = E|error|², half of it in the real and half in the
     /// imaginary part. `None`: unknown.
     pub std_dev: Option<Vec<f64>>,
-    /// Output unit per input unit as in column headers (`um_per_V`); empty where nobody said.
+    /// Output unit per input unit as in column headers (`um_per_V`); empty where not given.
     pub unit: String,
     /// File it was read from.
     pub source: Option<Source>,
@@ -35,7 +35,7 @@ impl FrequencyResponse {
     /// A checked response without uncertainty, unit or source.
     ///
     /// # Errors
-    /// As [`Self::check`].
+    /// Those of [`Self::check`].
     pub fn new(name: &str, frequency_hz: Vec<f64>, values: Vec<Complex64>) -> Result<Self, RecordError> {
         let response = Self {
             name: name.to_owned(),
@@ -123,8 +123,8 @@ impl FrequencyResponse {
         }
     }
 
-    /// How far each point lies off its neighbours: |error| of a local quadratic in ln f through the two
-    /// points on either side, over what noise of unit deviation would give, the median of eleven such (of a
+    /// Scatter of each point about its neighbours: |error| of a local quadratic in ln f through the two
+    /// points on either side, over that from noise of unit deviation, the median of eleven such (of a
     /// Rayleigh distribution, whose median is √(ln 2) σ). An estimate of the noise where the response is
     /// smooth over a few points; larger at a resonance that only few points show.
     pub fn scatter(&self) -> Vec<f64> {

@@ -36,7 +36,7 @@ pub struct Inspection {
     pub kind: ExcitationKind,
     /// Lowest and highest frequency of the drive \[Hz\], the same for one frequency.
     pub frequency_span_hz: Option<(f64, f64)>,
-    /// How the record repeats, if it does.
+    /// Periods of the record, if it repeats.
     pub periods: Option<Periods>,
     /// Rms change of the output from one settled period to the next, in its unit.
     pub period_change_rms: Option<f64>,
@@ -59,7 +59,7 @@ pub struct Inspection {
     pub segments: Vec<Segment>,
     /// Start out of rest, if the record has one.
     pub start_up: Option<StartUp>,
-    /// What this means, in order of weight.
+    /// Conclusions, in order of weight.
     pub findings: Vec<Finding>,
 }
 

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{Clipping, DelayFinding, InputOutput, Inspection, LoopSense, NoiseMethod, Segment, Unit};
 use crate::finding::Finding;
 
-/// What was found in one record.
+/// Results of the inspection of one record.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InspectionSummary {
     /// The record's file, or its name where it comes from none.
@@ -24,9 +24,9 @@ pub struct InspectionSummary {
     pub input: ChannelSummary,
     /// The output.
     pub output: ChannelSummary,
-    /// What the drive does.
+    /// Kind and frequencies of the drive.
     pub drive: DriveSummary,
-    /// How the record repeats, if it does.
+    /// Periods of the record, if it repeats.
     pub periods: Option<PeriodsSummary>,
     /// Noise floor of the output, rms in its unit.
     pub noise_floor_rms: Option<f64>,
@@ -37,12 +37,12 @@ pub struct InspectionSummary {
     /// Loop of output over input.
     #[serde(rename = "loop")]
     pub loop_shape: Option<LoopSummary>,
-    /// What the record says about the delay.
+    /// Delay identified from the record.
     pub delay: Option<DelaySummary>,
     /// Stretches of even sampling with their drives; empty where there is one only.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub segments: Vec<Segment>,
-    /// What this means, in order of weight.
+    /// Conclusions, in order of weight.
     pub findings: Vec<InspectionFinding>,
 }
 
@@ -65,7 +65,7 @@ pub struct ChannelSummary {
     pub step: Option<f64>,
 }
 
-/// What the drive does.
+/// Kind and frequencies of a drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DriveSummary {
     /// Name of its [kind](super::ExcitationKind::name).
@@ -76,7 +76,7 @@ pub struct DriveSummary {
     pub high_hz: Option<f64>,
 }
 
-/// How a record repeats.
+/// Periods of a record.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PeriodsSummary {
     /// Whole periods.
@@ -106,7 +106,7 @@ pub struct LoopSummary {
     pub butterfly: bool,
 }
 
-/// What the record says about the delay.
+/// Delay identified from a record.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "from", rename_all = "kebab-case")]
 pub enum DelaySummary {

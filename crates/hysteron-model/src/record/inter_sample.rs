@@ -33,7 +33,7 @@ impl InterSample {
         }
     }
 
-    /// What it says, in a line.
+    /// One-line description.
     pub const fn summary(self) -> &'static str {
         match self {
             Self::Hold => "Each sample is held until the next: a converter without filter",

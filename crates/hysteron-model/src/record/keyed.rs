@@ -12,14 +12,14 @@ use serde_json::value::{RawValue, to_raw_value};
 pub struct Keyed(Vec<(String, Box<RawValue>)>);
 
 impl Keyed {
-    /// The same with one more entry; numbers that are not finite are null.
+    /// These entries and one more; numbers that are not finite are null.
     #[must_use]
     pub fn with(mut self, key: impl Into<String>, value: impl Serialize) -> Self {
         self.0.push((key.into(), to_raw_value(&value).unwrap_or_default()));
         self
     }
 
-    /// The same with every entry of an object; nothing is added by what is not one.
+    /// These entries and those of an object; a value that is none adds nothing.
     #[must_use]
     pub fn with_all(mut self, object: &impl Serialize) -> Self {
         let entries = to_raw_value(object).and_then(|text| serde_json::from_str::<Self>(text.get()));
@@ -27,7 +27,7 @@ impl Keyed {
         self
     }
 
-    /// The same with an entry in a unit, by its symbol.
+    /// These entries and one in a unit, by its symbol.
     #[must_use]
     pub fn in_unit(self, key: &str, symbol: &str, value: impl Serialize) -> Self {
         self.with(key_in(key, symbol), value)
@@ -53,7 +53,7 @@ impl Keyed {
     /// Value of an entry in a unit, by its symbol.
     ///
     /// # Errors
-    /// As [`Keyed::get`].
+    /// Those of [`Keyed::get`].
     pub fn get_in_unit<T: DeserializeOwned, E: serde::de::Error>(
         &self,
         key: &str,

@@ -181,7 +181,7 @@ impl Record {
     /// A record without mask or source, checked.
     ///
     /// # Errors
-    /// As [`Record::check`].
+    /// Those of [`Record::check`].
     pub fn new(name: &str, time: TimeBase, channels: Vec<Channel>) -> Result<Self, RecordError> {
         let record = Record { name: name.to_string(), time, channels, valid: None, source: None };
         record.check()?;
@@ -272,7 +272,7 @@ impl InputOutput {
     /// Input and output made in memory: `u` \[V\], `y` \[µm\], all samples valid, checked.
     ///
     /// # Errors
-    /// As [`Record::check`].
+    /// Those of [`Record::check`].
     pub fn new(name: &str, time: TimeBase, u: Vec<f64>, y: Vec<f64>) -> Result<Self, RecordError> {
         Record::new(name, time, vec![Channel::new("u", "V", u), Channel::new("y", "um", y)])?
             .input_output(&ChannelChoice::default())

@@ -1,4 +1,4 @@
-//! How much of the output is noise: what a model cannot and need not explain.
+//! Noise floor of the output: the part that a model cannot and need not explain.
 
 use super::turning_points::median;
 use super::{InputOutput, Periods};
@@ -8,11 +8,11 @@ use super::{InputOutput, Periods};
 pub struct NoiseFloor {
     /// Standard deviation, in the output's unit.
     pub rms: f64,
-    /// How it was found.
+    /// Method of the estimate.
     pub method: NoiseMethod,
 }
 
-/// How a [`NoiseFloor`] was found.
+/// Method that estimated a [`NoiseFloor`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoiseMethod {
     /// From successive periods: rms of (y_(m+1) − y_m, its straight-line trend removed) / √2. Whatever

@@ -7,7 +7,7 @@ use hysteron_numeric::fft::{RealFft, fast_length};
 /// Similarity of the drive with itself one period later above which it counts as repeating (1: exactly).
 const REPEATS: f64 = 0.98;
 
-/// How a record repeats.
+/// Periods of a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Periods {
     /// Length of one period \[samples\], not necessarily whole.
@@ -115,7 +115,7 @@ pub(crate) fn period_of(x: &[f64]) -> Option<(f64, f64)> {
         return None;
     }
     // The peak of the m-th multiple is m times as sharp a ruler.
-    // What repeats once must repeat to the end: the least similarity counts.
+    // A periodic signal repeats to the end: the least similarity counts.
     let (mut multiple, mut least) = (2, height);
     while multiple as f64 * period + 2.5 <= longest as f64 {
         let near = (multiple as f64 * period).round() as usize;

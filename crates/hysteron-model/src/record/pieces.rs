@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use super::TimeBase;
 
-/// Largest deviation from an even grid within a piece, in its periods: what a logger rounds its stamps by.
-/// Neighbouring segments whose rates differ by more are told apart at their first sample.
+/// Largest deviation from an even grid within a piece, in its periods: the rounding of a logger's stamps.
+/// Neighbouring segments whose rates differ by more are separated at their first sample.
 const TOLERANCE_PERIODS: f64 = 0.01;
 /// Fewest samples of a piece; shorter ones are single stamps.
 const FEWEST_SAMPLES: usize = 8;

@@ -21,8 +21,8 @@ const SAMPLES_A_CYCLE: f64 = 50.0;
 /// A fastest cycle \[s\] that is doubted.
 const SLOWEST_CYCLE_S: f64 = 600.0;
 
-/// What in a record cannot be of a piezo actuator, in plain words. `fastest_hz`: the drive's highest
-/// frequency, if known.
+/// Quantities of a record that are implausible for a piezo actuator, in plain words. `fastest_hz`: the
+/// drive's highest frequency, if known.
 pub fn implausible_units(data: &InputOutput, fastest_hz: Option<f64>) -> Vec<String> {
     [stroke(data), voltage(data), time(data, fastest_hz)].into_iter().flatten().collect()
 }
@@ -54,7 +54,7 @@ fn stroke(data: &InputOutput) -> Option<String> {
 
 fn voltage(data: &InputOutput) -> Option<String> {
     let (Quantity::Voltage, factor) = data.u_unit.base() else { return None };
-    // What moves nothing is no piezo actuator.
+    // The output of a piezo actuator is a motion.
     if !matches!(data.y_unit.base().0, Quantity::Length | Quantity::Angle) {
         return None;
     }

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::turning_points::range_of;
 use super::{Gap, Record, RecordError, Scale, TimeBase};
 
-/// What is done to records, in this order: joined to one, scaled, mean and trend removed, resampled. Nothing
-/// by default but the joining. What is cut out of each record before is a [`super::Cut`].
+/// Preparation of records, in this order: joined to one, scaled, mean and trend removed, resampled. By
+/// default they are only joined. A [`super::Cut`] of each record comes before.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Prepare {
@@ -25,7 +25,7 @@ pub struct Prepare {
 pub struct Prepared {
     /// The record.
     pub record: Record,
-    /// What was done, in order.
+    /// Steps done, in order.
     pub steps: Vec<Step>,
     /// Gaps between the samples before any resampling.
     pub gaps: Vec<Gap>,
@@ -48,7 +48,7 @@ pub struct PreparedSummary {
     pub columns: Vec<ColumnRange>,
     /// Gaps between the samples before any resampling.
     pub gaps: Vec<Gap>,
-    /// What was done, in order.
+    /// Steps done, in order.
     pub steps: Vec<Step>,
 }
 

@@ -1,6 +1,6 @@
-//! How fast a drive moves between its samples.
+//! Rate of a drive between its samples.
 
-/// What of a drive a memory depends on.
+/// Property of a drive that a hysteresis memory depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dependence {
     /// The order of its samples.
@@ -20,8 +20,8 @@ pub struct Pace {
     pub interval_s: f64,
 }
 
-/// How the drive `u` \[V\] at `times_s` \[s\] comes to each of its samples, on a straight line from the one
-/// before; a device at rest comes to the first without rate and in no time.
+/// Rate and duration of the move of the drive `u` \[V\] at `times_s` \[s\] to each of its samples, on a
+/// straight line from the one before; both are 0 at the first, where a device rests.
 pub fn paces_on(times_s: &[f64], u: &[f64]) -> Vec<Pace> {
     let moves = times_s.windows(2).zip(u.windows(2));
     let paces = moves.map(|(times, u)| {

@@ -28,7 +28,7 @@ impl Record {
     /// length or angle, and not the input or output by the rules of [`Record::select`].
     ///
     /// # Errors
-    /// As [`InputOutput::resampled`].
+    /// Those of [`InputOutput::resampled`].
     pub fn resampled(&self, sample_rate_hz: f64) -> Result<Record, RecordError> {
         let columns: Vec<&[f64]> = self.channels.iter().map(|c| c.samples.as_slice()).collect();
         let new = match resampled(&self.name, &self.time, self.valid.as_deref(), &columns, sample_rate_hz)? {
@@ -63,7 +63,7 @@ impl InputOutput {
     ///
     /// Uniform samples are interpolated with a Kaiser-windowed sinc of 2 · 32 zero crossings, cut off at 0.92
     /// of the lower Nyquist frequency (so nothing aliases); within that distance of the ends the kernel is
-    /// what is left of it, scaled to unit gain at zero frequency. Measured on a sine at 0.4 of the old rate's
+    /// truncated and scaled to unit gain at zero frequency. Measured on a sine at 0.4 of the old rate's
     /// Nyquist frequency: error below 1e-4 of the amplitude, away from the ends. A new sample is valid where
     /// its two old neighbours are.
     ///
@@ -96,7 +96,7 @@ impl InputOutput {
     /// Every `factor`-th sample, after the low-pass that this needs (see [`InputOutput::resampled`]).
     ///
     /// # Errors
-    /// As [`InputOutput::resampled`]; [`RecordError::BadSetting`] for a factor of 0.
+    /// Those of [`InputOutput::resampled`]; [`RecordError::BadSetting`] for a factor of 0.
     pub fn decimated(&self, factor: usize) -> Result<InputOutput, RecordError> {
         if factor == 0 {
             return Err(RecordError::BadSetting {

@@ -21,8 +21,7 @@ const END: f64 = 0.05;
 /// Range of the drive over which it counts as resting at a level, small oscillations included, as a share of
 /// that of the record.
 const LEVEL: f64 = 0.02;
-/// Rest at a level that is a segment of its own: so many samples and such a share of those at one rate, at
-/// least.
+/// Fewest samples of a rest at a level that is a separate segment, and its least share of those at one rate.
 const REST_SAMPLES: usize = 40;
 const REST_SHARE: f64 = 0.2;
 /// Frequencies on either side of a sine at which its scatter is sought, in lines of the whole periods, and
@@ -109,8 +108,7 @@ impl InputOutput {
         parts
     }
 
-    /// What the drive does in each stretch of even sampling and what the output answers; empty where there is
-    /// one only.
+    /// Drive and response of the output in each stretch of even sampling; empty where there is one only.
     pub fn segments(&self) -> Vec<Segment> {
         let range = span(&self.u);
         let parts = self.parts();
@@ -181,7 +179,7 @@ fn regimes(u: &[f64], samples: Range<usize>, most: f64) -> Vec<Range<usize>> {
     if longest.len() < least {
         return vec![samples];
     }
-    // What is left beside a rest and too short for a regime belongs to it.
+    // A remainder beside a rest that is too short for a regime belongs to the rest.
     let mut rest = samples.start + longest.start..samples.start + longest.end;
     if rest.start - samples.start < REST_SAMPLES {
         rest.start = samples.start;

@@ -23,7 +23,7 @@ pub struct Selection {
     pub input: usize,
     /// Index of the output channel.
     pub output: usize,
-    /// What was decided without being told, and what looks odd about the choice.
+    /// Choices made automatically, and oddities about them.
     pub notes: Vec<Finding>,
 }
 
@@ -38,7 +38,7 @@ pub struct Signal {
     pub name: String,
     /// When the samples were taken.
     pub time: TimeBase,
-    /// What was decided without being told.
+    /// Choices made automatically.
     pub notes: Vec<Finding>,
 }
 
@@ -169,7 +169,7 @@ impl Record {
     /// they are.
     ///
     /// # Errors
-    /// As [`Record::select`] and [`Record::check`].
+    /// Those of [`Record::select`] and [`Record::check`].
     pub fn input_output(&self, choice: &ChannelChoice) -> Result<InputOutput, RecordError> {
         self.check()?;
         let selection = self.select(choice)?;
@@ -199,7 +199,7 @@ impl Record {
     /// name.
     ///
     /// # Errors
-    /// As [`Record::select`] for the input, and [`Record::check`].
+    /// Those of [`Record::select`] for the input, and [`Record::check`].
     pub fn drive(&self, input: Option<&str>) -> Result<Signal, RecordError> {
         self.alone(input, Role::Input)
     }
@@ -207,7 +207,7 @@ impl Record {
     /// [`Record::drive`] with the output measured beside it, if there is one.
     ///
     /// # Errors
-    /// As [`Record::drive`].
+    /// Those of [`Record::drive`].
     pub fn driven(&self, input: Option<&str>) -> Result<Driven, RecordError> {
         let drive = self.drive(input)?;
         let choice = ChannelChoice { input: input.map(str::to_owned), output: None };
@@ -220,7 +220,7 @@ impl Record {
     /// of length or angle.
     ///
     /// # Errors
-    /// As [`Record::drive`].
+    /// Those of [`Record::drive`].
     pub fn reference(&self, reference: Option<&str>) -> Result<Signal, RecordError> {
         self.alone(reference, Role::Reference)
     }

@@ -16,7 +16,7 @@ const BENT: f64 = 0.005;
 /// … and that is so many times less straight.
 const TIMES: f64 = 5.0;
 
-/// How straight the moves of a record are: rms departure from a straight line in time over the size of the
+/// Straightness of the moves of a record: rms departure from a straight line in time over the size of the
 /// move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Servo {

@@ -1,9 +1,9 @@
-//! How fast a drive swings, whatever its time base and its amplitudes.
+//! Frequencies at which a drive swings, whatever its time base and its amplitudes.
 
 use super::turning_points::{shortest_swing, span, turning_points};
 use super::{Piece, TimeBase};
 
-/// Reversals that count within a piece: of this share of its own range.
+/// Reversals that count within a piece: of this share of the piece's range.
 const OWN_SHARE: f64 = 0.3;
 /// A piece whose drive moves by less than this share of that of the record holds it.
 const HELD: f64 = 1e-3;

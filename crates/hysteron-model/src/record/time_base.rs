@@ -8,13 +8,13 @@ use super::{RecordError, TimeBase};
 /// A tenth of a sample is what a stamp rounded to a fifth of the period makes. A missing sample moves its
 /// neighbours by about half a period and is never accepted.
 pub const UNIFORM_TOLERANCE_SAMPLES: f64 = 0.1;
-/// The same for a part of a record whose stamps are uneven as a whole.
+/// [`UNIFORM_TOLERANCE_SAMPLES`] for a part of a record whose stamps are uneven as a whole.
 const PART_TOLERANCE_SAMPLES: f64 = 0.01;
 
 /// A sample rate given beside a time column may differ from the column's mean rate by this fraction.
 pub const GIVEN_RATE_TOLERANCE: f64 = 0.005;
 
-/// What a record without time stamps is said to be.
+/// Description of a record without time stamps, for messages.
 pub(crate) const NO_TIMES: &str = "it has neither a time column nor a sample rate";
 
 impl TimeBase {
@@ -44,7 +44,7 @@ impl TimeBase {
     /// chance keep as well.
     ///
     /// # Errors
-    /// As [`TimeBase::from_times`].
+    /// Those of [`TimeBase::from_times`].
     pub(super) fn of_part(record: &str, times_s: Vec<f64>) -> Result<Self, RecordError> {
         Self::from_times_within(PART_TOLERANCE_SAMPLES, record, times_s)
     }
@@ -71,8 +71,9 @@ impl TimeBase {
     /// jitter.
     ///
     /// # Errors
-    /// As [`TimeBase::from_times`]; [`RecordError::BadSampleRate`]; [`RecordError::RateContradictsTime`]
-    /// where the column's mean rate differs by more than [`GIVEN_RATE_TOLERANCE`].
+    /// Those of [`TimeBase::from_times`]; [`RecordError::BadSampleRate`];
+    /// [`RecordError::RateContradictsTime`] where the column's mean rate differs by more than
+    /// [`GIVEN_RATE_TOLERANCE`].
     pub fn from_times_at_rate(
         record: &str,
         times_s: &[f64],
@@ -143,7 +144,7 @@ impl TimeBase {
         }
     }
 
-    /// What the base is, for messages, where it is not uniform.
+    /// Description of the base, for messages, where it is not uniform.
     pub(crate) fn description(&self) -> &'static str {
         match self {
             TimeBase::Uniform { .. } => "it is uniform",

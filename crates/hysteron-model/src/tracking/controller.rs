@@ -70,7 +70,7 @@ impl ControllerFamily {
     }
 }
 
-/// What the controllers know of the reference.
+/// Knowledge of the reference that the controllers have: preview and prediction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReferenceKnowledge {
     /// Samples known ahead; `None`: as many as the inverse makes use of.

@@ -2,7 +2,7 @@
 //! adaptation.
 //!
 //! [`track`] makes every controller ready from the model ([`crate::control`]), plays it on the plant, scores
-//! what is left of the reference and measures by sines how far up it follows.
+//! its tracking error and measures its bandwidth with sines.
 
 mod controller;
 mod options;

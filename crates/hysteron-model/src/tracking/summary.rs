@@ -60,7 +60,7 @@ pub struct ControllerSummary {
     pub drive_low: Option<f64>,
     /// Largest drive.
     pub drive_high: Option<f64>,
-    /// What the loop does beside its errors.
+    /// Limits, bandwidths, margins and adaptation of the loop.
     pub answer: LoopAnswer,
 }
 
@@ -73,15 +73,15 @@ pub struct LoopAnswer {
     pub samples_at_slew: usize,
     /// Bandwidth by formula, −3 dB \[Hz\].
     pub minus_3_db_formula_hz: Option<f64>,
-    /// The same as played; `None` where it lies beyond the sines.
+    /// Bandwidth as played, −3 dB \[Hz\]; `None` where it lies beyond the sines.
     pub minus_3_db_played_hz: Option<f64>,
     /// Bandwidth by formula, an error of 1 % \[Hz\].
     pub one_percent_error_formula_hz: Option<f64>,
-    /// The same as played; `None` where it lies beyond the sines.
+    /// Bandwidth as played, an error of 1 % \[Hz\]; `None` where it lies beyond the sines.
     pub one_percent_error_played_hz: Option<f64>,
     /// Formula and play are more than a tenth apart.
     pub bandwidths_differ: Option<bool>,
-    /// What became of each sine.
+    /// Response to each sine.
     pub sines: Vec<SineSummary>,
     /// Law of the feedback; `None` where there is none, as the margins.
     pub law: Option<String>,
@@ -97,12 +97,12 @@ pub struct LoopAnswer {
     pub adaptation: Option<AdaptationSummary>,
 }
 
-/// What became of a sine.
+/// Response to one sine.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SineSummary {
     /// Its frequency \[Hz\].
     pub frequency_hz: f64,
-    /// What is left of it, rms in per cent of its stroke.
+    /// Tracking error, rms in per cent of the sine's stroke.
     pub error_percent_of_stroke: Option<f64>,
     /// Displacement over reference.
     pub gain: Option<f64>,
@@ -131,7 +131,7 @@ pub struct AdaptationSummary {
     pub phase_error_deg: Option<f64>,
     /// Where it does \[Hz\].
     pub phase_error_at_hz: Option<f64>,
-    /// What is left to 90 degrees.
+    /// Margin of the phase error to 90 degrees \[degrees\].
     pub phase_margin_deg: Option<f64>,
     /// Rms that the best constant weights would have left, in per cent of the stroke.
     pub best_weights_rms_percent_of_stroke: Option<f64>,

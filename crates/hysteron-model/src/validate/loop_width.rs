@@ -1,7 +1,7 @@
 //! Opening of a hysteresis loop at mid-range input.
 
 /// Fraction of the input range by which the input must pass the middle, on both sides, for a passage to
-/// count: a noisy input that dithers about the middle makes no passages of its own.
+/// count: a noisy input that dithers about the middle makes no additional passages.
 const CLEARANCE: f64 = 0.05;
 
 /// Opening of the loop at mid-range input: mean output of the downward passages through the middle of the

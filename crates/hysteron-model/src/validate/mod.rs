@@ -19,7 +19,7 @@ use crate::hammerstein::SimulationError;
 use crate::record::{InputOutput, TimeBase};
 use serde::{Deserialize, Serialize};
 
-/// How a record is scored.
+/// Options of scoring.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Scoring {
@@ -27,11 +27,11 @@ pub struct Scoring {
     /// what a model without dynamics cannot follow ([`unfollowed_start`]), where a [`Model`](crate::Model) is
     /// scored.
     pub skip_s: Option<f64>,
-    /// What is done about the constant difference between the record and the simulation.
+    /// Treatment of the constant difference between the record and the simulation.
     pub offset: OffsetTreatment,
 }
 
-/// What is done about the constant difference between a record and its simulation.
+/// Treatment of the constant difference between a record and its simulation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OffsetTreatment {
@@ -199,13 +199,13 @@ pub fn score(record: &InputOutput, simulated: &[f64], scoring: &Scoring) -> Resu
 /// The mean residual y − ŷ over all valid samples: the offset that [`score`] estimates.
 ///
 /// # Errors
-/// As [`score`].
+/// Those of [`score`].
 #[doc(hidden)]
 pub fn mean_residual(record: &InputOutput, simulated: &[f64]) -> Result<f64, ScoreError> {
     Ok(mean(&compared(record, simulated, 0.0)?.e))
 }
 
-/// What is scored of a record.
+/// Scored samples of a record.
 struct Compared {
     /// Which samples.
     scored: Vec<bool>,
@@ -274,7 +274,7 @@ pub struct Definition {
     pub name: &'static str,
     /// Unit; `output` stands for the unit of the record's output.
     pub unit: &'static str,
-    /// What is computed.
+    /// The quantity computed.
     pub meaning: &'static str,
 }
 

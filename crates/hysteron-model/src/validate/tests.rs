@@ -226,7 +226,7 @@ fn definitions_name_every_score_once() {
 }
 
 proptest! {
-    /// Whatever finite numbers come in, scores are finite, ordered as they must be, and no panic happens.
+    /// For any finite numbers, scores are finite, ordered as they must be, and no panic happens.
     #[test]
     fn scores_are_finite_and_ordered(
         samples in prop::collection::vec((-1e3..1e3_f64, -1e3..1e3_f64, -1e3..1e3_f64, any::<bool>()), 0..120),

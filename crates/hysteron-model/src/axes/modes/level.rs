@@ -1,9 +1,9 @@
-//! The slow state: how hard the device has been driven of late.
+//! The slow state: recent level of the drive.
 
 use super::positive;
 use crate::axes::AxesError;
 
-/// How the level of the drive (rms of the inputs about their means, over all inputs) sets S.
+/// Scheduling law: S as a function of the drive level (rms of the inputs about their means, over all inputs).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LevelLaw {
     /// Level at which S = 0, the highest identified \[V\].

@@ -56,7 +56,7 @@ pub struct ScheduledModes {
     pub sample_rate_hz: f64,
     /// Steps from one sample to the next.
     pub steps: usize,
-    /// How the level of the drive sets S.
+    /// Scheduling law: S as a function of the drive level.
     pub level: LevelLaw,
     /// Re p_k, Im p_k of every mode, then α_i: 2K + N numbers.
     pub transition: Vec<f64>,
@@ -80,7 +80,7 @@ pub struct ScheduledModes {
     pub feedback: Option<FeedbackStrain>,
 }
 
-/// What depends on the level, at one level.
+/// Level-dependent coefficients at one S.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AtLevel {
     /// p + S p'.
@@ -115,7 +115,7 @@ impl ScheduledModes {
         self.sample_rate_hz * self.steps as f64
     }
 
-    /// What depends on the level, at S.
+    /// Level-dependent coefficients at S.
     pub fn at(&self, s: f64) -> AtLevel {
         let mut at = AtLevel::default();
         self.set(s, &mut at);

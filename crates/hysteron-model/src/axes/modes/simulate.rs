@@ -251,10 +251,10 @@ impl ScheduledModes {
         Ok(self.lists(&y))
     }
 
-    /// As [`Self::simulate`] from rest, after a drive of this level \[V\].
+    /// [`Self::simulate`] from rest, with this initial drive level \[V\].
     ///
     /// # Errors
-    /// As [`Self::simulate`].
+    /// Those of [`Self::simulate`].
     pub fn simulate_after(
         &self,
         u: &[Vec<f64>],

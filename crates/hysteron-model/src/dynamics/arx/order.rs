@@ -4,7 +4,7 @@ use super::fit::{ArxFit, ArxOrders, ArxRecord, fit_after};
 use crate::dynamics::DynamicsError;
 use crate::start::Start;
 
-/// What the orders are chosen by; with M equations, p unknowns and the mean squared prediction error V.
+/// Criterion for the orders; with M equations, p unknowns and the mean squared prediction error V.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum OrderCriterion {
     /// M ln V + 2p (Akaike 1974, doi:10.1109/TAC.1974.1100705).
@@ -25,7 +25,7 @@ pub struct ArxSearch {
     pub max_nb: usize,
     /// Delays in samples, 0 … `max_nk`.
     pub max_nk: usize,
-    /// What decides.
+    /// Criterion of the choice.
     pub criterion: OrderCriterion,
 }
 

@@ -76,7 +76,7 @@ pub(super) struct Images {
     nearest: OnceLock<Vec<Frequencies>>,
 }
 
-/// What a candidate's images are weighted with.
+/// Weights of a candidate's images.
 pub(super) struct ImageWeights {
     /// For Cₚ and Cₚ₋₁.
     weights: [[Complex64; 2 * PLACES]; 2],
@@ -84,7 +84,7 @@ pub(super) struct ImageWeights {
     slopes: [Complex64; 2 * PLACES],
     /// Delay in periods of the drive.
     turns: f64,
-    /// What G does not fall below.
+    /// G(∞).
     gain: f64,
 }
 
@@ -192,7 +192,7 @@ impl Images {
     ) -> bool {
         let ImageWeights { weights: [own, before], slopes, gain, .. } = weights;
         let set = candidate.set;
-        // What the value gains where G falls less fast.
+        // Derivative of the value in the roll-off order of G − G(∞).
         let mut moved = [Complex64::ZERO; SUMS];
         let (mut g, mut w) = (Block::ZERO, Block::ZERO);
         let mut out = [Complex64::ZERO; BLOCK];
@@ -375,7 +375,7 @@ impl NearImage {
 }
 
 impl ImageWeights {
-    /// What G does not fall below.
+    /// G(∞).
     pub(super) fn gain(&self) -> f64 {
         self.gain
     }
@@ -416,7 +416,7 @@ fn both_sides(above: &[Complex64; PLACES]) -> [Complex64; 2 * PLACES] {
     weights
 }
 
-/// What G does at high frequencies.
+/// High-frequency asymptote of G.
 struct HighEnd {
     /// d = G(∞).
     gain: f64,
@@ -429,7 +429,7 @@ struct HighEnd {
 impl HighEnd {
     /// `None` where G grows.
     fn of(tf: &TransferFunction) -> Option<Self> {
-        /// How fast a constant is taken to fall to itself.
+        /// `fall` of a constant, whose G − d is 0.
         const AT_ONCE: f64 = 40.0;
         let (b, a) = (highest(&tf.numerator), highest(&tf.denominator));
         if b.order > a.order {

@@ -23,7 +23,7 @@ const IN_PHASE: f64 = 1e-12;
 /// Turns over a block behind which a sum of a power of k is given by its first terms at the lower end.
 const MANY_TURNS: f64 = 300.0;
 
-/// What block sums follow from, whatever q is.
+/// Interpolation tables of the block sums, independent of q.
 #[derive(Debug)]
 pub(super) struct BlockRule {
     nodes: [f64; NODES],
@@ -154,7 +154,7 @@ impl BlockRule {
     /// Σ q^(k − start) (k/start)^−fall over k ≥ `start`; `block`: sums over a block of that length.
     fn rest(&self, turns: f64, start: f64, fall: f64, mut block: [Complex64; NODES]) -> Complex64 {
         if turns.abs() < IN_PHASE {
-            // What does not converge is as large on the other side, with the opposite sign.
+            // The divergent part cancels that of the images on the other side.
             let integral = if fall > 1.0 { start / (fall - 1.0) } else { 0.0 };
             return Complex64::from(integral + 0.5 + fall / (12.0 * start));
         }

@@ -6,8 +6,8 @@ use crate::record::{Dependence, InterSample, Pace, paces_on};
 /// hysteresis is taken to go along a straight line, which leaves out less than an eighth of its curvature
 /// over the move.
 const LARGEST_MOVE: f64 = 1.0 / 400.0;
-/// The same for hysteresis that depends on time: where the drive speeds up, all its plays stand still
-/// together, and go on together, or they bend as they take hold.
+/// [`LARGEST_MOVE`] for hysteresis that depends on time: where the drive speeds up, all its plays stick and
+/// release together, or bend as they engage.
 const LARGEST_MOVE_IN_TIME: f64 = 1.0 / 1000.0;
 /// Most knots that one step is divided into.
 const MOST_PARTS: f64 = 1000.0;

@@ -33,7 +33,7 @@ type Tangents<'a> = Option<&'a Linearised>;
 /// Share of the steps that may be shorter than the one that sets the fastest rate.
 const SHORT_STEPS: f64 = 0.01;
 
-/// What a simulation on stamps needs to know of the record: when its input and its output were sampled.
+/// Simulation plan on time stamps: when input and output of the record were sampled.
 #[derive(Clone, Debug)]
 pub struct StampedPlan {
     knots_s: Vec<f64>,
@@ -110,7 +110,7 @@ impl StampedPlan {
     /// `tf` behind a delay \[s\], with its derivatives where a linearised form is given.
     ///
     /// # Errors
-    /// What [`TransferFunction::validate`] refuses; [`DynamicsError::Unstable`], [`DynamicsError::Improper`],
+    /// Those of [`TransferFunction::validate`]; [`DynamicsError::Unstable`], [`DynamicsError::Improper`],
     /// [`DynamicsError::Parameter`] for a delay that is negative or not finite;
     /// [`DynamicsError::OutputNotFinite`] where G is no sum of relaxations and resonances.
     pub fn response(
@@ -181,7 +181,7 @@ impl StampedPlan {
     /// is worked out beside them.
     ///
     /// # Errors
-    /// As [`Self::apply`].
+    /// Those of [`Self::apply`].
     pub fn apply_each(
         &self,
         response: &StampedResponse,
@@ -192,11 +192,11 @@ impl StampedPlan {
         self.read(response, &[&response.value], inputs, workspace, outputs)
     }
 
-    /// As [`Self::apply`] for derivative `which` of the response: a parameter's, or the delay's, which is the
+    /// [`Self::apply`] for derivative `which` of the response: a parameter's, or the delay's, which is the
     /// last.
     ///
     /// # Errors
-    /// As [`Self::apply`]; [`DynamicsError::NoTangent`].
+    /// Those of [`Self::apply`]; [`DynamicsError::NoTangent`].
     pub fn apply_tangent(
         &self,
         response: &StampedResponse,
@@ -211,7 +211,7 @@ impl StampedPlan {
     /// [`Self::apply_tangent`] of several derivatives in one pass: one output beside each.
     ///
     /// # Errors
-    /// As [`Self::apply_tangent`].
+    /// Those of [`Self::apply_tangent`].
     pub fn apply_tangents(
         &self,
         response: &StampedResponse,

@@ -39,7 +39,7 @@ impl Stretch {
     }
 }
 
-/// φ₁, φ₂ and their derivatives for |x| < 0.5; what is left out is below 0.5¹⁶/17!.
+/// φ₁, φ₂ and their derivatives for |x| < 0.5; truncation error below 0.5¹⁶/17!.
 fn phi_series(x: Complex64) -> [Complex64; 4] {
     let mut sums = [Complex64::ZERO; 4];
     let mut power = Complex64::ONE;

@@ -20,8 +20,8 @@ const FREQUENCIES: (f64, f64) = (0.1, 4.0 * PI);
 const PER_DECADE: usize = 16;
 /// Singular values below this share of the largest are left out: they buy accuracy with weights that cancel.
 const SMALLEST: f64 = 1e-11;
-/// What is constant to this share of the largest response needs no relaxations: resonances and real poles
-/// describe all else.
+/// Largest deviation from a constant, as a share of the largest response, that needs no relaxations:
+/// resonances and real poles describe the rest.
 const CONSTANT: f64 = 1e-12;
 /// Largest error of the response over the fit, as a share of the largest response.
 const ACCURACY: f64 = 1e-5;

@@ -7,9 +7,9 @@ use super::Tangents;
 use hysteron_numeric::Complex64;
 
 /// Poles within this share of π of the negative real axis are described by relaxations where they cannot be
-/// told apart.
+/// resolved.
 const RELAXING: f64 = 0.05;
-/// Poles nearer to one another than this share of their size are not told apart: their residues cancel.
+/// Poles nearer to one another than this share of their size are not resolved: their residues cancel.
 const APART: f64 = 0.05;
 
 /// A pair of poles of G, by its member above the real axis: G = … + R/(s − p) + R̄/(s − p̄). A real pole

@@ -39,8 +39,7 @@ fn a_covariance_leaves_out_what_is_not_known() {
 
 #[test]
 fn a_covariance_that_rounding_spoiled_is_written_and_read() {
-    // Three parameters that cannot be told apart: the lowest eigenvalue of the correlation is about -1e-7,
-    // not 0.
+    // Three indistinguishable parameters: the lowest eigenvalue of the correlation is about -1e-7, not 0.
     let off = 1.0 - 1e-7;
     let spoiled = DMatrix::from_row_slice(3, 3, &[1.0, 1.0, 1.0, 1.0, 1.0, off, 1.0, off, 1.0]);
     assert!(spoiled.clone().symmetric_eigenvalues().min() < -1e-8);

@@ -121,7 +121,7 @@ fn segments_of_different_rates_do_not_alias_and_a_gap_is_masked() {
         }
     }
     assert_eq!(masked, 49);
-    // What is sampled more finely than it was lies on straight lines.
+    // A segment resampled to a finer rate lies on straight lines.
     let fine = record.resampled(1000.0).unwrap();
     let (y, t) = (&fine.channels[0].samples, |k| fine.time.time_s(k).unwrap());
     assert!((y[2505] - 0.5 * (y[2500] + y[2510])).abs() < 1e-4, "{} {}", y[2505], t(2505));
