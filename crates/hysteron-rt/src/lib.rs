@@ -68,6 +68,6 @@ pub use parameter_error::ParameterError;
 pub use plane::{LEAST_TURNS, Plane, Turn, Turns};
 pub use play::{
     ActivatedMove, ActivatedPlays, BrokenLine, Piece, PlayBank, PlayError, SLOPES, SidedPlays, Sides,
-    bernstein_integrals, play,
+    bernstein_integrals, between, between_ramps, each_band, play, push, ramp,
 };
 pub use real::{Real, Scalar};
