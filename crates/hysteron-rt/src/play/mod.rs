@@ -34,7 +34,7 @@ pub fn between<S: Scalar>(sides: [S; 2], mut state: S) -> S {
 /// Moves a play [`between`] its sides: with derivatives it takes those of the side that pushes it, and keeps
 /// its own where none does.
 #[inline(always)]
-pub fn push<S: Scalar>(state: &mut S, [low, high]: [S; 2]) {
+fn push<S: Scalar>(state: &mut S, [low, high]: [S; 2]) {
     let (lowest, highest, before) = (low.value(), high.value(), state.value());
     if !S::HAS_DERIVATIVES {
         // Plain numbers by minimum and maximum, without a branch; duals are too long to copy unasked.
