@@ -65,9 +65,9 @@ pub use online::{
     Unexcited,
 };
 pub use parameter_error::ParameterError;
-pub use plane::{LEAST_TURNS, Plane, Turn, Turns};
+pub use plane::{LEAST_TURNS, Plane, Turn, Turns, wipe_out};
 pub use play::{
     ActivatedMove, ActivatedPlays, BrokenLine, Piece, PlayBank, PlayError, SLOPES, SidedPlays, Sides,
-    bernstein_integrals, play,
+    bernstein_integrals, between, between_ramps, each_band, play, ramp,
 };
 pub use real::{Real, Scalar};

@@ -4,10 +4,10 @@
 //! Source: K. Kuhnen, "Modeling, identification and compensation of complex hysteretic nonlinearities: a
 //! modified Prandtl–Ishlinskii approach", *Eur. J. Control* 9 (2003) 407–418, doi:10.3166/ejc.9.407-418.
 
-use hysteron_rt::{Scalar, Sides};
+use hysteron_rt::{Scalar, Sides, each_band};
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
+use super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
 use super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, MeanLine, NumberUnit,
     RuntimeOperator, Search, ShapeNumber, ends, in_a_row,
@@ -36,11 +36,12 @@ pub struct DeadZonePlays {
     pub thresholds: Vec<f64>,
 }
 
-/// Where the plays stand, their shares gⱼ, and the present voltage.
+/// Where the plays stand, their shares gⱼ, the corners, and the present voltage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeadZonePlayStates<S> {
     plays: PlayStates<S>,
     shares: Vec<S>,
+    corners: Vec<f64>,
     u: S,
 }
 
@@ -52,15 +53,10 @@ impl DeadZonePlays {
         Self { range, thresholds: (1..=plays).map(|j| j as f64 * distance).collect() }
     }
 
-    /// Corner number `index`, from 1 on.
-    fn corner(&self, index: usize) -> f64 {
-        let [low, high] = self.range;
-        low + (high - low) * index as f64 / BANDS as f64
-    }
-
     /// The corners \[V\].
     pub(crate) fn corners(&self) -> Vec<f64> {
-        (1..BANDS).map(|index| self.corner(index)).collect()
+        let [low, high] = self.range;
+        (1..BANDS).map(|index| low + (high - low) * index as f64 / BANDS as f64).collect()
     }
 
     /// s gⱼ: what each play counts in the mean.
@@ -104,8 +100,8 @@ impl ColumnKernel for DeadZonePlays {
     }
 
     fn virgin<S: Scalar<Real = f64>>(&self, shape: &[S], u: S) -> DeadZonePlayStates<S> {
-        let shares = self.shares(shape);
-        DeadZonePlayStates { plays: PlayStates::at(self.thresholds.len(), u), shares, u }
+        let (shares, corners) = (self.shares(shape), self.corners());
+        DeadZonePlayStates { plays: PlayStates::at(self.thresholds.len(), u), shares, corners, u }
     }
 
     fn advance<S: Scalar<Real = f64>>(
@@ -114,25 +110,24 @@ impl ColumnKernel for DeadZonePlays {
         state: &mut DeadZonePlayStates<S>,
         u: f64,
     ) -> Result<(), HysteresisError> {
-        state.plays.advance(&self.thresholds, S::constant(1.0), [1.0, 1.0], u);
+        state.plays.advance(self.thresholds.iter().map(|&threshold| S::constant(threshold)), u);
         state.u = S::constant(u);
         Ok(())
     }
 
     fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &DeadZonePlayStates<S>, out: &mut [S]) {
-        let DeadZonePlayStates { plays, shares, u } = state;
+        let DeadZonePlayStates { plays, shares, corners, u } = state;
         // (1 − Σ g) u + Σ g F, from how far the plays are behind.
         let behind =
             plays.plays.iter().zip(shares).fold(S::constant(0.0), |sum, (f, g)| sum + *g * (*f - *u));
         let h = *u + behind;
-        let (own, bands) = out.split_at_mut(self.thresholds.len().min(out.len()));
-        own.iter_mut().zip(&plays.plays).for_each(|(out, play)| *out = *play);
-        for (index, band) in bands.iter_mut().enumerate() {
-            let low = if index == 0 { f64::NEG_INFINITY } else { self.corner(index) };
-            let high = if index + 1 == BANDS { f64::INFINITY } else { self.corner(index + 1) };
-            let within = between(S::constant(low), h, S::constant(high));
-            *band = within.shift(-self.corner(index.max(1)));
-        }
+        plays.read(out);
+        let mut rest = out.iter_mut().skip(self.thresholds.len());
+        each_band(corners, h, |band| {
+            if let Some(out) = rest.next() {
+                *out = band;
+            }
+        });
     }
 }
 

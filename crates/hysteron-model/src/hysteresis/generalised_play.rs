@@ -7,7 +7,7 @@
 use hysteron_rt::{Scalar, Sides};
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
+use super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
 use super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, NumberUnit, RuntimeOperator, Search,
     ShapeNumber,
@@ -36,15 +36,16 @@ pub struct GeneralisedPlayStates<S> {
     plays: Vec<S>,
 }
 
-/// tanh(a (u − c)).
-fn envelope<S: Scalar<Real = f64>>(rise: S, centre: S, u: S) -> S {
-    (rise * (u - centre)).tanh()
+/// The envelopes of this shape.
+fn envelopes<S: Scalar<Real = f64>>(shape: &[S]) -> Sides<S> {
+    let of = |index| parameter(shape, index);
+    Sides::Envelopes { right: [of(0), of(1)], left: [of(2), of(3)] }
 }
 
-/// (γ_r, γ_l) at u.
-fn envelopes<S: Scalar<Real = f64>>(shape: &[S], u: S) -> (S, S) {
-    let [rise_right, centre_right, rise_left, centre_left] = [0, 1, 2, 3].map(|i| parameter(shape, i));
-    (envelope(rise_right, centre_right, u), envelope(rise_left, centre_left, u))
+impl GeneralisedPlays {
+    fn half_widths<S: Scalar<Real = f64>>(&self) -> impl Iterator<Item = S> + Clone {
+        self.thresholds.iter().map(|&threshold| S::constant(threshold))
+    }
 }
 
 impl ColumnKernel for GeneralisedPlays {
@@ -81,9 +82,10 @@ impl ColumnKernel for GeneralisedPlays {
     }
 
     fn virgin<S: Scalar<Real = f64>>(&self, shape: &[S], u: S) -> GeneralisedPlayStates<S> {
-        let (right, left) = envelopes(shape, u);
-        let middle = (right + left).scale(0.5);
-        GeneralisedPlayStates { u: u.value(), plays: vec![middle; self.thresholds.len()] }
+        let mut plays = vec![u; self.thresholds.len()];
+        // Plays without a place at rest are refused by the first move.
+        let _ = envelopes(shape).rest_at(self.half_widths(), &mut plays, u);
+        GeneralisedPlayStates { u: u.value(), plays }
     }
 
     fn advance<S: Scalar<Real = f64>>(
@@ -92,15 +94,12 @@ impl ColumnKernel for GeneralisedPlays {
         state: &mut GeneralisedPlayStates<S>,
         u: f64,
     ) -> Result<(), HysteresisError> {
-        let (right, left) = envelopes(shape, S::constant(u));
-        let narrowest = self.thresholds.first().copied().unwrap_or(0.0);
-        if right.value() - left.value() > 2.0 * narrowest + 4.0 * f64::EPSILON {
-            return Err(HysteresisError::Envelopes { u, by: right.value() - left.value(), narrowest });
-        }
+        let through = [S::constant(u); 2];
+        envelopes(shape).advance(self.half_widths(), &mut state.plays, through, 0.0).map_err(|by| {
+            let narrowest = self.thresholds.first().copied().unwrap_or(0.0);
+            HysteresisError::Envelopes { u, by, narrowest }
+        })?;
         state.u = u;
-        for (play, &r) in state.plays.iter_mut().zip(&self.thresholds) {
-            *play = between(right.shift(-r), *play, left.shift(r));
-        }
         Ok(())
     }
 
@@ -168,8 +167,7 @@ impl FamilyDescription for Entry {
         weights: &[f64],
         _: f64,
     ) -> RuntimeOperator {
-        let [right, left] = [[0, 1], [2, 3]].map(|side| side.map(|index| parameter(shape, index)));
-        RuntimeOperator::sided(Sides::Envelopes { right, left }, middles(plays), weights)
+        RuntimeOperator::sided(envelopes(shape), middles(plays), weights)
     }
 }
 

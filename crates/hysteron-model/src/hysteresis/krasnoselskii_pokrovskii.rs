@@ -5,10 +5,10 @@
 //! influence operators representing smart actuators, part I", *Math. Probl. Eng.* 3 (1997) 287–328,
 //! doi:10.1155/S1024123X97000586.
 
-use hysteron_rt::{Scalar, Sides};
+use hysteron_rt::{Scalar, Sides, between_ramps, ramp};
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
+use super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
 use super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_OF_A_PLANE, NumberUnit, RuntimeOperator,
     Search, ShapeNumber, ends, on_a_plane,
@@ -47,9 +47,9 @@ impl KrasnoselskiiPokrovskii {
     }
 }
 
-/// max(−1, min(1, 2x/a)).
-fn ramp<S: Scalar<Real = f64>>(x: S, rise: S) -> S {
-    between(S::constant(-1.0), x.scale(2.0) / rise, S::constant(1.0))
+/// 2/a.
+fn steepness<S: Scalar<Real = f64>>(shape: &[S]) -> S {
+    S::constant(2.0) / parameter(shape, 0)
 }
 
 impl ColumnKernel for KrasnoselskiiPokrovskii {
@@ -78,13 +78,10 @@ impl ColumnKernel for KrasnoselskiiPokrovskii {
     }
 
     fn virgin<S: Scalar<Real = f64>>(&self, shape: &[S], u: S) -> KrasnoselskiiPokrovskiiState<S> {
-        let rise = parameter(shape, 0);
-        let pairs = (0..self.lines).flat_map(|i| (0..=i).map(move |j| (i, j)));
-        let middle = |(i, j)| 0.5 * self.line(i) + 0.5 * self.line(j);
-        KrasnoselskiiPokrovskiiState {
-            ramps: vec![S::constant(0.0); self.lines],
-            columns: pairs.map(|pair| ramp(u.shift(-middle(pair)), rise)).collect(),
-        }
+        let mut columns = vec![S::constant(0.0); self.columns()];
+        let lines = (0..self.lines).map(|index| S::constant(self.line(index)));
+        let _ = Sides::Ramps { steepness: steepness(shape) }.rest_at(lines, &mut columns, u);
+        KrasnoselskiiPokrovskiiState { ramps: vec![S::constant(0.0); self.lines], columns }
     }
 
     fn advance<S: Scalar<Real = f64>>(
@@ -93,16 +90,11 @@ impl ColumnKernel for KrasnoselskiiPokrovskii {
         state: &mut KrasnoselskiiPokrovskiiState<S>,
         u: f64,
     ) -> Result<(), HysteresisError> {
-        let rise = parameter(shape, 0);
+        let steepness = steepness(shape);
         for (index, slot) in state.ramps.iter_mut().enumerate() {
-            *slot = ramp(S::constant(u - self.line(index)), rise);
+            *slot = ramp(steepness, S::constant(u - self.line(index)));
         }
-        let mut columns = state.columns.iter_mut();
-        for (i, &low) in state.ramps.iter().enumerate() {
-            for (&high, column) in state.ramps.iter().take(i + 1).zip(&mut columns) {
-                *column = between(low, *column, high);
-            }
-        }
+        between_ramps(&state.ramps, &mut state.columns);
         Ok(())
     }
 
@@ -183,7 +175,7 @@ impl FamilyDescription for Entry {
         _: f64,
     ) -> RuntimeOperator {
         let grid = self.kernel(lines, shape, 1.0);
-        let sides = Sides::Ramps { steepness: 2.0 / parameter::<f64>(shape, 2) };
+        let sides = Sides::Ramps { steepness: steepness(shape.get(2..).unwrap_or_default()) };
         RuntimeOperator::sided(sides, (0..lines).map(|index| grid.line(index)).collect(), weights)
     }
 }

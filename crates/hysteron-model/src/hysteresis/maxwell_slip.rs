@@ -11,7 +11,7 @@ use super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, NumberUnit, RuntimeOperator, Search,
     ShapeNumber,
 };
-use super::plays::{PlayStates, check_thresholds, evenly_below};
+use super::plays::{PlayStates, check_thresholds, evenly_below, scaled};
 use super::{HysteresisError, PrandtlIshlinskii};
 
 /// Columns Eⱼ ← max(−rⱼ, min(rⱼ, Eⱼ + Δu)) \[V\], rⱼ = scale · `thresholds`\[j\]: the strain of an elastic
@@ -65,7 +65,7 @@ impl ColumnKernel for MaxwellSlip {
         u: f64,
     ) -> Result<(), HysteresisError> {
         state.u = S::constant(u);
-        state.plays.advance(&self.thresholds, parameter(shape, 0), [1.0, 1.0], u);
+        state.plays.advance(scaled(&self.thresholds, parameter(shape, 0)), u);
         Ok(())
     }
 

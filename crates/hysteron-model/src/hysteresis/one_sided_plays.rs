@@ -8,7 +8,7 @@ use super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, NumberUnit, RuntimeOperator, Search,
     ShapeNumber,
 };
-use super::plays::{PlayStates, check_thresholds, evenly_below};
+use super::plays::{PlayStates, check_thresholds, evenly_below, scaled};
 
 /// Columns Fⱼ ← max(u − rⱼ, min(u, Fⱼ)) \[V\], rⱼ = scale · `thresholds`\[j\], which only ever lag behind a
 /// voltage that falls after they were taken along: one-sided plays.
@@ -50,7 +50,8 @@ impl ColumnKernel for OneSidedPlays {
         state: &mut PlayStates<S>,
         u: f64,
     ) -> Result<(), HysteresisError> {
-        state.advance(&self.thresholds, parameter(shape, 0), [1.0, 0.0], u);
+        let thresholds = scaled(&self.thresholds, parameter(shape, 0));
+        let _ = Sides::Below.advance(thresholds, &mut state.plays, [S::constant(u); 2], 0.0);
         Ok(())
     }
 

@@ -1,9 +1,8 @@
 //! What families of plays share: where plays stand, and thresholds that are in order.
 
-use hysteron_rt::Scalar;
+use hysteron_rt::{Scalar, play};
 
 use super::HysteresisError;
-use super::columns::between;
 
 /// Where plays stand.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,19 +15,22 @@ impl<S: Scalar<Real = f64>> PlayStates<S> {
         Self { plays: vec![at; count] }
     }
 
-    /// Moves to the voltage u: each play between u − below and u + above times its threshold.
+    /// Moves to the voltage u.
     #[inline]
-    pub(super) fn advance(&mut self, thresholds: &[f64], scale: S, [below, above]: [f64; 2], u: f64) {
-        for (play, &threshold) in self.plays.iter_mut().zip(thresholds) {
-            let r = scale.scale(threshold);
-            *play = between((-r.scale(below)).shift(u), *play, r.scale(above).shift(u));
-        }
+    pub(super) fn advance(&mut self, thresholds: impl Iterator<Item = S>, u: f64) {
+        self.plays.iter_mut().zip(thresholds).for_each(|(state, r)| *state = play(r, *state, S::constant(u)));
     }
 
     /// One column a play.
     pub(super) fn read(&self, out: &mut [S]) {
         out.iter_mut().zip(&self.plays).for_each(|(out, play)| *out = *play);
     }
+}
+
+/// Thresholds times a number.
+#[inline(always)]
+pub(super) fn scaled<S: Scalar<Real = f64>>(thresholds: &[f64], scale: S) -> impl Iterator<Item = S> + Clone {
+    thresholds.iter().map(move |&threshold| scale.scale(threshold))
 }
 
 /// Half-widths at equal distances below `reach`: reach · j/(count + 1), j = 1 … count.

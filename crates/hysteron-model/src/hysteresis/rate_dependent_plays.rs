@@ -7,12 +7,12 @@
 use hysteron_rt::{Scalar, Sides};
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
+use super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
 use super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, NumberUnit, RuntimeOperator, Search,
     ShapeNumber,
 };
-use super::plays::{PlayStates, check_thresholds, evenly_below};
+use super::plays::{PlayStates, check_thresholds, evenly_below, scaled};
 use crate::record::{Dependence, Pace};
 
 /// Columns Fⱼ ← max(u − ρⱼ, min(u + ρⱼ, Fⱼ)) \[V\], ρⱼ = scale · `thresholds`\[j\] + λ |u̇|.
@@ -76,11 +76,10 @@ impl ColumnKernel for RateDependentPlays {
         let told = state.rate.take();
         let own = state.before.replace(u).map_or(0.0, |before| (u - before).abs() / self.interval_s);
         let rate = told.unwrap_or(own);
-        let [scale, wider] = [parameter(shape, 0), parameter(shape, 1).scale(rate)];
-        for (play, &threshold) in state.plays.plays.iter_mut().zip(&self.thresholds) {
-            let r = scale.scale(threshold) + wider;
-            *play = between((-r).shift(u), *play, r.shift(u));
-        }
+        let thresholds = scaled(&self.thresholds, parameter(shape, 0));
+        let widening = parameter(shape, 1);
+        let _ =
+            Sides::Even { widening }.advance(thresholds, &mut state.plays.plays, [S::constant(u); 2], rate);
         Ok(())
     }
 

@@ -1,7 +1,34 @@
 //! The memory of a plane of relays: the turning points that still count.
 
 use super::Plane;
-use crate::real::Real;
+use crate::real::{Real, Scalar};
+
+/// Wipes out the loops that a monotone move to `u` closes: how many of `turns` turns are left.
+///
+/// A loop ends where it began, at the turn before its last one; the widest, which has one turn, where the
+/// virgin curve from `rest` has it, 2 `rest` − turn. `voltage` is that of each turn, `closes` is handed how
+/// many there are while a loop is open, and where that loop ends.
+#[inline(always)]
+pub fn wipe_out<S: Scalar>(
+    (rest, mut turns): (S, usize),
+    voltage: impl Fn(usize) -> S,
+    (rising, u): (bool, S::Real),
+    mut closes: impl FnMut(usize, S),
+) -> usize {
+    while let Some(last) = turns.checked_sub(1) {
+        let limit = match last.checked_sub(1) {
+            Some(before) => voltage(before),
+            None => rest.scale(S::Real::of(2.0)) - voltage(last),
+        };
+        let passes = if rising { u >= limit.value() } else { u <= limit.value() };
+        if !passes {
+            break;
+        }
+        closes(turns, limit);
+        turns = last.saturating_sub(1);
+    }
+    turns
+}
 
 /// A turning point: the voltage, and what the plane put out there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,18 +109,11 @@ impl<'a, T: Real> Turns<'a, T> {
         }
         let rising = u > self.now.voltage;
         let turned = self.rising.is_some_and(|before| before != rising);
-        let passes = |limit: T| if rising { u >= limit } else { u <= limit };
         let turn = |index: usize| {
             if index < self.kept { self.turns.get(index).copied().unwrap_or(self.now) } else { self.now }
         };
-        let mut left = self.kept + usize::from(turned);
-        // A loop ends where it began, the widest where the virgin curve does.
-        while left > 1 && passes(turn(left - 2).voltage) {
-            left -= 2;
-        }
-        if left == 1 && passes(T::of(2.0) * self.rest.voltage - turn(0).voltage) {
-            left = 0;
-        }
+        let open = (self.rest.voltage, self.kept + usize::from(turned));
+        let left = wipe_out(open, |index| turn(index).voltage, (rising, u), |_, _| {});
         let output = if left == 0 {
             self.rest.output + plane.virgin_change(self.rest.voltage, u)
         } else {

@@ -4,4 +4,4 @@ mod everett;
 mod memory;
 
 pub use everett::Plane;
-pub use memory::{LEAST_TURNS, Turn, Turns};
+pub use memory::{LEAST_TURNS, Turn, Turns, wipe_out};

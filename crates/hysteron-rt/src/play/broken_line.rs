@@ -1,7 +1,8 @@
 //! A broken line of the mean of a bank of plays: Kuhnen's dead zones as bands.
 
+use super::between;
 use crate::ParameterError;
-use crate::real::Real;
+use crate::real::{Real, Scalar};
 
 /// Σ wₖ bₖ(h) of the mean h = u + Σ gⱼ (Fⱼ − u) of plays Fⱼ, with corners c₁ < c₂ < …: band k is max(0, min(h
 /// − cₖ, cₖ₊₁ − cₖ)), the outermost, which are one more than the corners, without end outwards: min(h − c₁,
@@ -47,21 +48,29 @@ impl<'a, T: Real> BrokenLine<'a, T> {
     /// Its value at h.
     #[inline]
     pub fn at(&self, h: T) -> T {
-        let mut corners = self.corners.iter();
-        let mut slopes = self.slopes.iter();
-        let (Some(&first), Some(&outer)) = (corners.next(), slopes.next()) else { return T::of(0.0) };
-        let mut sum = if h < first { outer * (h - first) } else { T::of(0.0) };
-        let mut low = first;
-        for (&high, &slope) in corners.zip(&mut slopes) {
-            let within = if h > high { high } else { h };
-            if within > low {
-                sum = sum + slope * (within - low);
+        let (mut sum, mut slopes) = (T::of(0.0), self.slopes.iter());
+        each_band(self.corners, h, |band| {
+            if let Some(slope) = slopes.next() {
+                sum = sum + *slope * band;
             }
-            low = high;
-        }
-        match slopes.next() {
-            Some(&slope) if h > low => sum + slope * (h - low),
-            _ => sum,
-        }
+        });
+        sum
     }
+}
+
+/// Hands out the bands of h between corners, one more than these: min(h − c₁, 0), max(0, min(h − cₖ, cₖ₊₁ −
+/// cₖ)), …, max(h − c_last, 0).
+#[inline(always)]
+pub fn each_band<S: Scalar>(corners: &[S::Real], h: S, mut take: impl FnMut(S)) {
+    let Some((&first, inner)) = corners.split_first() else { return };
+    let mut band = |low, high, zero: S::Real| {
+        take(between([S::constant(low), S::constant(high)], h).shift(-zero));
+    };
+    band(S::Real::of(f64::NEG_INFINITY), first, first);
+    let mut low = first;
+    for &high in inner {
+        band(low, high, low);
+        low = high;
+    }
+    band(low, S::Real::of(f64::INFINITY), low);
 }

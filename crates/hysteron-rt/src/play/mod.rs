@@ -4,24 +4,47 @@ mod activated;
 mod broken_line;
 mod error;
 mod sided;
+mod sides;
 
 pub use activated::{ActivatedMove, ActivatedPlays, SLOPES, bernstein_integrals};
-pub use broken_line::BrokenLine;
+pub use broken_line::{BrokenLine, each_band};
 pub use error::PlayError;
-pub use sided::{SidedPlays, Sides};
+pub use sided::SidedPlays;
+pub use sides::{Sides, between_ramps, ramp};
 
 use crate::ParameterError;
-use crate::real::Real;
+use crate::real::{Real, Scalar};
 
 /// State of a play operator of half-width `threshold` (r ≥ 0) after a monotone move of its input to `u`:
 /// max(u − r, min(u + r, `state`)).
 ///
 /// Units: all three in those of the input (V).
 #[inline(always)]
-pub fn play<T: Real>(threshold: T, state: T, u: T) -> T {
-    let (low, high) = (u - threshold, u + threshold);
-    let held = if state > high { high } else { state };
-    if held < low { low } else { held }
+pub fn play<S: Scalar>(threshold: S, state: S, u: S) -> S {
+    between([u - threshold, u + threshold], state)
+}
+
+/// State of a play between two sides, max(`low`, min(`high`, `state`)): at `low` where they cross.
+#[inline(always)]
+pub fn between<S: Scalar>(sides: [S; 2], mut state: S) -> S {
+    push(&mut state, sides);
+    state
+}
+
+/// Moves a play [`between`] its sides: with derivatives it takes those of the side that pushes it, and keeps
+/// its own where none does.
+#[inline(always)]
+fn push<S: Scalar>(state: &mut S, [low, high]: [S; 2]) {
+    let (lowest, highest, before) = (low.value(), high.value(), state.value());
+    if !S::HAS_DERIVATIVES {
+        // Plain numbers by minimum and maximum, without a branch; duals are too long to copy unasked.
+        let held = if before > highest { highest } else { before };
+        *state = S::constant(if held < lowest { lowest } else { held });
+    } else if before < lowest {
+        *state = low;
+    } else if before > highest {
+        *state = if highest < lowest { low } else { high };
+    }
 }
 
 /// A weighted sum of play operators, Σ wᵢ F_rᵢ\[u\], 0 < r₁ < r₂ < … (Prandtl–Ishlinskii operator).

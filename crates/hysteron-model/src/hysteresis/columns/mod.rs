@@ -189,14 +189,6 @@ pub(super) fn parameter<S: Scalar<Real = f64>>(shape: &[S], index: usize) -> S {
     shape.get(index).copied().unwrap_or(S::constant(f64::NAN))
 }
 
-/// The play between `low` and `high`: `state`, pushed as far as they push it. With low > high it stands at
-/// `low`.
-#[inline(always)]
-pub(super) fn between<S: Scalar<Real = f64>>(low: S, state: S, high: S) -> S {
-    let held = if state.value() > high.value() { high } else { state };
-    if held.value() < low.value() { low } else { held }
-}
-
 /// Finite and above 0.
 pub(super) fn positive(name: &'static str, value: f64) -> Result<(), HysteresisError> {
     if value.is_finite() && value > 0.0 {

@@ -1,32 +1,14 @@
 //! Plays: one column a threshold.
-//!
-//! F ← max(u − r, min(u + r, F)): where a move carries the play, ∂F/∂r = ∓1 and nothing of the past is left;
-//! where it does not, F keeps its value and its derivatives.
+
+use hysteron_rt::{Dual, Scalar, play};
 
 use super::super::HysteresisError;
 use super::super::outputs::Columns;
 use super::super::pass::{Every, at_rest};
 use crate::start::Start;
 
-/// A play and its derivatives with respect to its threshold and to the memory.
-#[derive(Clone, Copy)]
-struct Play {
-    value: f64,
-    by_threshold: f64,
-    by_memory: f64,
-}
-
-impl Play {
-    #[inline(always)]
-    fn step(&mut self, threshold: f64, u: f64) {
-        let (low, high) = (u - threshold, u + threshold);
-        if self.value < low {
-            *self = Self { value: low, by_threshold: -1.0, by_memory: 0.0 };
-        } else if self.value > high {
-            *self = Self { value: high, by_threshold: 1.0, by_memory: 0.0 };
-        }
-    }
-}
+/// A play with its derivatives with respect to its threshold and to the memory.
+type Play = Dual<f64, 2>;
 
 pub(super) fn run(
     thresholds: &[f64],
@@ -52,27 +34,23 @@ pub(super) fn run(
         if !(threshold.is_finite() && threshold > 0.0) {
             return Err(HysteresisError::Threshold { index, value: threshold, above: 0.0 });
         }
-        let at = |value, by_memory| Play { value, by_threshold: 0.0, by_memory };
-        let mut play = match at_rest {
-            Some((rest, None)) => at(rest, 0.0),
-            Some((rest, Some(memory))) => {
-                let mut play = at(memory, 1.0);
-                play.step(threshold, rest);
-                play
-            }
+        let half_width = Play::variable(threshold, 0);
+        let step = |state: Play, u: f64| play(half_width, state, Play::constant(u));
+        let mut state = match at_rest {
+            Some((rest, None)) => Play::constant(rest),
+            Some((rest, Some(memory))) => step(Play::variable(memory, 1), rest),
             None => {
                 // Exact after one period; what no voltage of the record moves stands in the middle
                 // (`PrandtlIshlinskii`).
-                let mut play = at(0.5 * low + 0.5 * high, 0.0);
-                u.iter().for_each(|&u| play.step(threshold, u));
-                play
+                let middle = Play::constant(0.5 * low + 0.5 * high);
+                u.iter().fold(middle, |state, &u| step(state, u))
             }
         };
-        if !play.value.is_finite() {
+        if !state.value.is_finite() {
             return Err(HysteresisError::Drive { index: 0 });
         }
         if at_rest.is_some() {
-            (out.rest[index], out.rest_by_memory[index]) = (play.value, play.by_memory);
+            (out.rest[index], out.rest_by_memory[index]) = (state.value, state.partials[1]);
         }
         let Columns { values, partials, by_memory, .. } = &mut *out;
         let values = &mut values[index];
@@ -82,18 +60,18 @@ pub(super) fn run(
         if let Some(partial) = &mut partial
             && at_rest.is_some()
         {
-            partial.rest = play.by_threshold;
+            partial.rest = state.partials[0];
         }
         for (k, moves) in u.chunks(factor).enumerate() {
-            play.step(threshold, moves[0]);
-            values[k] = play.value;
+            state = step(state, moves[0]);
+            values[k] = state.value;
             if let Some(by_memory) = &mut by_memory {
-                by_memory[k] = play.by_memory;
+                by_memory[k] = state.partials[1];
             }
             if let Some(partial) = &mut partial {
-                partial.values[k] = play.by_threshold;
+                partial.values[k] = state.partials[0];
             }
-            moves[1..].iter().for_each(|&u| play.step(threshold, u));
+            state = moves[1..].iter().fold(state, |state, &u| step(state, u));
         }
     }
     Ok(())

@@ -27,6 +27,36 @@ fn forms() -> Vec<(HysteresisForm, Vec<f64>)> {
     families.into_iter().map(|family| (family.form(), family.shape())).chain([power]).collect()
 }
 
+/// A play by its definition: value, ∂/∂(threshold), ∂/∂(voltage at which it was virgin).
+fn moved([value, by_threshold, by_virgin]: [f64; 3], threshold: f64, u: f64) -> [f64; 3] {
+    if value < u - threshold {
+        [u - threshold, -1.0, 0.0]
+    } else if value > u + threshold {
+        [u + threshold, 1.0, 0.0]
+    } else {
+        [value, by_threshold, by_virgin]
+    }
+}
+
+#[test]
+fn plays_and_their_derivatives_are_those_of_the_definition_to_the_last_bit() {
+    let form = HysteresisForm::PrandtlIshlinskii { plays: 3 };
+    let (shape, virgin, rest) = ([0.4, 1.3, 2.9], 3.4, 4.2);
+    let origin = Start::Remembering { voltage_v: rest, memory: virgin };
+    let columns = run(form, &shape, 2, origin, true);
+    for (j, &threshold) in shape.iter().enumerate() {
+        let mut play = moved([virgin, 0.0, 1.0], threshold, rest);
+        assert_eq!([columns.rest[j], columns.partials[j].rest, columns.rest_by_memory[j]], play);
+        for (k, u) in drive().into_iter().enumerate() {
+            play = moved(play, threshold, u);
+            if k % 2 == 0 {
+                let (values, partials) = (&columns.values[j], &columns.partials[j].values);
+                assert_eq!([values[k / 2], partials[k / 2], columns.by_memory[j][k / 2]], play);
+            }
+        }
+    }
+}
+
 fn run(form: HysteresisForm, shape: &[f64], factor: usize, origin: Start<f64>, derivatives: bool) -> Columns {
     let mut out = Columns::default();
     let wanted = vec![true; shape.len()];

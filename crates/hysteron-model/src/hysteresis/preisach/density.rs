@@ -1,8 +1,8 @@
 //! A Preisach plane with a density of a few parameters.
 
-use hysteron_rt::Scalar;
+use hysteron_rt::{Scalar, between};
 
-use super::super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
+use super::super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
 use super::super::family::{
     ColumnFamily, DriveSpan, FamilyDescription, NumberUnit, RuntimeOperator, Search, ShapeNumber, ends,
 };
@@ -197,8 +197,8 @@ impl ColumnKernel for PreisachDensity {
         let [below, with, all] =
             [here, here + 1, last + 1].map(|k| state.below.get(k).copied().unwrap_or(zero));
         let [low, high] = self.plane.interval(here);
-        let ramp =
-            between(S::constant(-1.0), u.shift(-low).scale(2.0 / (high - low)).shift(-1.0), S::constant(1.0));
+        let share = u.shift(-low).scale(2.0 / (high - low)).shift(-1.0);
+        let ramp = between([-1.0, 1.0].map(S::constant), share);
         if let Some(slot) = out.first_mut() {
             *slot = state.sum + below - (all - with) + (with - below) * ramp;
         }

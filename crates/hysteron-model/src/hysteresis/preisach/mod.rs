@@ -9,10 +9,10 @@ mod staircase;
 
 pub use density::{DensityLaw, PreisachDensity};
 
-use hysteron_rt::Scalar;
+use hysteron_rt::{Scalar, between};
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, between, simulate_with_sensitivities};
+use super::columns::{ColumnKernel, simulate_with_sensitivities};
 use super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_OF_A_PLANE, NumberUnit, RuntimeOperator,
     ShapeNumber, ends, on_a_plane,
@@ -181,7 +181,7 @@ impl Preisach {
             }
             let [low, high] = self.interval(i);
             let share = u.shift(-low).scale(2.0 / (high - low)).shift(-1.0);
-            put(at, between(S::constant(-1.0), share, S::constant(1.0)));
+            put(at, between([-1.0, 1.0].map(S::constant), share));
             at += 1;
         }
     }
@@ -200,11 +200,11 @@ fn positive_part<S: Scalar<Real = f64>>(x: S) -> S {
 /// Area of the relays of a cell (α in `row`, β in `column`, below all of the row) that a rising piece
 /// switches.
 fn swept<S: Scalar<Real = f64>>(piece: Piece<S>, [low, high]: [f64; 2], [c, d]: [f64; 2]) -> S {
-    let clip = |x: S| between(S::constant(low), x, S::constant(high));
+    let clip = |x: S| between([low, high].map(S::constant), x);
     let (from, to) = (clip(piece.from), clip(piece.to));
     match piece.edge {
         Edge::Turn(turn) => {
-            let begin = between(S::constant(c), turn, S::constant(d));
+            let begin = between([c, d].map(S::constant), turn);
             positive_part((-begin).shift(d)) * (to - from)
         }
         Edge::Virgin(rest) => {

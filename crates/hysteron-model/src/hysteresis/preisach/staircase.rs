@@ -1,6 +1,6 @@
 //! The memory of a Preisach plane: the turning points that still count.
 
-use hysteron_rt::Scalar;
+use hysteron_rt::{Scalar, wipe_out};
 
 /// The staircase between relays that are up and relays that are down, as the voltages at which it turns;
 /// beyond the largest of them it is the antidiagonal α + β = 2 · rest of a virgin device.
@@ -67,27 +67,18 @@ impl<S: Scalar<Real = f64>> Staircase<S> {
             self.turns.push(self.u);
         }
         self.rising = Some(rising);
-        let passes = |limit: S| if rising { u >= limit.value() } else { u <= limit.value() };
+        let Self { rest, u: now, turns, .. } = self;
         let target = S::constant(u);
-        loop {
-            let from = self.u;
-            let (edge, limit) = match self.turns.as_slice() {
-                [.., before, turn] => (Edge::Turn(*turn), Some(*before)),
-                [turn] => (Edge::Turn(*turn), Some(self.rest.scale(2.0) - *turn)),
-                [] => (Edge::Virgin(self.rest), None),
-            };
-            match limit {
-                Some(limit) if passes(limit) => {
-                    switch(rising, Piece { from, to: limit, edge });
-                    self.turns.truncate(self.turns.len().saturating_sub(2));
-                    self.u = limit;
-                }
-                _ => {
-                    switch(rising, Piece { from, to: target, edge });
-                    self.u = target;
-                    return;
-                }
-            }
-        }
+        let (rest, mut from) = (*rest, *now);
+        let last = |left: usize| left.checked_sub(1).and_then(|last| turns.get(last).copied());
+        let edge = |left: usize| last(left).map_or(Edge::Virgin(rest), Edge::Turn);
+        let turn = |index: usize| last(index + 1).unwrap_or(rest);
+        let left = wipe_out((rest, turns.len()), turn, (rising, u), |left, limit| {
+            switch(rising, Piece { from, to: limit, edge: edge(left) });
+            from = limit;
+        });
+        switch(rising, Piece { from, to: target, edge: edge(left) });
+        turns.truncate(left);
+        *now = target;
     }
 }
