@@ -6,13 +6,12 @@ use super::super::options::Options;
 use super::super::result::Reduction;
 use super::between::{self, InterSampleChoice};
 use super::normalised::quick_fit;
+use super::parameter_layout::DELAY;
 use super::problem::JointProblem;
 use super::search::{Optimum, information};
 use super::setup::JointSetup;
 use hysteron_optimize::{LeastSquaresProblem, Problem};
 
-/// The delay's name among the parameters.
-pub(super) const DELAY: &str = "delay";
 pub(super) const ALL_SAMPLES: &str = "all samples";
 
 /// The optimum of a joint fit.

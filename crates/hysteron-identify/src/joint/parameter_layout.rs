@@ -5,6 +5,9 @@ use hysteron_model::dynamics::{DynamicForm, ParameterKind};
 use hysteron_model::hysteresis::{Hysteresis, HysteresisForm};
 use hysteron_model::model_file::polynomial_name;
 
+/// The delay's name among the parameters.
+pub(super) const DELAY: &str = "delay";
+
 /// Roles of the parameters of a joint fit.
 #[derive(Clone, Debug, PartialEq)]
 pub(in super::super) struct JointLayout {

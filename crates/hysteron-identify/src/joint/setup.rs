@@ -6,7 +6,7 @@ use super::super::options::{Choice, Options};
 use super::super::static_step::{HIGHEST_AUTOMATIC_DEGREE, Scales};
 use super::super::{IdentifyError, RecordFacts, fingerprint};
 use super::campaign::JointMember;
-use super::parameter_layout::JointLayout;
+use super::parameter_layout::{DELAY, JointLayout};
 use super::problem::JointProblem;
 use super::record::JointRecord;
 use super::resonances::{Resonance, resonances};
@@ -109,9 +109,9 @@ impl<'a> JointSetup<'a> {
     /// This setup with longer delays, where a fit ended at the longest of those sought; `None` where it did
     /// not.
     pub(super) fn with_longer_delays(&self, problem: &JointProblem, x: &[f64]) -> Option<JointSetup<'a>> {
-        let asked = self.options.demands.names().any(|name| name == "delay");
+        let asked = self.options.demands.names().any(|name| name == DELAY);
         let mut ranges = problem.bounds().ranges.iter().zip(x);
-        let at_end = ranges.any(|(range, &x)| range.name == "delay" && range.to_unit(x) >= 1.0 - 1e-6);
+        let at_end = ranges.any(|(range, &x)| range.name == DELAY && range.to_unit(x) >= 1.0 - 1e-6);
         let longer = FAR_DELAY_PERIODS / self.fastest_hz;
         let widen = at_end && !asked && longer > self.longest_delay_s;
         widen.then(|| JointSetup { longest_delay_s: longer, ..self.clone() })
@@ -197,7 +197,7 @@ impl<'a> JointSetup<'a> {
             self.form.parameters().iter().map(|parameter| space.searched(self.range(parameter))).collect();
         let delay = match self.options.delay_s {
             Choice::Given(delay) => Role::Fixed(delay),
-            Choice::Auto => space.searched(Range::linear("delay", 0.0, self.longest_delay_s)),
+            Choice::Auto => space.searched(Range::linear(DELAY, 0.0, self.longest_delay_s)),
         };
         let memory = self
             .members
