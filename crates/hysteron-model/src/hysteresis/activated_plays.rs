@@ -204,7 +204,7 @@ impl FamilyDescription for Entry {
         vec![low, high, 0.017 * span.stroke]
     }
 
-    /// What creeps may fall while the drive rises, but of two moves within the same time the farther one puts
+    /// A creeping output may fall while the drive rises, but of two moves within the same time the farther one puts
     /// out more.
     fn is_monotone(&self) -> bool {
         true

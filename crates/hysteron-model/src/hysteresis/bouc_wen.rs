@@ -59,7 +59,7 @@ impl BoucWen {
     /// A checked operator.
     ///
     /// # Errors
-    /// As [`Self::validate`].
+    /// Those of [`Self::validate`].
     pub fn new(
         polynomial: Vec<f64>,
         alpha: f64,
@@ -76,7 +76,7 @@ impl BoucWen {
     /// γ'|α|¹⁻ⁿ.
     ///
     /// # Errors
-    /// As [`Self::validate`]; with α = 0 the article's β and γ exist for n = 1 only.
+    /// Those of [`Self::validate`]; with α = 0 the article's β and γ exist for n = 1 only.
     pub fn from_unit(polynomial: Vec<f64>, alpha: f64, shape: UnitShape) -> Result<Self, HysteresisError> {
         let size = alpha.abs().powf(1.0 - shape.n);
         Self::new(polynomial, alpha, shape.beta * size, sign(alpha) * shape.gamma * size, shape.n)
@@ -131,11 +131,11 @@ impl BoucWen {
         self.simulate_every(1, u, start, out)
     }
 
-    /// As [`Self::simulate`] for a drive given on a time base finer by `factor`: `out[k]` belongs to `u[k *
+    /// [`Self::simulate`] for a drive given on a time base finer by `factor`: `out[k]` belongs to `u[k *
     /// factor]`.
     ///
     /// # Errors
-    /// As [`Self::simulate`].
+    /// Those of [`Self::simulate`].
     pub fn simulate_every(
         &self,
         factor: usize,
@@ -165,7 +165,7 @@ impl UnitShape {
     /// to `u[k * factor]`. Returns the state (u, ζ) at the last sample of u. Allocates nothing.
     ///
     /// # Errors
-    /// As [`BoucWen::simulate`].
+    /// Those of [`BoucWen::simulate`].
     pub fn simulate_every(
         &self,
         factor: usize,

@@ -1,4 +1,4 @@
-//! How the samples of a drive lie beside those of an output, and in time.
+//! Positions of the samples of a drive relative to those of an output, and in time.
 
 use crate::record::Pace;
 
@@ -9,7 +9,7 @@ pub struct DriveGrid<'a> {
     pub factor: usize,
     /// Seconds from one sample of the drive to the next; `None` where they are not known, or not equal.
     pub interval_s: Option<f64>,
-    /// How the drive comes to each of its samples, where these are not an equal time apart
+    /// Paces of the moves to the samples of the drive, where these are not an equal time apart
     /// ([`crate::record::paces_on`]). An operator whose memory depends on time asks for this or for the
     /// interval; for every other one the order of the samples is enough.
     pub paces: Option<&'a [Pace]>,

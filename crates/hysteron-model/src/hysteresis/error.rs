@@ -76,7 +76,7 @@ pub enum HysteresisError {
     RunsAway {
         /// Number of the sample, from 0.
         index: usize,
-        /// What the step said.
+        /// Message of the step.
         cause: StepError<f64>,
     },
     /// No periodic steady state was found.
@@ -164,7 +164,7 @@ pub enum HysteresisError {
          times the input, which must be positive"
     )]
     PartialSlope {
-        /// How many plays move, from the narrowest.
+        /// Number of plays that move, from the narrowest.
         plays: usize,
         /// Slope of the branch \[µm/V\].
         slope: f64,
@@ -258,7 +258,7 @@ pub enum HysteresisError {
         family: &'static str,
         /// The number.
         found: usize,
-        /// What is allowed.
+        /// Allowed values.
         allowed: String,
     },
     /// Not one number a shape parameter.
@@ -276,7 +276,7 @@ pub enum HysteresisError {
         name: &'static str,
         /// Its value.
         value: f64,
-        /// What it must be.
+        /// Condition on the value.
         must: &'static str,
     },
     /// Envelopes between which a play has no place.
@@ -313,13 +313,13 @@ pub enum HysteresisError {
     Fourier {
         /// Length of the transform.
         samples: usize,
-        /// What the transform said.
+        /// Message of the transform.
         message: String,
     },
 }
 
 impl HysteresisError {
-    /// The same error, met at drive sample `index`.
+    /// This error at drive sample `index`.
     pub(super) fn at_sample(self, index: usize) -> Self {
         match self {
             Self::Drive { .. } => Self::Drive { index },

@@ -10,7 +10,7 @@ use hysteron_rt::Limited;
 use super::columns::ColumnKernel;
 use super::{Hysteresis, HysteresisError, polynomial};
 
-/// What a drive must keep to.
+/// Limits of a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveLimits {
     /// Least and largest voltage \[V\].
@@ -28,7 +28,7 @@ pub struct Followed {
     pub drive: Vec<f64>,
     /// Output of the operator \[µm\]: the one wanted, but where a limit holds.
     pub output: Vec<f64>,
-    /// What held each sample back: the range of the drive, its largest step, or nothing.
+    /// Limit that held each sample back: the range of the drive, its largest step, or none.
     pub limited: Vec<Limited>,
 }
 
@@ -45,8 +45,8 @@ impl Hysteresis {
     /// [`crate::Start::Remembering`]), virgin where there is none.
     ///
     /// # Errors
-    /// As [`Self::validate`]; [`HysteresisError::Range`] and [`HysteresisError::Step`] for limits that leave
-    /// no room; [`HysteresisError::RestOutside`] for a device that rests outside of them;
+    /// Those of [`Self::validate`]; [`HysteresisError::Range`] and [`HysteresisError::Step`] for limits that
+    /// leave no room; [`HysteresisError::RestOutside`] for a device that rests outside of them;
     /// [`HysteresisError::Wanted`] where an output is not finite; [`HysteresisError::NotIncreasing`] where
     /// the output falls as the voltage rises: then no one drive belongs to an output.
     pub fn follow(
@@ -139,7 +139,7 @@ fn along<S: Clone>(
         limited: Vec::with_capacity(wanted.len()),
     };
     let [low, high] = limits.range;
-    // What comes next is the first move of a device at rest, whatever it is asked here.
+    // The next move is the first of a device at rest, whatever is asked here.
     let mut now = Point { u: rest, v: step(&mut state.clone(), rest)? };
     let mut slope = None;
     for (index, &target) in wanted.iter().enumerate() {
@@ -148,8 +148,7 @@ fn along<S: Clone>(
             let v = step(&mut state.clone(), u).map_err(|error| error.at_sample(index))?;
             if v.is_finite() { Ok(Point { u, v }) } else { Err(HysteresisError::Overflow { index }) }
         };
-        // What the operator puts out where the voltage stays, which one that sees the rate has not put out
-        // yet.
+        // Output of the operator where the voltage stays, which one that sees the rate has not put out yet.
         let still = trial(now.u)?;
         let found = reach(trial, still, target, allowed, slope).map_err(|refused| match refused {
             Refused::Move(error) => error,
@@ -172,7 +171,7 @@ fn along<S: Clone>(
     Ok(followed)
 }
 
-/// What [`reach`] came to.
+/// Result of [`reach`].
 struct Reached {
     at: Point,
     /// The target lies beyond what is allowed.

@@ -102,7 +102,7 @@ impl Hysteresis {
     ///   pushes a play back by λ/T − 1 for each volt.
     ///
     /// # Errors
-    /// As [`Self::simulate`].
+    /// Those of [`Self::simulate`].
     pub fn invertibility(&self, drives: &[TimedDrive<'_>]) -> Result<Invertibility, HysteresisError> {
         self.validate()?;
         let [low, high] = drives

@@ -149,7 +149,7 @@ impl Hysteresis {
         self.simulate_every(1, u, start, out)
     }
 
-    /// As [`Self::simulate`] for a drive `u` given on a time base finer by a factor
+    /// [`Self::simulate`] for a drive `u` given on a time base finer by a factor
     /// ([`InterSample::upsample`]): `out[k]` belongs to `u[k * factor]`. An operator that sees the rate takes
     /// it from the grid.
     ///

@@ -57,7 +57,7 @@ impl Every {
 /// The partials are those of [`BoucWen::simulate_with_shape`]: β, γ, then any others z comes with.
 ///
 /// # Errors
-/// As [`BoucWen::simulate_with_shape`].
+/// Those of [`BoucWen::simulate_with_shape`].
 pub(super) fn pass<const P: usize>(
     operator: &BoucWen<f64>,
     start: (f64, Dual<f64, P>),

@@ -1,4 +1,4 @@
-//! What families of plays share: where plays stand, and thresholds that are in order.
+//! Parts that families of plays share: states of plays, and increasing thresholds.
 
 use hysteron_rt::{Scalar, play};
 

@@ -39,8 +39,9 @@ impl UnitShape {
     /// buffers already have their length.
     ///
     /// # Errors
-    /// As [`super::BoucWen::simulate`]; [`HysteresisError::Factor`]; [`HysteresisError::NotContracting`]
-    /// where a steady state does not determine its derivatives (β' = γ' = 0, say).
+    /// Those of [`super::BoucWen::simulate`]; [`HysteresisError::Factor`];
+    /// [`HysteresisError::NotContracting`] where a steady state does not determine its derivatives (β' = γ' =
+    /// 0, say).
     pub fn simulate_with_sensitivities(
         &self,
         factor: usize,

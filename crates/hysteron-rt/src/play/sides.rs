@@ -69,7 +69,7 @@ impl<S: Scalar> Sides<S> {
     /// half-way between their lines.
     ///
     /// # Errors
-    /// As [`Self::advance`]; the plays are moved for all that.
+    /// Those of [`Self::advance`]; the plays are moved nevertheless.
     pub fn rest_at(
         &self,
         thresholds: impl Iterator<Item = S> + Clone,

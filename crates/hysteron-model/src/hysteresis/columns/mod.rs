@@ -84,7 +84,7 @@ pub trait ColumnKernel {
     /// [`Self::advance`] and [`Self::read`].
     ///
     /// # Errors
-    /// As [`Self::advance`].
+    /// Those of [`Self::advance`].
     fn step<S: Scalar<Real = f64>>(
         &self,
         shape: &[S],
@@ -121,10 +121,10 @@ pub trait ColumnKernel {
         simulate(self, shape, grid.into(), u, start, None, out)
     }
 
-    /// As [`Self::simulate_every`] from a known `state`, which ends at the last sample of u.
+    /// [`Self::simulate_every`] from a known `state`, which ends at the last sample of u.
     ///
     /// # Errors
-    /// As [`Self::simulate_every`]; `state` is then void.
+    /// Those of [`Self::simulate_every`]; `state` is then void.
     fn continue_every<'a>(
         &self,
         shape: &[f64],
@@ -139,11 +139,11 @@ pub trait ColumnKernel {
         pass::continue_from(self, shape, state, grid.into(), u, out)
     }
 
-    /// As [`Self::simulate_every`], with the derivatives of every column with respect to θ and the start.
+    /// [`Self::simulate_every`], with the derivatives of every column with respect to θ and the start.
     /// Those of a periodic start are total: the steady state moves with θ.
     ///
     /// # Errors
-    /// As [`Self::simulate_every`]; [`HysteresisError::NotContracting`] where a steady state does not
+    /// Those of [`Self::simulate_every`]; [`HysteresisError::NotContracting`] where a steady state does not
     /// determine its derivatives.
     fn simulate_with_sensitivities<'a>(
         &self,

@@ -253,7 +253,7 @@ fn settle<K: ColumnKernel>(
     Err(HysteresisError::NotSettled { periods: PERIODS, change: worst })
 }
 
-/// As [`simulate`] in duals: the partials are θ, then the start.
+/// [`simulate`] in duals: the partials are θ, then the start.
 pub(in crate::hysteresis) fn differentiate<const P: usize, K: ColumnKernel>(
     kernel: &K,
     shape: &[f64],

@@ -7,7 +7,7 @@ use super::runtime::RuntimeOperator;
 use crate::hysteresis::PrandtlIshlinskii;
 use crate::record::Dependence;
 
-/// How many elements (plays, states, lines, …) a family is taken with.
+/// Number of elements (plays, states, lines, …) of a family.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Elements {
     /// Where nobody says otherwise.
@@ -30,7 +30,7 @@ pub trait FamilyDescription: fmt::Debug + Sync {
     /// Name, as on the command line and in model files.
     fn name(&self) -> &'static str;
 
-    /// What it is, in a line.
+    /// The family in a line.
     fn summary(&self) -> &'static str;
 
     /// Its equations in plain characters, for comments of exported source and the schema of model files; s is
@@ -78,7 +78,7 @@ pub trait FamilyDescription: fmt::Debug + Sync {
         false
     }
 
-    /// What of the drive its memory depends on; where that is not the order of the samples alone, the time
+    /// Property of the drive that the memory depends on; where that is not the order of the samples alone, the time
     /// between them must be known.
     fn depends_on(&self) -> Dependence {
         Dependence::Order
@@ -135,7 +135,7 @@ pub trait FamilyDescription: fmt::Debug + Sync {
         Some(0.0)
     }
 
-    /// The same operator as polynomial and plays, where it is one.
+    /// This operator as polynomial and plays, where it is one.
     fn as_plays(
         &self,
         elements: usize,

@@ -32,14 +32,14 @@ impl FamilyForm {
         Self { elements, ..self }
     }
 
-    /// The same family with this number of weights; `None` where it has no such member.
+    /// This family with another number of weights; `None` where it has no such member.
     pub fn with_weights(self, weights: usize) -> Option<Self> {
         let elements = if self.family.elements().is_some() { 0..=weights } else { 0..=0 };
         let of = |elements| Self { elements, ..self };
         elements.map(of).find(|form| weights > 0 && form.columns() == weights)
     }
 
-    /// What there is to know of the family.
+    /// Description of the family.
     pub fn description(self) -> &'static dyn FamilyDescription {
         self.family
     }
@@ -108,7 +108,7 @@ impl FamilyForm {
         Ok(self.family.mover(self.elements, shape, self.interval(interval_s)?, u))
     }
 
-    /// As [`crate::hysteresis::HysteresisForm::run`].
+    /// [`crate::hysteresis::HysteresisForm::run`].
     ///
     /// # Errors
     /// [`HysteresisError`]: a shape that the family has not, a drive that is not finite, a state that runs
@@ -129,7 +129,7 @@ impl FamilyForm {
         self.family.run((self.elements, shape, interval_s), grid, u, start, wanted, out)
     }
 
-    /// As [`crate::hysteresis::Hysteresis::follow`], beside an `anhysteretic` part.
+    /// [`crate::hysteresis::Hysteresis::follow`], beside an `anhysteretic` part.
     pub(in crate::hysteresis) fn follow(
         self,
         shape: &[f64],

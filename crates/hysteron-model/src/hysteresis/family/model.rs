@@ -22,7 +22,7 @@ impl Family {
     /// A checked model.
     ///
     /// # Errors
-    /// As [`Self::validate`].
+    /// Those of [`Self::validate`].
     pub fn new(
         polynomial: Vec<f64>,
         form: FamilyForm,
@@ -56,7 +56,7 @@ impl Family {
     /// factor]`. The memory of a [`Start::Remembering`] is the voltage at which the device was virgin.
     ///
     /// # Errors
-    /// As [`Self::validate`]; [`HysteresisError::Lengths`]; as [`FamilyForm::run`];
+    /// Those of [`Self::validate`]; [`HysteresisError::Lengths`]; as [`FamilyForm::run`];
     /// [`HysteresisError::Overflow`] where v is not finite.
     pub fn simulate_every<'a>(
         &self,

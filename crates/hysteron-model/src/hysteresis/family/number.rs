@@ -44,7 +44,7 @@ pub struct ShapeNumber {
     pub name: String,
     /// Unit.
     pub unit: NumberUnit,
-    /// What it is, in a few words.
+    /// Meaning, in a few words.
     pub meaning: &'static str,
     /// Where a fit looks for it.
     pub search: Search,
@@ -84,7 +84,7 @@ pub enum Search {
     Logarithmic(f64, f64),
 }
 
-/// What the drives of a fit span, by which the ranges of a family's numbers go.
+/// Span of the drives of a fit, by which the ranges of a family's numbers go.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveSpan {
     /// Stroke of the drives \[V\].

@@ -29,12 +29,12 @@ pub(in crate::hysteresis) trait ColumnFamily: FamilyDescription {
     fn kernel(&self, elements: usize, shape: &[f64], interval_s: f64) -> Self::Kernel;
 }
 
-/// What is run of a family, whatever its kernel.
+/// Operations on a family, whatever its kernel.
 pub(in crate::hysteresis) trait ColumnOperators: FamilyDescription {
     /// Checks structure and a shape of the right length.
     fn check(&self, elements: usize, shape: &[f64]) -> Result<(), HysteresisError>;
 
-    /// As [`crate::hysteresis::FamilyForm::run`]; `structure`: elements, shape, and seconds between samples.
+    /// [`crate::hysteresis::FamilyForm::run`]; `structure`: elements, shape, and seconds between samples.
     fn run(
         &self,
         structure: (usize, &[f64], f64),
@@ -48,7 +48,7 @@ pub(in crate::hysteresis) trait ColumnOperators: FamilyDescription {
     /// The operators, virgin at the voltage `u` \[V\], to be moved sample by sample.
     fn mover(&self, elements: usize, shape: &[f64], interval_s: f64, u: f64) -> Box<dyn Mover>;
 
-    /// As [`crate::hysteresis::Hysteresis::follow`], beside an `anhysteretic` part.
+    /// [`crate::hysteresis::Hysteresis::follow`], beside an `anhysteretic` part.
     fn follow(
         &self,
         structure: (usize, &[f64], f64),

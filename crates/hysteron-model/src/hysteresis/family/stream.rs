@@ -18,7 +18,7 @@ impl FamilyStream {
     /// The model, virgin at 0 V; `interval_s`: seconds between samples, for a family that sees the rate.
     ///
     /// # Errors
-    /// As [`Family::validate`]; [`HysteresisError::Interval`].
+    /// Those of [`Family::validate`]; [`HysteresisError::Interval`].
     pub fn new(model: &Family, interval_s: Option<f64>) -> Result<Self, HysteresisError> {
         model.validate()?;
         let mover = model.form.mover(&model.shape, interval_s, 0.0)?;

@@ -51,7 +51,7 @@ impl HysteresisForm {
         [Self::BoucWen, plays].into_iter().chain(FamilyForm::all().map(Self::Family)).collect()
     }
 
-    /// What there is to know of the family.
+    /// Description of the family.
     pub fn description(self) -> &'static dyn FamilyDescription {
         match self {
             Self::BoucWen => &super::bouc_wen::Entry,
@@ -94,7 +94,7 @@ impl HysteresisForm {
         self.description().name()
     }
 
-    /// What the family is, in a line.
+    /// The family in a line.
     pub fn summary(self) -> &'static str {
         self.description().summary()
     }
@@ -158,7 +158,7 @@ impl HysteresisForm {
     /// given.
     ///
     /// # Errors
-    /// What the family refuses: [`HysteresisError`].
+    /// [`HysteresisError`] where the family refuses numbers or drive.
     pub fn run<'a>(
         self,
         shape: &[f64],
@@ -177,7 +177,7 @@ impl HysteresisForm {
         }
     }
 
-    /// What of the drive its memory depends on.
+    /// Property of the drive that the memory depends on.
     pub fn depends_on(self) -> Dependence {
         self.description().depends_on()
     }

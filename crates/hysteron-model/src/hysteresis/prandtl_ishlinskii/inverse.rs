@@ -17,7 +17,7 @@ impl PrandtlIshlinskii {
     /// correspond to virgin plays at p v with p = p₀ + Σ wᵢ.
     ///
     /// # Errors
-    /// As [`Self::validate`]; [`HysteresisError::NotLinear`]: see [`Self::step_inverse`];
+    /// Those of [`Self::validate`]; [`HysteresisError::NotLinear`]: see [`Self::step_inverse`];
     /// [`HysteresisError::PartialSlope`] where an sᵢ, i ≥ 0, is not positive: then the model does not
     /// increase with u on every branch and has no inverse.
     pub fn inverse(&self) -> Result<Self, HysteresisError> {
@@ -71,9 +71,9 @@ impl PrandtlIshlinskii {
     /// The inverse move by move, for voltages in `range` \[V\] and a polynomial of any degree.
     ///
     /// # Errors
-    /// As [`Self::validate`]; [`HysteresisError::Range`]; [`HysteresisError::NotSteep`] where l' + w₁ + … +
-    /// w_k is not positive for every k ≥ 0 throughout the range, so that some branch there does not increase
-    /// with u.
+    /// Those of [`Self::validate`]; [`HysteresisError::Range`]; [`HysteresisError::NotSteep`] where l' + w₁ +
+    /// … + w_k is not positive for every k ≥ 0 throughout the range, so that some branch there does not
+    /// increase with u.
     pub fn step_inverse(&self, range: [f64; 2]) -> Result<StepInverse<'_>, HysteresisError> {
         self.validate()?;
         let [low, high] = range;
@@ -137,8 +137,8 @@ impl StepInverse<'_> {
     /// the states `plays`, which end at the last sample. Allocates nothing.
     ///
     /// # Errors
-    /// As [`Self::solve`], with the sample; [`HysteresisError::Lengths`]. `plays` then stand at the sample
-    /// before it.
+    /// Those of [`Self::solve`], with the sample; [`HysteresisError::Lengths`]. `plays` then stand at the
+    /// sample before it.
     pub fn follow(&self, v: &[f64], plays: &mut [f64], u: &mut [f64]) -> Result<(), HysteresisError> {
         if u.len() != v.len() {
             return Err(HysteresisError::Lengths { expected: v.len(), found: u.len() });
@@ -168,7 +168,7 @@ impl StepInverse<'_> {
         };
         for (end, outwards) in [(low, -1.0), (high, 1.0)] {
             let (value, slope) = excess(end);
-            // How far beyond the end the solution lies, on the tangent.
+            // Distance of the solution beyond the end, on the tangent.
             let beyond = -outwards * value / slope;
             if beyond > 0.0 {
                 return if beyond <= ROUNDING * (high - low) {

@@ -60,7 +60,7 @@ impl PrandtlIshlinskii {
     /// A checked operator.
     ///
     /// # Errors
-    /// As [`Self::validate`].
+    /// Those of [`Self::validate`].
     pub fn new(
         polynomial: Vec<f64>,
         thresholds: Vec<f64>,
@@ -125,11 +125,11 @@ impl PrandtlIshlinskii {
         self.simulate_every(1, u, start, plays, out)
     }
 
-    /// As [`Self::simulate`] for a drive given on a time base finer by `factor`: `out[k]` belongs to `u[k *
+    /// [`Self::simulate`] for a drive given on a time base finer by `factor`: `out[k]` belongs to `u[k *
     /// factor]`.
     ///
     /// # Errors
-    /// As [`Self::simulate`]; [`HysteresisError::Factor`] for 0.
+    /// Those of [`Self::simulate`]; [`HysteresisError::Factor`] for 0.
     pub fn simulate_every(
         &self,
         factor: usize,
@@ -159,10 +159,10 @@ impl PrandtlIshlinskii {
         self.run(&bank, factor, u, plays, out)
     }
 
-    /// As [`Self::simulate`] from the states that `plays` holds, those that another record left behind, say.
+    /// [`Self::simulate`] from the states that `plays` holds, those that another record left behind, say.
     ///
     /// # Errors
-    /// As [`Self::simulate`].
+    /// Those of [`Self::simulate`].
     pub fn resume(&self, u: &[f64], plays: &mut [f64], out: &mut [f64]) -> Result<(), HysteresisError> {
         self.validate()?;
         self.run(&self.bank()?, 1, u, plays, out)
@@ -201,7 +201,7 @@ impl PrandtlIshlinskii {
 }
 
 impl HysteresisError {
-    /// What went wrong with a move of a bank of plays to sample `index`.
+    /// Error of a move of a bank of plays to sample `index`.
     pub(in crate::hysteresis) fn at(index: usize, error: PlayError<f64>) -> Self {
         match error {
             PlayError::Lengths { expected, found } => Self::PlayStates { expected, found },
