@@ -1,8 +1,8 @@
 //! Resonances behind each of several inputs that go along straight lines, moved together.
 //!
-//! x' = p x + u with u = u₀ + s t has the solution x(t) = x₀ + m x₀ + a u₀ + b s, m = e^(pt) − 1, a = m/p, b =
-//! (a − t)/p. Where they are asked for, derivatives D = ∂x/∂p go along: D(t) = D₀ + m D₀ + m' x₀ + a' u₀ + b'
-//! s, with m' = t e^(pt), a' = (m' − a)/p, b' = (a' − b)/p. Six numbers a pole and a length are all that
+//! x' = p x + u with u = u₀ + s t has the solution x(t) = x₀ + m x₀ + a u₀ + b s, m = e^(pt) − 1, a = m/p, b
+//! = (a − t)/p. Where they are asked for, derivatives D = ∂x/∂p go along: D(t) = D₀ + m D₀ + m' x₀ + a' u₀ +
+//! b' s, with m' = t e^(pt), a' = (m' − a)/p, b' = (a' − b)/p. Six numbers a pole and a length are all that
 //! depends on these; they are worked out for a stretch of lengths at once and serve every input.
 
 use super::Complex64;
@@ -108,8 +108,8 @@ impl ResonanceBank {
     }
 
     /// Adds the weighted sum of x and ∂x/∂p over the poles, its real part, on the line of each input, to
-    /// `sums`: all inputs of the first weights, in rows, then of the next. `length_s`: how far along the lines
-    /// the `index`-th reading is \[s\]. The states stay where they are.
+    /// `sums`: all inputs of the first weights, in rows, then of the next. `length_s`: how far along the
+    /// lines the `index`-th reading is \[s\]. The states stay where they are.
     pub fn read(
         &mut self,
         set: InstructionSet,

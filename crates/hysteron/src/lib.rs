@@ -84,7 +84,8 @@
 //! **Its inverse.** [`Model::invert`] makes the drive for a reference within [`Limits`];
 //! [`Model::controller`] is a [`Controller`] that steps sample by sample. [`Model::track`] plays a reference
 //! by several controllers ([`TrackOptions`]), on the model itself or on a [`Stage`]: a [`Tracking`] holds the
-//! errors and bandwidths of each. [`Model::export`] writes an [`Export`] for a [`Target`], C99, `no_std` Rust or FMU, in a [`Precision`].
+//! errors and bandwidths of each. [`Model::export`] writes an [`Export`] for a [`Target`], C99, `no_std` Rust
+//! or FMU, in a [`Precision`].
 //!
 //! **Errors.** [`Error`] is that of the layer where it arose. Not every [`Kind`] has every [`Capability`];
 //! one that is missing is the error [`Unsupported`].

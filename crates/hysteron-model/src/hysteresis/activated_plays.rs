@@ -204,8 +204,8 @@ impl FamilyDescription for Entry {
         vec![low, high, 0.017 * span.stroke]
     }
 
-    /// A creeping output may fall while the drive rises, but of two moves within the same time the farther one puts
-    /// out more.
+    /// A creeping output may fall while the drive rises, but of two moves within the same time the farther
+    /// one puts out more.
     fn is_monotone(&self) -> bool {
         true
     }

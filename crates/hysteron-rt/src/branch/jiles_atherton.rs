@@ -63,8 +63,8 @@ impl<S: Scalar> BranchLaw<S> for JilesAtherton<S> {
 /// Parts of a move at most.
 pub const MOST_PANELS: u16 = 32;
 
-/// The four Gauss–Legendre points on \[0, 1\] with their weights, enough for a way of a tenth of the smaller of
-/// a and k.
+/// The four Gauss–Legendre points on \[0, 1\] with their weights, enough for a way of a tenth of the smaller
+/// of a and k.
 const FOUR: [(f64, f64); 4] = [
     (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
     (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),

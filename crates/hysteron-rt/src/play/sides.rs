@@ -47,8 +47,8 @@ impl<T: Copy> Sides<T> {
 }
 
 impl<S: Scalar> Sides<S> {
-    /// Moves plays of these thresholds (lines of ramps) monotonically through `middle` to `u` in a sample that
-    /// moves by `du`, as [`super::SidedPlays::look`].
+    /// Moves plays of these thresholds (lines of ramps) monotonically through `middle` to `u` in a sample
+    /// that moves by `du`, as [`super::SidedPlays::look`].
     ///
     /// # Errors
     /// By how much the right envelope lies above the left, where the narrowest play has no place to stand

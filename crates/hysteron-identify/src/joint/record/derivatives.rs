@@ -175,8 +175,8 @@ impl JointRecord {
         done.then_some(rest)
     }
 
-    /// Weights a derivative, with what it was at rest, and takes its part in the local columns off; zero where
-    /// it is not `done`.
+    /// Weights a derivative, with what it was at rest, and takes its part in the local columns off; zero
+    /// where it is not `done`.
     fn finish(&self, known: &Known<'_>, done: bool, rest: f64, out: &mut [f64]) {
         if !done {
             out.fill(0.0);

@@ -78,8 +78,8 @@ pub trait FamilyDescription: fmt::Debug + Sync {
         false
     }
 
-    /// Property of the drive that the memory depends on; where that is not the order of the samples alone, the time
-    /// between them must be known.
+    /// Property of the drive that the memory depends on; where that is not the order of the samples alone,
+    /// the time between them must be known.
     fn depends_on(&self) -> Dependence {
         Dependence::Order
     }
