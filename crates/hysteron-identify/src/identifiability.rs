@@ -75,8 +75,7 @@ pub(super) fn verdict(
     let help_for = |(name, _): &(&str, String)| advisor.help(&[name]).0;
     for alike in unknown.chunk_by(|a, b| help_for(a) == help_for(b)) {
         let names: Vec<&str> = alike.iter().map(|(name, _)| *name).collect();
-        let told: Vec<String> = alike.iter().map(|(name, why)| format!("{name} {why}")).collect();
-        let told: Vec<&str> = told.iter().map(String::as_str).collect();
+        let told = condensed(&names, |index| format!("{} {}", names[index], alike[index].1));
         let (help, advice) = advisor.help(&names);
         let text = match alike {
             [(name, why)] => format!("{name} is not determined by these records {why}. {help}"),
@@ -91,7 +90,7 @@ pub(super) fn verdict(
             format!(
                 "{} can hardly be told apart by these records (correlation {:.4}): their errors make up for \
                  each other, so that none of them means much without the others. {help}",
-                listed(&names),
+                listed(&condensed(&names, |index| names[index].to_owned())),
                 group.correlation
             ),
             advice,
@@ -121,6 +120,28 @@ pub(super) fn verdict(
         });
     }
     findings
+}
+
+/// The names in words, three or more of consecutive numbers as `weight_1 to weight_12`; `one` tells of a name
+/// that stands alone.
+fn condensed(names: &[&str], one: impl Fn(usize) -> String) -> Vec<String> {
+    let numbered = |name: &str| {
+        let (stem, number) = name.rsplit_once('_')?;
+        Some((stem.to_owned(), number.parse::<usize>().ok()?))
+    };
+    let follows = |before: &str, after: &str| {
+        numbered(before).is_some_and(|(stem, number)| numbered(after) == Some((stem, number + 1)))
+    };
+    let mut told = Vec::new();
+    let mut first = 0;
+    for run in names.chunk_by(|before, after| follows(before, after)) {
+        match run {
+            [from, _, .., to] => told.push(format!("{from} to {to}")),
+            _ => told.extend((first..first + run.len()).map(&one)),
+        }
+        first += run.len();
+    }
+    told
 }
 
 /// Whether the search ended with the parameter on an edge of its range.
@@ -202,10 +223,10 @@ fn most_correlated(covariance: &Covariance) -> String {
 }
 
 /// `a and b`, `a, b and c`.
-fn listed(names: &[&str]) -> String {
+fn listed(names: &[String]) -> String {
     match names {
         [] => String::new(),
-        [one] => (*one).to_owned(),
+        [one] => one.clone(),
         [first @ .., last] => format!("{} and {last}", first.join(", ")),
     }
 }
@@ -362,7 +383,11 @@ mod tests {
         assert_eq!(groups.len(), 1);
         assert_eq!(groups[0].names, ["a", "c", "d"]);
         assert!((groups[0].correlation + 0.999).abs() < 1e-12);
-        assert_eq!(listed(&["a", "c", "d"]), "a, c and d");
+        let names =
+            ["linear", "weight_1", "weight_2", "weight_3", "weight_5", "creep_1", "creep_time_1", "creep_2"];
+        let told = listed(&condensed(&names, |index| names[index].to_owned()));
+        assert_eq!(told, "linear, weight_1 to weight_3, weight_5, creep_1, creep_time_1 and creep_2");
+        assert_eq!(listed(&condensed(&names[1..3], |index| format!("{index}"))), "0 and 1");
         assert_eq!(most_correlated(&c), "-0.999 between c and d");
     }
 

@@ -2,7 +2,7 @@
 //! creep and of which degree the polynomial is.
 
 use super::super::IdentifyError;
-use super::super::engine::{Engine, Search, Show, quick};
+use super::super::engine::{Engine, Search, Show};
 use super::super::options::{Choice, DynamicsChoice, Options};
 use super::super::static_step::{BIC_FALL, HIGHEST_AUTOMATIC_DEGREE};
 use super::super::uncertainty::correlation_time;
@@ -22,8 +22,6 @@ const WHITE: f64 = 0.5;
 /// Evidence for creep that is beyond doubt, over that which is very strong, and the least fall of the cost.
 const EVIDENT: f64 = 10.0;
 const EVIDENT_RATIO: f64 = 1.5;
-/// Starts with creep that must end in the same optimum: one from the fit without, others from lattices.
-const UNLIKE_STARTS: usize = 2;
 /// Starts that must end in the same optimum.
 const AGREEMENT: usize = 3;
 /// Starts with fitted dynamics, beside the best one as it is, before any other.
@@ -303,19 +301,18 @@ fn try_creep(
     let problem = setup.problem(plain.degree(), reduced)?;
     let guesses = setup.guesses(&problem)?;
     let near = from_plain(plain, best, &problem, &guesses[..1]);
-    let options = || LeastSquaresOptions { agreement: Some(UNLIKE_STARTS), ..quick() };
     let starts = match near.first().and_then(|near| Some((near, problem.holding_memory(near)?))) {
         // The operators run once, and what they put out serves every point.
         Some((near, held)) => {
             let (dimension, memory) = (held.bounds().dimension(), &near[held.bounds().dimension()..]);
             let starts = [near].into_iter().chain(&guesses).map(|x| x[..dimension].to_vec()).collect();
-            let fit = local_fits(engine, "creep, memory held", &held, starts, options(), None);
+            let fit = quick_fit(engine, "creep, memory held", &held, starts);
             let Some(fit) = engine.unless_stopped(fit)? else { return Ok(None) };
             vec![[&fit.outcome.best[..], memory].concat()]
         }
         None => near.into_iter().chain(guesses).collect(),
     };
-    let search = local_fits(engine, "joint fit with creep", &problem, starts, options(), None);
+    let search = quick_fit(engine, "joint fit with creep", &problem, starts);
     let search = engine.unless_stopped(search)?.filter(|_| !engine.is_stopped());
     Ok(search.map(|search| (problem, search)))
 }
