@@ -3,7 +3,7 @@
 //! A second-order factor 1/(b₂ (s/ω₀)^α₂ + b₁ (s/ω₀)^α₁ + 1) is nearly linear in b₂ and b₁ where ω₀ lies
 //! within the band of the records, while natural frequency and damping, b₂ = (ω₀/ω)^α₂ and b₁ = 2ζ
 //! (ω₀/ω)^α₁, make up for each other and for the orders along a bent valley where the resonance lies beyond
-//! it. The optimum is the same; a fit takes a half to a quarter of the evaluations (`docs/theory/joint.md`).
+//! it. The optimum is the same, in fewer evaluations (`docs/theory/joint.md`).
 
 use super::super::engine::{Engine, Search, Show, quick, rough};
 use super::super::layout::Role;
