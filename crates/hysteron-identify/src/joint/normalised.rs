@@ -224,7 +224,7 @@ pub(super) fn rough_fit(
 }
 
 /// Local fits from the given starts, in coefficients where that is the shorter way. Where one ends beyond the
-/// ranges of natural frequency and damping, all go on from their nearest points within.
+/// ranges of natural frequency and damping, all go on from their nearest points within, and from their starts.
 pub(super) fn local_fits(
     engine: &mut Engine<'_, '_>,
     step: &str,
@@ -246,7 +246,9 @@ pub(super) fn local_fits(
     if normalised.is_inside(&search.outcome.best) || engine.is_stopped() {
         return Ok(search);
     }
-    let nearest = search.outcome.starts.iter().map(|start| normalised.nearest(&start.best)).collect();
+    // The nearest points may be ones that cannot be simulated: then from the given starts.
+    let ends = search.outcome.starts.iter().map(|start| normalised.nearest(&start.best));
+    let nearest = ends.chain(starts).collect();
     let mut inside =
         engine.local_fits(&format!("{step}, within its ranges"), problem, nearest, options, show)?;
     inside.outcome.evaluations += search.outcome.evaluations;
