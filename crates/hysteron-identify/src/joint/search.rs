@@ -301,6 +301,7 @@ fn try_creep(
     let problem = setup.problem(plain.degree(), reduced)?;
     let guesses = setup.guesses(&problem)?;
     let near = from_plain(plain, best, &problem, &guesses[..1]);
+    let mut before = 0;
     let starts = match near.first().and_then(|near| Some((near, problem.holding_memory(near)?))) {
         // The operators run once, and what they put out serves every point.
         Some((near, held)) => {
@@ -308,13 +309,17 @@ fn try_creep(
             let starts = [near].into_iter().chain(&guesses).map(|x| x[..dimension].to_vec()).collect();
             let fit = quick_fit(engine, "creep, memory held", &held, starts);
             let Some(fit) = engine.unless_stopped(fit)? else { return Ok(None) };
+            before = fit.outcome.evaluations;
             vec![[&fit.outcome.best[..], memory].concat()]
         }
         None => near.into_iter().chain(guesses).collect(),
     };
     let search = quick_fit(engine, "joint fit with creep", &problem, starts);
     let search = engine.unless_stopped(search)?.filter(|_| !engine.is_stopped());
-    Ok(search.map(|search| (problem, search)))
+    Ok(search.map(|mut search| {
+        search.outcome.evaluations += before;
+        (problem, search)
+    }))
 }
 
 /// The guesses for a problem with more parameters, with those of a fit with fewer in their place.
