@@ -10,7 +10,7 @@ use hysteron_model::compensator::Prediction;
 use hysteron_model::model_file::{ScoreEntry, ScoreRole};
 
 use crate::models;
-use crate::tools::{STRICT, c_compilers, run};
+use crate::tools::{STRICT, c_compilers, run, workspace_of};
 
 /// Input unit, output unit, title and name of a record.
 const TEXTS: [[&str; 4]; 4] = [
@@ -103,8 +103,7 @@ fn the_rust_crate_is_checked_and_documented_without_a_warning() {
         write_folder(&place.path().join(&name), &files).unwrap();
         members.push(format!("\"{name}\""));
     }
-    let workspace = format!("[workspace]\nresolver = \"3\"\nmembers = [{}]\n", members.join(", "));
-    std::fs::write(place.path().join("Cargo.toml"), workspace).unwrap();
+    std::fs::write(place.path().join("Cargo.toml"), workspace_of(&members)).unwrap();
     let lock = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../Cargo.lock");
     std::fs::copy(lock, place.path().join("Cargo.lock")).unwrap();
     let target = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("hostile-crates");

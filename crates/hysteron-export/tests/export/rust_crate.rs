@@ -6,7 +6,7 @@ use hysteron_export::{Runtime, rust_files, write_folder};
 use hysteron_model::compensator::Prediction;
 
 use crate::models;
-use crate::tools::run;
+use crate::tools::{run, workspace_of};
 
 #[test]
 fn every_kind_of_model_builds_and_passes_its_selftest() {
@@ -38,8 +38,7 @@ fn every_kind_of_model_builds_and_passes_its_selftest() {
             members.push(format!("\"{name}\""));
         }
     }
-    let workspace = format!("[workspace]\nresolver = \"3\"\nmembers = [{}]\n", members.join(", "));
-    std::fs::write(place.path().join("Cargo.toml"), workspace).unwrap();
+    std::fs::write(place.path().join("Cargo.toml"), workspace_of(&members)).unwrap();
     let lock = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../Cargo.lock");
     std::fs::copy(lock, place.path().join("Cargo.lock")).unwrap();
     let target = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("exported-crates");

@@ -44,3 +44,12 @@ pub fn run(folder: &Path, program: impl AsRef<std::ffi::OsStr>, arguments: &[&st
     );
     text(&output.stdout)
 }
+
+/// Manifest of a workspace of exported crates, built once: without debug information and incremental
+/// state, which take a gigabyte.
+pub fn workspace_of(members: &[String]) -> String {
+    format!(
+        "[workspace]\nresolver = \"3\"\nmembers = [{}]\n\n[profile.dev]\ndebug = false\nincremental = false\n",
+        members.join(", ")
+    )
+}
