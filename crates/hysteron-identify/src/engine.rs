@@ -46,6 +46,8 @@ pub(super) struct Engine<'a, 'w> {
     fraction: f64,
     resumed: BTreeMap<String, Checkpoint>,
     done: BTreeMap<String, Checkpoint>,
+    /// Searches begun, by step.
+    begun: BTreeMap<String, usize>,
     /// A search was stopped: later ones stop as soon as they have a result.
     pub(super) cancelled: bool,
 }
@@ -67,6 +69,7 @@ impl<'a, 'w> Engine<'a, 'w> {
             fraction: 0.0,
             resumed,
             done: BTreeMap::new(),
+            begun: BTreeMap::new(),
             cancelled: watch.is_stopped(),
         }
     }
@@ -162,21 +165,30 @@ impl<'a, 'w> Engine<'a, 'w> {
         let settings = Settings { starts, generations, ..self.settings.clone() };
         // Its starts may come from work that was cut short.
         self.is_stopped();
-        let resume = self.resumed.remove(step);
-        let mut observer = Observed { engine: self, step, show };
+        let key = self.next_key(step);
+        let resume = self.resumed.remove(&key);
+        let mut observer = Observed { engine: self, step, key: &key, show };
         let outcome = minimize(problem, algorithm, &settings, &mut observer, resume)?;
         // A search after an interrupted one started from unfinished results: it is not worth keeping.
         if !self.cancelled && problem.bounds().dimension() > 0 {
-            self.done.insert(step.to_owned(), outcome.checkpoint.clone());
+            self.done.insert(key, outcome.checkpoint.clone());
         }
         self.cancelled |= outcome.stopped == StopReason::Cancelled;
         Ok(Search { step: step.to_owned(), algorithm: algorithm.name(), outcome })
     }
 
+    /// Name of the next search of a step among those kept for resumption: a step may be searched more than
+    /// once, on problems of unlike structure.
+    fn next_key(&mut self, step: &str) -> String {
+        let count = self.begun.entry(step.to_owned()).or_default();
+        *count += 1;
+        if *count == 1 { step.to_owned() } else { format!("{step} ({count})") }
+    }
+
     /// State after the searches so far, and of the one under way.
-    fn searches_with(&self, step: &str, checkpoint: &Checkpoint) -> Searches {
+    fn searches_with(&self, key: &str, checkpoint: &Checkpoint) -> Searches {
         let mut searches = self.done.clone();
-        searches.insert(step.to_owned(), checkpoint.clone());
+        searches.insert(key.to_owned(), checkpoint.clone());
         Searches { searches, ..Searches::default() }
     }
 
@@ -190,6 +202,7 @@ impl<'a, 'w> Engine<'a, 'w> {
 struct Observed<'e, 'a, 'w, 's> {
     engine: &'e mut Engine<'a, 'w>,
     step: &'s str,
+    key: &'s str,
     show: Show<'s>,
 }
 
@@ -198,7 +211,7 @@ impl Observer for Observed<'_, '_, '_, '_> {
         let engine = &mut *self.engine;
         let within = progress.generation as f64 / progress.generations.max(1) as f64;
         engine.fraction = engine.plan.fraction(self.step, within).unwrap_or(engine.fraction);
-        let searches = || engine.searches_with(self.step, progress.checkpoint());
+        let searches = || engine.searches_with(self.key, progress.checkpoint());
         let model = || self.show.and_then(|show| show(progress.best));
         let state = State { model: Some(&model), searches: Some(&searches) };
         engine.watch.tell(Event::new(self.step, engine.fraction, Some(progress.best_cost)).with(state))

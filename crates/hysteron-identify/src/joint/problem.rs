@@ -154,8 +154,22 @@ impl JointProblem {
 
     /// Best evaluation so far, if it is that of `x` and the work is stopped.
     fn known(&self, x: &[f64]) -> Option<Evaluated> {
-        let best =
-            self.stop.is_requested().then(|| self.best.lock().unwrap_or_else(PoisonError::into_inner))?;
+        if self.stop.is_requested() { self.best_at(x) } else { None }
+    }
+
+    /// Weighted residuals at `x`; those of the best point so far are not worked out again. `None` where it
+    /// cannot be simulated.
+    pub(super) fn residuals_of(&self, x: &[f64]) -> Option<Vec<f64>> {
+        if let Some(best) = self.best_at(x) {
+            return Some(best.residuals);
+        }
+        let mut residuals = vec![0.0; self.residual_count()];
+        self.residuals(x, &mut self.workspace(), &mut residuals).then_some(residuals)
+    }
+
+    /// Best evaluation so far, if it is that of `x`.
+    fn best_at(&self, x: &[f64]) -> Option<Evaluated> {
+        let best = self.best.lock().unwrap_or_else(PoisonError::into_inner);
         // The optimiser's unit box rounds a point that is handed to it.
         let same = |best: &&Evaluated| {
             let apart = |(range, (a, b)): (&Range, (&f64, &f64))| range.to_unit(*a) - range.to_unit(*b);
@@ -192,6 +206,11 @@ impl JointProblem {
     /// The family of the hysteresis.
     pub(in super::super) fn hysteresis(&self) -> HysteresisForm {
         self.hysteresis
+    }
+
+    /// Whether shape numbers of the hysteresis are searched, with which its operators run anew.
+    pub(super) fn searches_shape(&self) -> bool {
+        self.shaped.contains(&true)
     }
 
     /// The family of the dynamics.

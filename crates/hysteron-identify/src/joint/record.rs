@@ -27,7 +27,10 @@ use hysteron_optimize::Stop;
 use rayon::prelude::*;
 
 mod derivatives;
+mod operators;
 mod preparation;
+
+use operators::{Lent, Operators, Spare};
 
 pub(in super::super) use derivatives::Direction;
 pub(in super::super) use preparation::{Clock, Ingredients};
@@ -61,6 +64,7 @@ pub(in super::super) struct JointRecord {
     sampling: Sampling,
     powers: Vec<PlanInput>,
     transients: Vec<PlanInput>,
+    spare: Spare,
 }
 
 /// The nonlinear part of a candidate.
@@ -81,7 +85,7 @@ const LANES: usize = 8;
 /// Scratch of one record.
 #[derive(Debug)]
 pub(in super::super) struct RecordWorkspace {
-    hysteresis: Operators,
+    hysteresis: Lent,
     response: PlanResponse,
     total: PlanInput,
     /// Nuisance, and the transients of the candidate.
@@ -95,17 +99,6 @@ pub(in super::super) struct RecordWorkspace {
     transient_shares: Vec<Vec<f64>>,
     /// One a thread that works on this record.
     lanes: Vec<Lane>,
-}
-
-/// Outputs of the hysteresis operators, kept while only the dynamics change.
-#[derive(Debug)]
-struct Operators {
-    columns: Columns,
-    /// s (H_j − H_j(rest)) as inputs of the dynamics.
-    inputs: Vec<PlanInput>,
-    /// Shape and memory that both belong to; `None`: nothing.
-    of: Option<(Vec<f64>, f64)>,
-    derived: bool,
 }
 
 /// Scratch of one column.
@@ -125,7 +118,7 @@ struct Lane {
 impl RecordWorkspace {
     /// Sets the stop signal that ends an evaluation early.
     pub(super) fn set_stop(&mut self, stop: &Stop) {
-        self.hysteresis.columns.stop = Some(stop.clone());
+        self.hysteresis.operators.columns.stop = Some(stop.clone());
     }
 }
 
@@ -179,13 +172,7 @@ impl JointRecord {
         };
         let lanes = if samples < SHARED { 1 } else { rayon::current_num_threads().min(LANES) };
         RecordWorkspace {
-            hysteresis: Operators {
-                columns: Columns::default(),
-                // Made one by one: room for dozens of them at once would hold up a stop.
-                inputs: (0..hysteretic).map(|_| PlanInput::none()).collect(),
-                of: None,
-                derived: false,
-            },
+            hysteresis: Lent::new(&self.spare),
             response: self.plan.empty_response(parameters),
             total: self.plan.empty_input(),
             local: self.nuisance.with_capacity(self.nuisance.capacity() + transients),
@@ -230,19 +217,24 @@ impl JointRecord {
         form: HysteresisForm,
         (shape, memory): (&[f64], f64),
         derivatives: Derivatives<'_>,
-        operators: &mut Operators,
+        lent: &mut Lent,
         lanes: &mut [Lane],
     ) -> bool {
-        let Operators { columns, inputs, of, derived } = operators;
-        let same = of.as_ref().is_some_and(|(of_shape, of_memory)| of_shape == shape && *of_memory == memory);
-        if same && (*derived || derivatives.is_none()) {
+        let wanted = derivatives.is_some();
+        if !lent.operators.are_of(shape, memory, wanted) {
+            lent.exchange(shape, memory, wanted);
+        }
+        if lent.operators.are_of(shape, memory, wanted) {
             return true;
         }
+        let Operators { columns, inputs, of, derived } = &mut lent.operators;
         *of = None;
         let grid = DriveGrid { paces: self.paces.as_deref(), ..self.grid };
         if form.run(shape, grid, &self.drive, self.origin(memory), derivatives, columns).is_err() {
             return false;
         }
+        // Made one by one: room for dozens of them at once would hold up a stop.
+        inputs.resize_with(columns.values.len(), PlanInput::none);
         let share = inputs.len().div_ceil(lanes.len().max(1)).max(1);
         let done = inputs
             .par_chunks_mut(share)
@@ -259,7 +251,7 @@ impl JointRecord {
             })
             .reduce(|| true, |a, b| a & b);
         if done {
-            (*of, *derived) = (Some((shape.to_vec(), memory)), derivatives.is_some());
+            (*of, *derived) = (Some((shape.to_vec(), memory)), wanted);
         }
         done
     }
@@ -294,6 +286,7 @@ impl JointRecord {
     /// The columns of u, u², …, s H_j from their inputs.
     fn respond_to_inputs(&self, sign: f64, derivatives: Derivatives<'_>, ws: &mut RecordWorkspace) -> bool {
         let RecordWorkspace { hysteresis, response, local, columns, transient_shares, lanes, .. } = ws;
+        let hysteresis = &hysteresis.operators;
         let samples = self.samples();
         let count = columns.len() / samples;
         let degree = count - hysteresis.inputs.len();

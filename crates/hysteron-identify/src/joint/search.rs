@@ -13,7 +13,9 @@ use super::setup::JointSetup;
 use super::starts::{Places, Starts};
 use hysteron_model::dynamics::{Creep, DynamicForm};
 use hysteron_model::model_file::polynomial_name;
-use hysteron_optimize::{Algorithm, DeAbcOptions, LeastSquaresOptions, LeastSquaresProblem, Problem};
+use hysteron_optimize::{
+    Algorithm, DeAbcOptions, LeastSquaresOptions, LeastSquaresProblem, OptimizeError, Problem,
+};
 
 /// Degree that the starts are tried with where it is chosen from the data.
 pub(super) const DEGREE_OF_STARTS: usize = 3;
@@ -54,32 +56,26 @@ pub(super) fn search<'a>(
     let mut problem = setup.problem(first_degree, reduced)?;
     let creep_is_open = options.dynamics == DynamicsChoice::Auto && options.creep == Creep::None;
     let with_creep = DynamicForm { creep: Creep::Fractional, ..setup.form };
-    let (mut begun, mut with_creep_found) = (None, None);
-    if creep_is_open
-        && options.algorithm.is_none()
-        && options.start.is_none()
-        && problem.bounds().dimension() > 0
-    {
-        let from = Begun::new(&problem, &setup, engine)?;
+    let is_free = options.algorithm.is_none() && options.start.is_none();
+    let (mut first, mut found) = (None, None);
+    if creep_is_open && is_free && problem.bounds().dimension() > 0 {
         let creeping = setup.with(with_creep, options);
-        if let Some((richer, mut search)) = try_creep((&problem, from.best()), &creeping, reduced, engine)? {
-            let gain = Gain::new((&problem, from.rough.outcome.cost), (&richer, &search));
-            let is_long_enough = || creeping.with_longer_delays(&richer, &search.outcome.best).is_none();
-            if gain.is_evident() && is_long_enough() {
-                search.outcome.evaluations += from.evaluations();
-                return with_degree(creeping, (richer, reduced), search, engine);
-            }
-            with_creep_found = Some((richer, search));
+        let mut begun = begin_with_creep(&problem, &creeping, reduced, engine)?;
+        begun.search.outcome.evaluations += begun.evaluations();
+        if engine.is_stopped() || begun.is_evident(&problem, &creeping) {
+            return with_degree(creeping, (begun.problem, reduced), begun.search, engine);
         }
-        begun = Some(from);
+        let mut from_places = FirstPoints::at(begun.places, &problem, &setup, engine)?;
+        from_places.points.splice(0..0, begun.plain.map(|plain| plain.outcome.best));
+        (first, found) = (Some(from_places), Some((begun.problem, begun.search)));
     }
     let grown = |x: &[f64]| shown(&problem, x, &setup);
-    let mut search = search_globally((&problem, reduced), (&setup, begun), engine, Some(&grown))?;
+    let mut search = search_globally((&problem, reduced), (&setup, first), engine, Some(&grown))?;
     if let Some(longer) =
         setup.with_longer_delays(&problem, &search.outcome.best).filter(|_| !engine.is_stopped())
     {
         setup = longer;
-        with_creep_found = None;
+        found = None;
         problem = setup.problem(first_degree, reduced)?;
         let grown = |x: &[f64]| shown(&problem, x, &setup);
         let mut wider = search_globally((&problem, reduced), (&setup, None), engine, Some(&grown))?;
@@ -89,11 +85,8 @@ pub(super) fn search<'a>(
     }
     if creep_is_open {
         let creeping = setup.with(with_creep, options);
-        let found = match with_creep_found {
-            None => try_creep((&problem, &search.outcome.best), &creeping, reduced, engine)?,
-            found => found.filter(|_| !engine.is_stopped()),
-        };
-        if let Some((richer, found)) = found
+        let plain = (&problem, &search.outcome.best[..]);
+        if let Some((richer, found)) = try_creep(plain, &creeping, reduced, found, engine)?
             && Gain::new((&problem, search.outcome.cost), (&richer, &found)).is_strong()
         {
             return with_degree(creeping, (richer, reduced), found, engine);
@@ -118,61 +111,126 @@ fn with_degree<'a>(
     Ok(Optimum { setup, problem, search, degree, best, degrees })
 }
 
-/// Where a search can begin, the first few points to fit from, and a rough fit from the best of these.
-struct Begun {
+/// Where a search can begin, and the first few points to fit from.
+struct FirstPoints {
     places: Places,
     points: Vec<Vec<f64>>,
-    rough: Search,
-    /// Evaluations before the rough fit.
-    before: usize,
+    /// Evaluations that it took to find them.
+    evaluations: usize,
 }
 
-impl Begun {
+impl FirstPoints {
     fn new(
         problem: &JointProblem,
         setup: &JointSetup<'_>,
         engine: &mut Engine<'_, '_>,
     ) -> Result<Self, IdentifyError> {
-        let (places, mut points, before) = first_points(problem, setup, engine)?;
-        let mut ws = problem.workspace();
-        let costs: Vec<f64> = points.iter().map(|x| problem.cost(x, &mut ws)).collect();
-        let best = (0..points.len()).min_by(|&i, &j| costs[i].total_cmp(&costs[j]));
-        let start = best.map(|best| points.remove(best)).into_iter().collect();
-        let rough = rough_fit(engine, "joint fit, first", problem, start)?;
-        points.insert(0, rough.outcome.best.clone());
-        Ok(Self { places, points, rough, before: before + costs.len() })
+        let places = setup.places(problem, engine)?;
+        let before = places.evaluations;
+        let mut first = Self::at(places, problem, setup, engine)?;
+        first.evaluations += before;
+        Ok(first)
     }
 
-    fn best(&self) -> &[f64] {
-        &self.rough.outcome.best
-    }
-
-    fn evaluations(&self) -> usize {
-        self.before + self.rough.outcome.evaluations
+    /// Of places that are known.
+    fn at(
+        places: Places,
+        problem: &JointProblem,
+        setup: &JointSetup<'_>,
+        engine: &mut Engine<'_, '_>,
+    ) -> Result<Self, IdentifyError> {
+        let Starts { mut points, evaluations } = setup.fitted(problem, &places, 0..FIRST_STARTS, engine)?;
+        points.extend(setup.unfitted(problem, &places, 0..1));
+        Ok(Self { places, points: first_or_best(problem, points, engine), evaluations })
     }
 }
 
-/// Where a search can begin, the first few points to fit from, and the evaluations that it took to find them.
-fn first_points(
-    problem: &JointProblem,
-    setup: &JointSetup<'_>,
-    engine: &mut Engine<'_, '_>,
-) -> Result<(Places, Vec<Vec<f64>>, usize), IdentifyError> {
-    let places = setup.places(problem, engine)?;
-    let Starts { mut points, evaluations } = setup.fitted(problem, &places, 0..FIRST_STARTS, engine)?;
-    points.extend(setup.unfitted(problem, &places));
-    if engine.is_stopped() {
-        points = problem.best().into_iter().collect();
+/// A fit with creep, and a rough fit without it from there.
+struct CreepFirst {
+    problem: JointProblem,
+    search: Search,
+    /// None after a stop.
+    plain: Option<Search>,
+    places: Places,
+    /// Evaluations before the fit with creep.
+    before: usize,
+}
+
+impl CreepFirst {
+    /// Evaluations beside those of the fit with creep.
+    fn evaluations(&self) -> usize {
+        self.before + self.plain.as_ref().map_or(0, |plain| plain.outcome.evaluations)
     }
-    let evaluations = evaluations + places.evaluations;
-    Ok((places, points, evaluations))
+
+    /// Whether there is creep beyond doubt, in a fit that no range of its dynamics and delay holds back.
+    fn is_evident(&self, plain: &JointProblem, setup: &JointSetup<'_>) -> bool {
+        let best = &self.search.outcome.best;
+        let own = setup.form.parameters();
+        let is_own = |name: &str| own.iter().any(|parameter| parameter.name == name);
+        let mut ranges = self.problem.bounds().ranges.iter().zip(best);
+        self.plain.as_ref().is_some_and(|rough| {
+            Gain::new((plain, rough.outcome.cost), (&self.problem, &self.search)).is_evident()
+        }) && !ranges.any(|(range, x)| is_own(&range.name) && range.is_end(*x))
+            && setup.with_longer_delays(&self.problem, best).is_none()
+    }
+}
+
+/// Fits with creep before any fit without it. Without it the lowest order takes its place in records that
+/// creep, along a valley that is long to follow, and as long to come back from.
+fn begin_with_creep(
+    plain: &JointProblem,
+    creeping: &JointSetup<'_>,
+    reduced: bool,
+    engine: &mut Engine<'_, '_>,
+) -> Result<CreepFirst, IdentifyError> {
+    let problem = creeping.problem(plain.degree(), reduced)?;
+    let places = creeping.places(&problem, engine)?;
+    let mut starts = Starts { points: creeping.unfitted(&problem, &places, 0..FIRST_STARTS), evaluations: 0 };
+    if !problem.searches_shape() {
+        starts = creeping.fitted(&problem, &places, 0..1, engine)?;
+    }
+    let before = places.evaluations + starts.evaluations;
+    let points = first_or_best(&problem, starts.points, engine);
+    let search = quick_fit(engine, "joint fit with creep", &problem, points)?;
+    let start = from_other(&problem, &search.outcome.best, plain, &vec![0.0; plain.bounds().dimension()]);
+    let mut rough = None;
+    if !engine.is_stopped() {
+        let fit = rough_without_creep(plain, start, engine);
+        rough = engine.unless_stopped(fit)?;
+    }
+    Ok(CreepFirst { problem, search, plain: rough, places, before })
+}
+
+/// A rough fit from a point of a fit with creep: with its memory, where the operators need not run anew then.
+fn rough_without_creep(
+    plain: &JointProblem,
+    start: Vec<f64>,
+    engine: &mut Engine<'_, '_>,
+) -> Result<Search, OptimizeError> {
+    let step = "joint fit without creep";
+    let Some(held) = plain.holding_memory(&start) else {
+        return rough_fit(engine, step, plain, vec![start]);
+    };
+    let (dynamics, memory) = start.split_at(held.bounds().dimension());
+    let mut rough = rough_fit(engine, step, &held, vec![dynamics.to_vec()])?;
+    rough.outcome.best.extend(memory);
+    Ok(rough)
+}
+
+/// The points; after a stop the best one known.
+fn first_or_best(
+    problem: &JointProblem,
+    points: Vec<Vec<f64>>,
+    engine: &mut Engine<'_, '_>,
+) -> Vec<Vec<f64>> {
+    if engine.is_stopped() { problem.best().into_iter().collect() } else { points }
 }
 
 /// A few good starts; where they disagree all others, and where these disagree a population search on a
 /// twentieth of its usual budget, polished.
 fn search_globally(
     (problem, reduced): (&JointProblem, bool),
-    (setup, begun): (&JointSetup<'_>, Option<Begun>),
+    (setup, first): (&JointSetup<'_>, Option<FirstPoints>),
     engine: &mut Engine<'_, '_>,
     show: Show<'_>,
 ) -> Result<Search, IdentifyError> {
@@ -197,7 +255,7 @@ fn search_globally(
     let mut search = if setup.options.start.is_some() {
         engine.search("joint fit", problem, setup.guesses(problem)?, show)?
     } else {
-        search_from_places(problem, (setup, begun), engine, show)?
+        search_from_places(problem, (setup, first), engine, show)?
     };
     if agreeing(&search) >= AGREEMENT || engine.cancelled {
         return Ok(search);
@@ -207,7 +265,8 @@ fn search_globally(
         let without = setup.with(DynamicForm { creep: Creep::None, ..setup.form }, setup.options);
         let plain = without.problem(problem.degree(), reduced)?;
         let found = search_from_places(&plain, (&without, None), engine, None)?;
-        let starts = from_plain(&plain, &found.outcome.best, problem, &setup.guesses(problem)?);
+        let guesses = setup.guesses(problem)?.into_iter();
+        let starts = guesses.map(|guess| from_other(&plain, &found.outcome.best, problem, &guess)).collect();
         take_better(&mut search, quick_fit(engine, "joint fit with creep", problem, starts)?);
     }
     let population = Algorithm::DeAbc(DeAbcOptions::default());
@@ -223,16 +282,13 @@ fn search_globally(
 /// Fits from the first few places; from all others where these disagree.
 fn search_from_places(
     problem: &JointProblem,
-    (setup, begun): (&JointSetup<'_>, Option<Begun>),
+    (setup, first): (&JointSetup<'_>, Option<FirstPoints>),
     engine: &mut Engine<'_, '_>,
     show: Show<'_>,
 ) -> Result<Search, IdentifyError> {
-    let (places, points, evaluations) = match begun {
-        Some(begun) => {
-            let evaluations = begun.evaluations();
-            (begun.places, begun.points, evaluations)
-        }
-        None => first_points(problem, setup, engine)?,
+    let FirstPoints { places, points, evaluations } = match first {
+        Some(first) => first,
+        None => FirstPoints::new(problem, setup, engine)?,
     };
     let to_the_end = LeastSquaresOptions::default();
     let mut search = local_fits(engine, "joint fit", problem, points, to_the_end, show)?;
@@ -286,61 +342,45 @@ impl Gain {
     }
 }
 
-/// A fit of the same dynamics with a creep factor, from the point of one without; `None` where the residuals
-/// there are not far from white.
+/// A fit of the same dynamics with a creep factor, from the point of one without, or what was `found` before
+/// where that is better; `None` where the residuals there are not far from white.
 fn try_creep(
     (plain, best): (&JointProblem, &[f64]),
     setup: &JointSetup<'_>,
     reduced: bool,
+    found: Option<(JointProblem, Search)>,
     engine: &mut Engine<'_, '_>,
 ) -> Result<Option<(JointProblem, Search)>, IdentifyError> {
-    let coloured = information(plain, best) < WHITE * plain.valid() as f64;
-    if !coloured || engine.is_stopped() {
+    if engine.is_stopped() || information(plain, best) >= WHITE * plain.valid() as f64 {
         return Ok(None);
     }
     let problem = setup.problem(plain.degree(), reduced)?;
     let guesses = setup.guesses(&problem)?;
-    let near = from_plain(plain, best, &problem, &guesses[..1]);
-    let mut before = 0;
-    let starts = match near.first().and_then(|near| Some((near, problem.holding_memory(near)?))) {
-        // The operators run once, and what they put out serves every point.
-        Some((near, held)) => {
-            let (dimension, memory) = (held.bounds().dimension(), &near[held.bounds().dimension()..]);
-            let starts = [near].into_iter().chain(&guesses).map(|x| x[..dimension].to_vec()).collect();
-            let fit = quick_fit(engine, "creep, memory held", &held, starts);
-            let Some(fit) = engine.unless_stopped(fit)? else { return Ok(None) };
-            before = fit.outcome.evaluations;
-            vec![[&fit.outcome.best[..], memory].concat()]
-        }
-        None => near.into_iter().chain(guesses).collect(),
-    };
+    let mut starts: Vec<_> =
+        guesses.first().map(|guess| from_other(plain, best, &problem, guess)).into_iter().collect();
+    if found.is_none() {
+        starts.extend(guesses);
+    }
     let search = quick_fit(engine, "joint fit with creep", &problem, starts);
     let search = engine.unless_stopped(search)?.filter(|_| !engine.is_stopped());
     Ok(search.map(|mut search| {
-        search.outcome.evaluations += before;
+        if let Some((_, found)) = found {
+            take_better(&mut search, found);
+        }
         (problem, search)
     }))
 }
 
-/// The guesses for a problem with more parameters, with those of a fit with fewer in their place.
-fn from_plain(
-    plain: &JointProblem,
-    best: &[f64],
-    problem: &JointProblem,
-    guesses: &[Vec<f64>],
-) -> Vec<Vec<f64>> {
-    let place = |name: &str| plain.bounds().ranges.iter().position(|range| range.name == name);
-    let moved = |guess: &Vec<f64>| {
-        let ranges = problem.bounds().ranges.iter().zip(guess);
-        ranges.map(|(range, &guess)| place(&range.name).map_or(guess, |at| best[at])).collect()
-    };
-    guesses.iter().map(moved).collect()
+/// A point of a problem with other parameters: those of `x` by their names, the others from `guess`.
+fn from_other(other: &JointProblem, x: &[f64], problem: &JointProblem, guess: &[f64]) -> Vec<f64> {
+    let place = |name: &str| other.bounds().ranges.iter().position(|range| range.name == name);
+    let ranges = problem.bounds().ranges.iter().zip(guess);
+    ranges.map(|(range, &guess)| place(&range.name).map_or(guess, |at| x[at])).collect()
 }
 
 /// Number of independent samples that the residuals at `x` are worth.
 pub(super) fn information(problem: &JointProblem, x: &[f64]) -> f64 {
-    let mut residual = vec![0.0; problem.residual_count()];
-    problem.residuals(x, &mut problem.workspace(), &mut residual);
+    let residual = problem.residuals_of(x).unwrap_or_else(|| vec![0.0; problem.residual_count()]);
     (0..problem.records().len())
         .map(|r| problem.records()[r].valid as f64 / correlation_time(&residual[problem.rows(r)]))
         .sum::<f64>()

@@ -77,6 +77,14 @@ pub(super) struct Places {
     pub(super) evaluations: usize,
 }
 
+impl Places {
+    /// Dynamics, each with a loop. Loops take turns, so that starts which agree on an optimum came from unlike
+    /// places.
+    fn pairs(&self) -> impl Iterator<Item = (&Loop, &Motion)> {
+        self.loops.iter().cycle().zip(&self.motions)
+    }
+}
+
 impl JointSetup<'_> {
     /// Starts from lattices alone, the model to start from first.
     pub(in super::super) fn guesses(&self, problem: &JointProblem) -> Result<Vec<Vec<f64>>, IdentifyError> {
@@ -112,8 +120,7 @@ impl JointSetup<'_> {
         Ok(Places { loops, motions, evaluations })
     }
 
-    /// Starts at some of the places, the dynamics fitted to all records with the loop held. Loops take turns,
-    /// so that starts which agree on an optimum came from unlike places.
+    /// Starts at some of the places, the dynamics fitted to all records with the loop held.
     pub(super) fn fitted(
         &self,
         problem: &JointProblem,
@@ -122,8 +129,7 @@ impl JointSetup<'_> {
         engine: &mut Engine<'_, '_>,
     ) -> Result<Starts, IdentifyError> {
         let mut starts = Starts::default();
-        let pairs = places.motions.iter().zip(places.loops.iter().cycle()).enumerate();
-        for (number, (motion, found)) in pairs.take(which.end).skip(which.start) {
+        for (number, (found, motion)) in places.pairs().enumerate().take(which.end).skip(which.start) {
             if engine.stop().is_requested() {
                 break;
             }
@@ -145,10 +151,15 @@ impl JointSetup<'_> {
         Ok(starts)
     }
 
-    /// The start at the best place itself.
-    pub(super) fn unfitted(&self, problem: &JointProblem, places: &Places) -> Vec<Vec<f64>> {
-        let best = places.loops.first().zip(places.motions.first());
-        best.map(|(found, motion)| self.looping(problem.bounds(), found, *motion)).into_iter().collect()
+    /// Starts at some of the places themselves.
+    pub(super) fn unfitted(
+        &self,
+        problem: &JointProblem,
+        places: &Places,
+        which: Range<usize>,
+    ) -> Vec<Vec<f64>> {
+        let starts = places.pairs().map(|(found, motion)| self.looping(problem.bounds(), found, *motion));
+        starts.take(which.end).skip(which.start).collect()
     }
 
     fn slowest(&self) -> usize {

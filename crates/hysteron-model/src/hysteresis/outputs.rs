@@ -12,8 +12,8 @@ pub struct Columns {
     pub values: Vec<Vec<f64>>,
     /// ∂H_j/∂θ_p, where it is not zero and was asked for.
     pub partials: Vec<Partial>,
-    /// ∂H_j/∂memory of [`crate::Start::Remembering`]; empty unless derivatives were asked for and there is
-    /// such a memory.
+    /// ∂H_j/∂memory of [`crate::Start::Remembering`], 0 beyond its end; empty unless derivatives were asked
+    /// for and there is such a memory.
     pub by_memory: Vec<Vec<f64>>,
     /// H_j before the first sample; 0 for a steady state, which has none.
     pub rest: Vec<f64>,

@@ -14,7 +14,7 @@ impl JointProblem {
         let mut layout = self.layout.clone();
         // They stand last in the search.
         let rest = layout.memory.iter().filter_map(|role| role.index()).min()?;
-        if rest == 0 || self.shaped.contains(&true) {
+        if rest == 0 || self.searches_shape() {
             return None;
         }
         for role in &mut layout.memory {

@@ -37,7 +37,7 @@ struct Known<'a> {
 impl RecordWorkspace {
     fn split(&mut self) -> (Known<'_>, &mut [Lane]) {
         let Self { hysteresis, response, total, local, columns, lanes, .. } = self;
-        (Known { hysteresis: &hysteresis.columns, response, total, local, columns }, lanes)
+        (Known { hysteresis: &hysteresis.operators.columns, response, total, local, columns }, lanes)
     }
 }
 
@@ -46,9 +46,9 @@ impl JointRecord {
     /// coefficients.
     pub(crate) fn combine(&self, coefficients: &[f64], ws: &mut RecordWorkspace) {
         ws.total.clear();
-        let degree = coefficients.len().saturating_sub(ws.hysteresis.inputs.len());
+        let degree = coefficients.len().saturating_sub(ws.hysteresis.operators.inputs.len());
         for (c, input) in
-            coefficients.iter().zip(self.powers.iter().take(degree).chain(&ws.hysteresis.inputs))
+            coefficients.iter().zip(self.powers.iter().take(degree).chain(&ws.hysteresis.operators.inputs))
         {
             if *c != 0.0 {
                 ws.total.add(*c, input);
@@ -99,6 +99,7 @@ impl JointRecord {
     /// The derivatives in some directions; zero where they cannot be worked out.
     fn derivatives(&self, wanted: Vec<Wanted<'_>>, weights: &[f64], known: &Known<'_>, lane: &mut Lane) {
         let samples = self.samples();
+        let driven = known.hysteresis.values.first().map_or(0, Vec::len);
         let (mut tangents, mut outputs, mut rests) = (Vec::new(), Vec::new(), Vec::new());
         for (direction, out) in wanted {
             let rest = match direction.filter(|_| !is_stopped(known.hysteresis)) {
@@ -113,12 +114,12 @@ impl JointRecord {
                 Some(Direction::Shape(which)) => {
                     let of_shape = known.hysteresis.partials.iter().filter(|partial| partial.shape == which);
                     let parts = of_shape.map(|p| (weights[p.column], &p.values[..], p.rest));
-                    self.input_of_sum(parts, lane)
+                    self.input_of_sum(parts, driven, lane)
                 }
                 Some(Direction::Memory) => {
                     let Columns { by_memory, rest_by_memory, .. } = known.hysteresis;
                     let parts = weights.iter().zip(by_memory).zip(rest_by_memory);
-                    self.input_of_sum(parts.map(|((&w, values), &rest)| (w, &values[..], rest)), lane)
+                    self.input_of_sum(parts.map(|((&w, values), &rest)| (w, &values[..], rest)), driven, lane)
                 }
                 None => None,
             };
@@ -150,22 +151,25 @@ impl JointRecord {
         }
     }
 
-    /// Input made of the weighted sum of `parts` (weight, output of an operator, the same before the first
-    /// sample), less the sum before the first sample, which is returned; `None` where there is nothing.
+    /// Input made of the weighted sum of `parts` (weight, output of an operator, 0 beyond its end, the same
+    /// before the first sample), less the sum before the first sample, which is returned; `None` where there
+    /// is nothing.
     fn input_of_sum<'a>(
         &self,
         parts: impl Iterator<Item = (f64, &'a [f64], f64)>,
+        samples: usize,
         lane: &mut Lane,
     ) -> Option<f64> {
-        let mut parts = parts.filter(|(weight, ..)| *weight != 0.0);
-        let (weight, first, mut rest) = parts.next()?;
-        let Some((next_weight, next, next_rest)) = parts.next() else {
-            return self.prepare_input(first, rest, weight, lane).then_some(weight * rest);
-        };
+        let mut parts = parts.filter(|(weight, ..)| *weight != 0.0).peekable();
+        let (weight, values, before) = parts.next()?;
+        if parts.peek().is_none() && values.len() == samples {
+            return self.prepare_input(values, before, weight, lane).then_some(weight * before);
+        }
         let mut sum = std::mem::take(&mut lane.sum);
         sum.clear();
-        sum.extend(first.iter().zip(next).map(|(a, b)| weight * a + next_weight * b));
-        rest = weight * rest + next_weight * next_rest;
+        sum.extend(values.iter().map(|x| weight * x));
+        sum.resize(samples, 0.0);
+        let mut rest = weight * before;
         for (weight, values, before) in parts {
             sum.iter_mut().zip(values).for_each(|(sum, x)| *sum += weight * x);
             rest += weight * before;

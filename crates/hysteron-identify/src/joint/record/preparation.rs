@@ -5,7 +5,7 @@ use super::super::super::projection::Projection;
 use super::super::drive::Thinning;
 use super::super::reduction::Reduction;
 use super::super::weighting::Weighting;
-use super::{JointRecord, rest_voltage};
+use super::{JointRecord, Spare, rest_voltage};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{DynamicsError, RecordPlan, Sampling, Scheme, SimulationPlan, StampedPlan};
 use hysteron_model::hysteresis::DriveGrid;
@@ -138,6 +138,7 @@ impl JointRecord {
             plan,
             weighting,
             reduction,
+            spare: Spare::default(),
         })
     }
 }

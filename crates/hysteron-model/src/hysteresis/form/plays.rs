@@ -23,13 +23,18 @@ pub(super) fn run(
     let derived = |play: usize| wanted.is_some_and(|wanted| wanted.get(play) == Some(&true));
     let pairs: Vec<(usize, usize)> =
         (0..thresholds.len()).filter(|&play| derived(play)).map(|play| (play, play)).collect();
-    out.resize(thresholds.len(), samples, &pairs, wanted.is_some());
+    out.resize(thresholds.len(), samples, &pairs, false);
+    if wanted.is_some() {
+        out.by_memory.resize_with(thresholds.len(), Vec::new);
+        out.by_memory.iter_mut().for_each(Vec::clear);
+    }
     if let Some(index) = u.iter().position(|u| !u.is_finite()) {
         return Err(HysteresisError::Drive { index });
     }
     let at_rest = at_rest(start, u)?;
     let (low, high) = u.iter().fold((f64::MAX, f64::MIN), |(low, high), &u| (low.min(u), high.max(u)));
     let mut next = 0;
+    let mut plain = Vec::with_capacity(thresholds.len());
     for (index, &threshold) in thresholds.iter().enumerate() {
         if !(threshold.is_finite() && threshold > 0.0) {
             return Err(HysteresisError::Threshold { index, value: threshold, above: 0.0 });
@@ -53,26 +58,93 @@ pub(super) fn run(
             (out.rest[index], out.rest_by_memory[index]) = (state.value, state.partials[1]);
         }
         let Columns { values, partials, by_memory, .. } = &mut *out;
-        let values = &mut values[index];
         let mut by_memory = by_memory.get_mut(index);
-        let mut partial = if derived(index) { partials.get_mut(next) } else { None };
-        next += usize::from(partial.is_some());
-        if let Some(partial) = &mut partial
-            && at_rest.is_some()
-        {
-            partial.rest = state.partials[0];
-        }
-        for (k, moves) in u.chunks(factor).enumerate() {
-            state = step(state, moves[0]);
-            values[k] = state.value;
-            if let Some(by_memory) = &mut by_memory {
-                by_memory[k] = state.partials[1];
+        let mut moves = u.chunks(factor).zip(&mut values[index]);
+        if derived(index) {
+            let partial = &mut partials[next];
+            next += 1;
+            if at_rest.is_some() {
+                partial.rest = state.partials[0];
             }
-            if let Some(partial) = &mut partial {
-                partial.values[k] = state.partials[0];
+            for ((moves, value), by_threshold) in moves.zip(&mut partial.values) {
+                state = step(state, moves[0]);
+                (*value, *by_threshold) = (state.value, state.partials[0]);
+                if let Some(by_memory) = &mut by_memory {
+                    by_memory.push(state.partials[1]);
+                }
+                state = moves[1..].iter().fold(state, |state, &u| step(state, u));
             }
-            state = moves[1..].iter().fold(state, |state, &u| step(state, u));
+            continue;
         }
+        let mut done = 0;
+        // Until the drive has moved it: from there on nothing of the memory is left.
+        if let Some(by_memory) = by_memory {
+            while state.partials[1] != 0.0
+                && let Some((moved, value)) = moves.next()
+            {
+                state = step(state, moved[0]);
+                *value = state.value;
+                by_memory.push(state.partials[1]);
+                state = moved[1..].iter().fold(state, |state, &u| step(state, u));
+                done += 1;
+            }
+        }
+        plain.push(Plain { index, threshold, state: state.value, done });
+    }
+    let (fours, rest) = plain.as_chunks_mut();
+    for four in fours {
+        run_abreast(four, u, factor, &mut out.values);
+    }
+    for one in rest {
+        one.run_to(samples, u, factor, &mut out.values[one.index]);
     }
     Ok(())
+}
+
+/// A play without derivatives, which has run over so many samples.
+struct Plain {
+    index: usize,
+    threshold: f64,
+    state: f64,
+    done: usize,
+}
+
+impl Plain {
+    /// Runs up to this sample.
+    fn run_to(&mut self, end: usize, u: &[f64], factor: usize, values: &mut [f64]) {
+        let moves = u.chunks(factor).zip(values).take(end).skip(self.done);
+        for (moves, value) in moves {
+            self.state = play(self.threshold, self.state, moves[0]);
+            *value = self.state;
+            self.state = moves[1..].iter().fold(self.state, |state, &u| play(self.threshold, state, u));
+        }
+        self.done = end;
+    }
+}
+
+/// Runs four plays to the end: a move waits for the one before it, so that several chains take the time of
+/// one.
+fn run_abreast(plays: &mut [Plain; 4], u: &[f64], factor: usize, values: &mut [Vec<f64>]) {
+    let begin = plays.iter().map(|play| play.done).fold(0, usize::max);
+    for play in plays.iter_mut() {
+        play.run_to(begin, u, factor, &mut values[play.index]);
+    }
+    let [a, b, c, d] = plays.each_ref().map(|play| play.index);
+    let Ok([a, b, c, d]) = values.get_disjoint_mut([a, b, c, d]) else { return };
+    let thresholds = plays.each_ref().map(|play| play.threshold);
+    let mut states = plays.each_ref().map(|play| play.state);
+    let mut advance = |u: f64| {
+        for (state, threshold) in states.iter_mut().zip(thresholds) {
+            *state = play(threshold, *state, u);
+        }
+        states
+    };
+    let moves = u[(begin * factor).min(u.len())..].chunks(factor);
+    let values = a[begin..].iter_mut().zip(&mut b[begin..]).zip(&mut c[begin..]).zip(&mut d[begin..]);
+    for (moves, (((a, b), c), d)) in moves.zip(values) {
+        [*a, *b, *c, *d] = advance(moves[0]);
+        moves[1..].iter().for_each(|&u| {
+            advance(u);
+        });
+    }
 }

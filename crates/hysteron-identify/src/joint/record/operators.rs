@@ -1,0 +1,65 @@
+//! Outputs of the hysteresis operators of a record, kept while only the dynamics change.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use hysteron_model::dynamics::PlanInput;
+use hysteron_model::hysteresis::Columns;
+
+/// Outputs of the operators, and what the dynamics take of them.
+#[derive(Debug, Default)]
+pub(super) struct Operators {
+    pub(super) columns: Columns,
+    /// s (H_j − H_j(rest)) as inputs of the dynamics.
+    pub(super) inputs: Vec<PlanInput>,
+    /// Shape and memory that both belong to; `None`: nothing.
+    pub(super) of: Option<(Vec<f64>, f64)>,
+    pub(super) derived: bool,
+}
+
+impl Operators {
+    /// Whether they are those of a shape and memory, with derivatives where these are `wanted`.
+    pub(super) fn are_of(&self, shape: &[f64], memory: f64, wanted: bool) -> bool {
+        let same = |(of_shape, of_memory): &(Vec<f64>, f64)| of_shape == shape && *of_memory == memory;
+        (self.derived || !wanted) && self.of.as_ref().is_some_and(same)
+    }
+}
+
+/// Operators of workspaces that are gone: the fits of a search follow one another at the same or at near
+/// memories, and to clear new buffers takes longer than to run plays.
+pub(super) type Spare = Arc<Mutex<Vec<Operators>>>;
+
+/// Operators of a workspace, which are spare when it goes.
+#[derive(Debug)]
+pub(super) struct Lent {
+    pub(super) operators: Operators,
+    spare: Spare,
+}
+
+impl Lent {
+    pub(super) fn new(spare: &Spare) -> Self {
+        Self { operators: Operators::default(), spare: Arc::clone(spare) }
+    }
+
+    /// Takes spare operators of a shape and memory in the place of these, if there are any, else any where
+    /// these have no buffers.
+    pub(super) fn exchange(&mut self, shape: &[f64], memory: f64, wanted: bool) {
+        let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
+        let same = spare.iter().position(|spare| spare.are_of(shape, memory, wanted));
+        let any = || if self.operators.inputs.is_empty() { spare.len().checked_sub(1) } else { None };
+        if let Some(taken) = same.or_else(any) {
+            let stop = self.operators.columns.stop.take();
+            std::mem::swap(&mut self.operators, &mut spare[taken]);
+            self.operators.columns.stop = stop;
+            spare.retain(|spare| !spare.inputs.is_empty());
+        }
+    }
+}
+
+impl Drop for Lent {
+    fn drop(&mut self) {
+        if !self.operators.inputs.is_empty() {
+            let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
+            spare.push(std::mem::take(&mut self.operators));
+        }
+    }
+}
