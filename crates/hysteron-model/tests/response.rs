@@ -397,10 +397,9 @@ fn spectra_add_up() {
     let (u, v) = (sweep(300), (0..300).map(f64::from).map(|k| 2.0 + k.cos()).collect::<Vec<_>>());
     let mixed: Vec<f64> = u.iter().zip(&v).map(|(u, v)| 2.0 * u - 0.5 * v).collect();
     let mut sum = plan.transform(&mixed).unwrap();
-    sum.clear();
+    sum.set_sum([]);
     assert_eq!(sum.level(), 0.0);
-    sum.add(2.0, &plan.transform(&u).unwrap());
-    sum.add(-0.5, &plan.transform(&v).unwrap());
+    sum.set_sum([(2.0, &plan.transform(&u).unwrap()), (-0.5, &plan.transform(&v).unwrap())]);
     assert!((sum.level() - mixed[0]).abs() < 1e-15);
     let tf = TransferFunction::article_eq13();
     let mut response = plan.empty_response(0);

@@ -42,22 +42,45 @@ impl RealFft {
     }
 }
 
-/// The smallest even 2ᵃ3ᵇ5ᶜ ≥ `at_least` (at least 2); saturates at the largest such number.
+/// Work of a transform a sample, in passes of radix 2, of each factor of its length, measured with AVX2 and
+/// AVX-512: lengths with many factors of 5 take a sixth longer than their neighbours with few.
+const WORK_OF: [(usize, f64); 3] = [(2, 1.0), (3, 1.9), (5, 3.3)];
+/// Work a sample that does not depend on the factors: spectra are written, multiplied and read.
+const WORK_OF_SPECTRA: f64 = 6.0;
+
+/// The even 2ᵃ3ᵇ5ᶜ ≥ `at_least` (at least 2) whose transform takes least work; saturates at the largest power
+/// of two.
 pub fn fast_length(at_least: usize) -> usize {
     let at_least = at_least.max(2);
-    let mut best = at_least.checked_next_power_of_two().unwrap_or(1 << (usize::BITS - 1));
+    let power_of_two = at_least.checked_next_power_of_two().unwrap_or(1 << (usize::BITS - 1));
+    let mut best = (power_of_two, work(power_of_two));
     let mut fives = 1usize;
-    while fives < best {
+    while fives < power_of_two {
         let mut threes = fives;
-        while threes < best {
+        while threes < power_of_two {
             let mut candidate = threes.saturating_mul(2);
             while candidate < at_least {
                 candidate = candidate.saturating_mul(2);
             }
-            best = best.min(candidate);
+            let found = (candidate, work(candidate));
+            if candidate < power_of_two && found.1 < best.1 {
+                best = found;
+            }
             threes = threes.saturating_mul(3);
         }
         fives = fives.saturating_mul(5);
     }
-    best
+    best.0
+}
+
+/// Work of a transform of this length, a product of 2, 3 and 5.
+fn work(length: usize) -> f64 {
+    let mut a_sample = WORK_OF_SPECTRA;
+    for (factor, work) in WORK_OF {
+        let mut left = length;
+        while left.is_multiple_of(factor) {
+            (left, a_sample) = (left / factor, a_sample + work);
+        }
+    }
+    length as f64 * a_sample
 }

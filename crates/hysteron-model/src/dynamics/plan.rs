@@ -409,17 +409,23 @@ impl InputSpectrum {
         self.level
     }
 
-    /// Makes it the spectrum of silence.
-    pub fn clear(&mut self) {
-        self.bins.fill(Complex64::ZERO);
-        self.level = 0.0;
-    }
-
-    /// Adds `factor` · `other`, which has the same plan: the spectrum of the sum of the inputs.
-    pub fn add(&mut self, factor: f64, other: &Self) {
-        for (bin, x) in self.bins.iter_mut().zip(&other.bins) {
-            *bin += x * factor;
+    /// Makes it the spectrum of a weighted sum of inputs of the same plan: 0 where there is none.
+    pub fn set_sum<'a>(&mut self, terms: impl IntoIterator<Item = (f64, &'a Self)>) {
+        let mut terms = terms.into_iter();
+        match terms.next() {
+            Some((factor, first)) => {
+                self.bins.clear();
+                self.bins.extend(first.bins.iter().map(|x| x * factor));
+                self.level = factor * first.level;
+            }
+            None => {
+                self.bins.fill(Complex64::ZERO);
+                self.level = 0.0;
+            }
         }
-        self.level += factor * other.level;
+        for (factor, term) in terms {
+            self.bins.iter_mut().zip(&term.bins).for_each(|(bin, x)| *bin += x * factor);
+            self.level += factor * term.level;
+        }
     }
 }

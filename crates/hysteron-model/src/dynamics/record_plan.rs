@@ -271,11 +271,21 @@ impl RecordPlan {
 }
 
 impl PlanInput {
-    /// Makes it an input of zeros.
-    pub fn clear(&mut self) {
+    /// Makes it a weighted sum of inputs of the same plan: 0 where there is none.
+    pub fn set_sum<'a>(&mut self, terms: impl IntoIterator<Item = (f64, &'a Self)>) {
         match self {
-            Self::Spectrum(spectrum) => spectrum.clear(),
-            Self::Knots(knots) => knots.fill(0.0),
+            Self::Spectrum(own) => own.set_sum(terms.into_iter().filter_map(|(factor, term)| match term {
+                Self::Spectrum(term) => Some((factor, term)),
+                Self::Knots(_) => None,
+            })),
+            Self::Knots(own) => {
+                own.fill(0.0);
+                for (factor, term) in terms {
+                    if let Self::Knots(term) = term {
+                        own.iter_mut().zip(term).for_each(|(x, y)| *x += factor * y);
+                    }
+                }
+            }
         }
     }
 
@@ -283,17 +293,6 @@ impl PlanInput {
         match self {
             Self::Knots(knots) => Ok(knots),
             Self::Spectrum(_) => Err(FOREIGN),
-        }
-    }
-
-    /// Adds `factor` · `other`, which has the same plan.
-    pub fn add(&mut self, factor: f64, other: &Self) {
-        match (self, other) {
-            (Self::Spectrum(own), Self::Spectrum(other)) => own.add(factor, other),
-            (Self::Knots(own), Self::Knots(other)) => {
-                own.iter_mut().zip(other).for_each(|(x, y)| *x += factor * y);
-            }
-            (Self::Spectrum(_), Self::Knots(_)) | (Self::Knots(_), Self::Spectrum(_)) => {}
         }
     }
 }

@@ -45,24 +45,18 @@ impl JointRecord {
     /// Prepares derivatives along the dynamics: the whole input Σ cᵢ uⁱ + s Σ w_j H_j + transients at these
     /// coefficients.
     pub(crate) fn combine(&self, coefficients: &[f64], ws: &mut RecordWorkspace) {
-        ws.total.clear();
         let degree = coefficients.len().saturating_sub(ws.hysteresis.operators.inputs.len());
-        for (c, input) in
-            coefficients.iter().zip(self.powers.iter().take(degree).chain(&ws.hysteresis.operators.inputs))
-        {
-            if *c != 0.0 {
-                ws.total.add(*c, input);
-            }
-        }
-        if !self.transients.is_empty() {
-            // Coefficients of the transients: least squares on the residual of the other columns.
-            let measured = ws.local.coefficients(&self.target);
-            for (index, transient) in self.transients.iter().enumerate() {
-                let at = self.nuisance.len() + index;
-                let taken: f64 = coefficients.iter().zip(&ws.transient_shares).map(|(c, s)| c * s[at]).sum();
-                ws.total.add(measured[at] - taken, transient);
-            }
-        }
+        let inputs = self.powers.iter().take(degree).chain(&ws.hysteresis.operators.inputs);
+        let columns = coefficients.iter().copied().zip(inputs).filter(|(c, _)| *c != 0.0);
+        // Coefficients of the transients: least squares on the residual of the other columns.
+        let measured =
+            if self.transients.is_empty() { Vec::new() } else { ws.local.coefficients(&self.target) };
+        let transients = self.transients.iter().enumerate().map(|(index, transient)| {
+            let at = self.nuisance.len() + index;
+            let taken: f64 = coefficients.iter().zip(&ws.transient_shares).map(|(c, s)| c * s[at]).sum();
+            (measured[at] - taken, transient)
+        });
+        ws.total.set_sum(columns.chain(transients));
     }
 
     /// ∂(Σ cᵢ Φᵢ + Σ w_j Ψ_j)/∂direction at fixed coefficients, weighted and without local columns, into the
