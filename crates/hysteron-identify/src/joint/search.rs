@@ -2,12 +2,12 @@
 //! creep and of which degree the polynomial is.
 
 use super::super::IdentifyError;
-use super::super::engine::{Engine, Search, Show};
+use super::super::engine::{Engine, Search, Show, quick, rough};
 use super::super::options::{Choice, DynamicsChoice, Options};
 use super::super::static_step::{BIC_FALL, HIGHEST_AUTOMATIC_DEGREE};
 use super::super::uncertainty::correlation_time;
 use super::model::shown;
-use super::normalised::{local_fits, quick_fit, rough_fit};
+use super::normalised::{local_fits, quick_fit};
 use super::problem::JointProblem;
 use super::setup::JointSetup;
 use super::starts::{Places, Starts};
@@ -193,28 +193,12 @@ fn begin_with_creep(
     let points = first_or_best(&problem, starts.points, engine);
     let search = quick_fit(engine, "joint fit with creep", &problem, points)?;
     let start = from_other(&problem, &search.outcome.best, plain, &vec![0.0; plain.bounds().dimension()]);
-    let mut rough = None;
+    let mut plain_fit = None;
     if !engine.is_stopped() {
-        let fit = rough_without_creep(plain, start, engine);
-        rough = engine.unless_stopped(fit)?;
+        let fit = fit_with_its_memory(engine, "joint fit without creep", plain, start, rough());
+        plain_fit = engine.unless_stopped(fit)?;
     }
-    Ok(CreepFirst { problem, search, plain: rough, places, before })
-}
-
-/// A rough fit from a point of a fit with creep: with its memory, where the operators need not run anew then.
-fn rough_without_creep(
-    plain: &JointProblem,
-    start: Vec<f64>,
-    engine: &mut Engine<'_, '_>,
-) -> Result<Search, OptimizeError> {
-    let step = "joint fit without creep";
-    let Some(held) = plain.holding_memory(&start) else {
-        return rough_fit(engine, step, plain, vec![start]);
-    };
-    let (dynamics, memory) = start.split_at(held.bounds().dimension());
-    let mut rough = rough_fit(engine, step, &held, vec![dynamics.to_vec()])?;
-    rough.outcome.best.extend(memory);
-    Ok(rough)
+    Ok(CreepFirst { problem, search, plain: plain_fit, places, before })
 }
 
 /// The points; after a stop the best one known.
@@ -398,7 +382,8 @@ fn agreeing(search: &Search) -> usize {
         .count()
 }
 
-/// Degree by BIC over the information that the residuals really hold, from one warm fit each.
+/// Degree by BIC over the information that the residuals really hold, from one warm fit each, and the best
+/// point in it.
 fn choose_degree(
     setup: &JointSetup<'_>,
     reduced: bool,
@@ -420,7 +405,7 @@ fn choose_degree(
             (found.outcome.cost, found.outcome.best.clone())
         } else {
             let start = found.outcome.best.clone();
-            let fit = quick_fit(engine, &format!("degree {degree}"), &problem, vec![start]);
+            let fit = fit_with_its_memory(engine, &format!("degree {degree}"), &problem, start, quick());
             match engine.unless_stopped(fit)? {
                 Some(fit) if !engine.is_stopped() => (fit.outcome.cost, fit.outcome.best),
                 _ => break,
@@ -442,5 +427,28 @@ fn choose_degree(
             chosen = Some((degree, bic, best));
         }
     }
-    Ok(chosen.map_or((demanded, found.outcome.best.clone()), |(degree, _, best)| (degree, best)))
+    let Some((degree, _, mut best)) = chosen else { return Ok((demanded, found.outcome.best.clone())) };
+    let problem = setup.problem(degree, reduced)?;
+    if degree != DEGREE_OF_STARTS && problem.holding_memory(&best).is_some() && !engine.is_stopped() {
+        let fit = quick_fit(engine, &format!("degree {degree}"), &problem, vec![best.clone()]);
+        best = engine.unless_stopped(fit)?.map_or(best, |fit| fit.outcome.best);
+    }
+    Ok((degree, best))
+}
+
+/// A local fit with the memory of its start where the operators need not run anew then, else with all free.
+fn fit_with_its_memory(
+    engine: &mut Engine<'_, '_>,
+    step: &str,
+    problem: &JointProblem,
+    start: Vec<f64>,
+    options: LeastSquaresOptions,
+) -> Result<Search, OptimizeError> {
+    let Some(held) = problem.holding_memory(&start) else {
+        return local_fits(engine, step, problem, vec![start], options, None);
+    };
+    let (searched, memory) = start.split_at(held.bounds().dimension());
+    let mut fit = local_fits(engine, step, &held, vec![searched.to_vec()], options, None)?;
+    fit.outcome.best.extend(memory);
+    Ok(fit)
 }
