@@ -9,12 +9,16 @@ const ROUNDING: f64 = 1e-13;
 
 /// c ≥ 0 that minimises ‖`target` − Σ c_j `columns`_j‖: the active-set method of C. L. Lawson and R. J.
 /// Hanson, *Solving Least Squares Problems* (1974), ch. 23, doi:10.1137/1.9781611971217, on the triangular
-/// factor of columns and target. Columns that depend on others, or are zero, get 0.
+/// factor of columns and target. Columns that depend on others, or are zero, get 0; all get NaN where that
+/// factor is not finite.
 pub fn non_negative_least_squares(columns: &[&[f64]], target: &[f64]) -> Vec<f64> {
     let count = columns.len();
     let mut all = columns.to_vec();
     all.push(target);
     let factor = triangular(&all);
+    if !factor.iter().all(|x| x.is_finite()) {
+        return vec![f64::NAN; count];
+    }
     let norms: Vec<f64> = (0..count).map(|j| factor.column(j).norm()).collect();
     let unit =
         DMatrix::from_fn(
@@ -118,5 +122,7 @@ mod tests {
         let c = non_negative_least_squares(&[&[1.0, 1.0], &[1.0, 1.0], &[0.0, 0.0]], &[3.0, 3.0]);
         assert!((c[0] + c[1] - 3.0).abs() < 1e-12 && c[2] == 0.0, "{c:?}");
         assert_eq!(non_negative_least_squares(&[], &[1.0]), [0.0; 0]);
+        // No answer is not the answer 0.
+        assert!(non_negative_least_squares(&[&[f64::NAN, 1.0]], &[1.0, 1.0])[0].is_nan());
     }
 }

@@ -309,15 +309,12 @@ impl JointProblem {
             }
         }
         projection.project(target);
-        if !signed.is_empty() {
-            self.eliminate_signed(&signed, ws);
-        }
-        true
+        signed.is_empty() || self.eliminate_signed(&signed, ws)
     }
 
     /// Takes off the target its part in the cone of the `signed` columns, beside the span of those eliminated
-    /// so far: those whose coefficients are not 0 join these.
-    fn eliminate_signed(&self, signed: &[(usize, f64)], ws: &mut JointWorkspace) {
+    /// so far: those whose coefficients are not 0 join these. `false` where they are not finite.
+    fn eliminate_signed(&self, signed: &[(usize, f64)], ws: &mut JointWorkspace) -> bool {
         let JointWorkspace { records, target, projection, signed: columns, eliminated, .. } = ws;
         let count = target.len();
         columns.resize(signed.len() * count, 0.0);
@@ -328,11 +325,15 @@ impl JointProblem {
         });
         let columns: Vec<&[f64]> = columns.chunks_exact(count.max(1)).collect();
         let used = non_negative_least_squares(&columns, target);
+        if used.iter().any(|c| c.is_nan()) {
+            return false;
+        }
         for (&(index, _), _) in signed.iter().zip(used).filter(|(_, c)| *c > 0.0) {
             projection.push(|q| self.gather(index, records, q));
             eliminated.push(index);
         }
         projection.project(target);
+        true
     }
 
     /// Weighted columns of u, u², … and of the weights at `x`, one after the other, and the target, none of
