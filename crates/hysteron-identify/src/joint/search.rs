@@ -185,12 +185,14 @@ fn begin_with_creep(
 ) -> Result<CreepFirst, IdentifyError> {
     let problem = creeping.problem(plain.degree(), reduced)?;
     let places = creeping.places(&problem, engine)?;
-    let mut starts = Starts { points: creeping.unfitted(&problem, &places, 0..FIRST_STARTS), evaluations: 0 };
-    if !problem.searches_shape() {
-        starts = creeping.fitted(&problem, &places, 0..1, engine)?;
-    }
-    let before = places.evaluations + starts.evaluations;
-    let points = first_or_best(&problem, starts.points, engine);
+    // A loop held at one without creep leads the dynamics astray where it has a shape.
+    let Starts { points, evaluations } = if problem.searches_shape() {
+        Starts { points: creeping.unfitted(&problem, &places, 0..FIRST_STARTS), evaluations: 0 }
+    } else {
+        creeping.fitted(&problem, &places, 0..1, engine)?
+    };
+    let before = places.evaluations + evaluations;
+    let points = first_or_best(&problem, points, engine);
     let search = quick_fit(engine, "joint fit with creep", &problem, points)?;
     let start = from_other(&problem, &search.outcome.best, plain, &vec![0.0; plain.bounds().dimension()]);
     let mut plain_fit = None;
