@@ -324,11 +324,17 @@ impl JointProblem {
             projection.project(column);
         });
         let columns: Vec<&[f64]> = columns.chunks_exact(count.max(1)).collect();
+        if self.stop.is_requested() {
+            return false;
+        }
         let used = non_negative_least_squares(&columns, target);
         if used.iter().any(|c| c.is_nan()) {
             return false;
         }
         for (&(index, _), _) in signed.iter().zip(used).filter(|(_, c)| *c > 0.0) {
+            if self.stop.is_requested() {
+                return false;
+            }
             projection.push(|q| self.gather(index, records, q));
             eliminated.push(index);
         }

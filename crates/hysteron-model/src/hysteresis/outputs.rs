@@ -2,6 +2,7 @@
 
 use hysteron_numeric::Stop;
 
+use super::HysteresisError;
 use super::columns::ColumnSensitivities;
 use super::sensitivities::Sensitivities;
 
@@ -40,27 +41,38 @@ pub struct Partial {
 
 impl Columns {
     /// Gives every buffer its length. Derivatives of the pairs (θ, column) given.
+    ///
+    /// # Errors
+    /// Where a stop is asked for meanwhile: to clear the memory of long records takes a while.
     pub(in crate::hysteresis) fn resize(
         &mut self,
         columns: usize,
         samples: usize,
         pairs: &[(usize, usize)],
         memory: bool,
-    ) {
-        let shape = |buffers: &mut Vec<Vec<f64>>, count: usize| {
-            buffers.resize_with(count, Vec::new);
-            buffers.iter_mut().for_each(|buffer| buffer.resize(samples, 0.0));
-        };
-        shape(&mut self.values, columns);
-        shape(&mut self.by_memory, if memory { columns } else { 0 });
-        self.partials.resize_with(pairs.len(), Partial::default);
-        for (partial, &(shape, column)) in self.partials.iter_mut().zip(pairs) {
+    ) -> Result<(), HysteresisError> {
+        let Self { values, by_memory, partials, stop, .. } = self;
+        values.resize_with(columns, Vec::new);
+        by_memory.resize_with(if memory { columns } else { 0 }, Vec::new);
+        partials.resize_with(pairs.len(), Partial::default);
+        for (partial, &(shape, column)) in partials.iter_mut().zip(pairs) {
             (partial.shape, partial.column, partial.rest) = (shape, column, 0.0);
-            partial.values.resize(samples, 0.0);
+        }
+        let of_partials = partials.iter_mut().map(|partial| &mut partial.values);
+        for buffer in values.iter_mut().chain(by_memory).chain(of_partials) {
+            look(stop.as_ref())?;
+            buffer.resize(samples, 0.0);
         }
         self.rest.clear();
         self.rest.resize(columns, 0.0);
         self.rest_by_memory.clear();
         self.rest_by_memory.resize(columns, 0.0);
+        Ok(())
     }
+}
+
+/// # Errors
+/// Where a stop is asked for.
+pub(in crate::hysteresis) fn look(stop: Option<&Stop>) -> Result<(), HysteresisError> {
+    if stop.is_some_and(Stop::is_requested) { Err(HysteresisError::Stopped) } else { Ok(()) }
 }

@@ -265,7 +265,7 @@ pub(in crate::hysteresis) fn differentiate<const P: usize, K: ColumnKernel>(
     let samples = check(kernel, shape, grid, u)?;
     let drive = (u, grid.paces);
     let columns = kernel.columns();
-    out.resize(shape.len(), samples * columns);
+    out.resize(shape.len(), samples * columns)?;
     let duals: [Dual<f64, P>; P] = std::array::from_fn(|index| match shape.get(index) {
         Some(&value) => Dual::variable(value, index),
         None => Dual::constant(0.0),
@@ -349,11 +349,13 @@ fn close_period<const P: usize, K: ColumnKernel>(
 
 impl ColumnSensitivities {
     /// Gives every buffer its length.
-    fn resize(&mut self, parameters: usize, length: usize) {
+    fn resize(&mut self, parameters: usize, length: usize) -> Result<(), HysteresisError> {
         self.d_shape.resize(parameters, Vec::new());
         for column in self.d_shape.iter_mut().chain([&mut self.columns, &mut self.d_start]) {
+            look(self.stop.as_ref(), 0)?;
             column.resize(length, 0.0);
         }
+        Ok(())
     }
 
     /// The columns before the first sample.

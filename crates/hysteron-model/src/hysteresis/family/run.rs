@@ -1,7 +1,7 @@
 //! A kernel run into the columns of a fit.
 
 use super::super::columns::{ColumnKernel, simulate};
-use super::super::outputs::Columns;
+use super::super::outputs::{Columns, look};
 use super::super::pass::at_rest;
 use super::super::{DriveGrid, HysteresisError};
 use crate::start::Start;
@@ -29,7 +29,7 @@ pub(super) fn run<K: ColumnKernel>(
         .flat_map(|index| (0..count).map(move |column| (index, column)))
         .collect();
     let free = matches!(start, Start::Remembering { .. });
-    out.resize(count, samples, &pairs, wanted.is_some() && free);
+    out.resize(count, samples, &pairs, wanted.is_some() && free)?;
     let mut all = std::mem::take(&mut out.scratch);
     let column = |values: &[f64], index: usize, to: &mut [f64]| {
         to.copy_from_slice(&values[index * samples..(index + 1) * samples]);
@@ -38,11 +38,13 @@ pub(super) fn run<K: ColumnKernel>(
         all.stop.clone_from(&out.stop);
         kernel.simulate_with_sensitivities(own, grid, u, start, &mut all)?;
         for partial in &mut out.partials {
+            look(out.stop.as_ref())?;
             let index = partial.shape - fixed;
             column(&all.d_shape[index], partial.column, &mut partial.values);
             partial.rest = all.d_shape_rest[index][partial.column];
         }
         for (index, values) in out.by_memory.iter_mut().enumerate() {
+            look(out.stop.as_ref())?;
             column(&all.d_start, index, values);
         }
         out.rest.copy_from_slice(&all.rest);
@@ -62,6 +64,7 @@ pub(super) fn run<K: ColumnKernel>(
         }
     }
     for (index, values) in out.values.iter_mut().enumerate() {
+        look(out.stop.as_ref())?;
         column(&all.columns, index, values);
     }
     out.scratch = all;

@@ -18,14 +18,14 @@ pub(super) fn run(
     let samples = if factor == 0 { return Err(HysteresisError::Factor) } else { u.len().div_ceil(factor) };
     match wanted {
         None => {
-            out.resize(1, samples, &[], false);
+            out.resize(1, samples, &[], false)?;
             shape.simulate_every(factor, u, start, &mut out.values[0])?;
         }
         Some(wanted) => {
             // β' and γ' come at no cost.
             let exponent = wanted.get(N) == Some(&true);
             let pairs = [(0, 0), (1, 0), (N, 0)];
-            out.resize(1, samples, &pairs[..if exponent { 3 } else { 2 }], true);
+            out.resize(1, samples, &pairs[..if exponent { 3 } else { 2 }], true)?;
             let Columns { values, partials, by_memory, sensitivities, .. } = &mut *out;
             shape.simulate_with_sensitivities(factor, u, start, exponent, sensitivities)?;
             std::mem::swap(&mut values[0], &mut sensitivities.zeta);

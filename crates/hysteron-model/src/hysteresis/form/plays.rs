@@ -23,7 +23,7 @@ pub(super) fn run(
     let derived = |play: usize| wanted.is_some_and(|wanted| wanted.get(play) == Some(&true));
     let pairs: Vec<(usize, usize)> =
         (0..thresholds.len()).filter(|&play| derived(play)).map(|play| (play, play)).collect();
-    out.resize(thresholds.len(), samples, &pairs, false);
+    out.resize(thresholds.len(), samples, &pairs, false)?;
     if wanted.is_some() {
         out.by_memory.resize_with(thresholds.len(), Vec::new);
         out.by_memory.iter_mut().for_each(Vec::clear);
