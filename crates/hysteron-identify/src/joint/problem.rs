@@ -313,7 +313,7 @@ impl JointProblem {
     }
 
     /// Takes off the target its part in the cone of the `signed` columns, beside the span of those eliminated
-    /// so far: those whose coefficients are not 0 join these. `false` where they are not finite.
+    /// so far: those whose coefficients are not 0 join these. `false` where they are not finite, and after a stop.
     fn eliminate_signed(&self, signed: &[(usize, f64)], ws: &mut JointWorkspace) -> bool {
         let JointWorkspace { records, target, projection, signed: columns, eliminated, .. } = ws;
         let count = target.len();

@@ -221,10 +221,7 @@ impl JointRecord {
         lanes: &mut [Lane],
     ) -> bool {
         let wanted = derivatives.is_some();
-        if !lent.operators.are_of(shape, memory, wanted) {
-            lent.exchange(shape, memory, wanted);
-        }
-        if lent.operators.are_of(shape, memory, wanted) {
+        if lent.are_found(shape, memory, wanted) {
             return true;
         }
         let Operators { columns, inputs, of, derived } = &mut lent.operators;

@@ -40,9 +40,12 @@ impl Lent {
         Self { operators: Operators::default(), spare: Arc::clone(spare) }
     }
 
-    /// Takes spare operators of a shape and memory in the place of these, if there are any, else any where
-    /// these have no buffers.
-    pub(super) fn exchange(&mut self, shape: &[f64], memory: f64, wanted: bool) {
+    /// Whether these operators are those of a shape and memory, or spare ones are, which then take their
+    /// place. Where these have no buffers, those of any spare ones do.
+    pub(super) fn are_found(&mut self, shape: &[f64], memory: f64, wanted: bool) -> bool {
+        if self.operators.are_of(shape, memory, wanted) {
+            return true;
+        }
         let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
         let same = spare.iter().position(|spare| spare.are_of(shape, memory, wanted));
         let any = || if self.operators.inputs.is_empty() { spare.len().checked_sub(1) } else { None };
@@ -52,6 +55,7 @@ impl Lent {
             self.operators.columns.stop = stop;
             spare.retain(|spare| !spare.inputs.is_empty());
         }
+        same.is_some()
     }
 }
 

@@ -3,6 +3,7 @@
 use hysteron_numeric::Stop;
 use hysteron_rt::{Dual, Scalar};
 
+use super::super::outputs;
 use super::super::pass::{Every, at_rest};
 use super::super::{DriveGrid, HysteresisError};
 use super::ColumnKernel;
@@ -53,10 +54,7 @@ fn pace<K: ColumnKernel, S: Scalar<Real = f64>>(
 /// Looks at the stop at every [`LOOK`]th sample.
 #[inline(always)]
 fn look(stop: Option<&Stop>, index: usize) -> Result<(), HysteresisError> {
-    if index.is_multiple_of(LOOK) && stop.is_some_and(Stop::is_requested) {
-        return Err(HysteresisError::Stopped);
-    }
-    Ok(())
+    if index.is_multiple_of(LOOK) { outputs::look(stop) } else { Ok(()) }
 }
 
 /// Shape and lengths; the number of samples out.
@@ -352,7 +350,7 @@ impl ColumnSensitivities {
     fn resize(&mut self, parameters: usize, length: usize) -> Result<(), HysteresisError> {
         self.d_shape.resize(parameters, Vec::new());
         for column in self.d_shape.iter_mut().chain([&mut self.columns, &mut self.d_start]) {
-            look(self.stop.as_ref(), 0)?;
+            outputs::look(self.stop.as_ref())?;
             column.resize(length, 0.0);
         }
         Ok(())
