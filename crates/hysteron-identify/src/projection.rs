@@ -3,7 +3,7 @@
 //! Golub, Pereyra, "The differentiation of pseudo-inverses and nonlinear least squares problems whose
 //! variables separate", SIAM J. Numer. Anal. 10 (1973), doi:10.1137/0710036.
 
-use hysteron_numeric::dot;
+use hysteron_numeric::{dot, project_out, subtract};
 
 /// Orthonormal basis Q (and R) of a growing set of columns, by Gram–Schmidt done twice, which is orthogonal
 /// to working accuracy (Giraud et al. 2005, doi:10.1007/s00211-005-0615-4). Column storage is allocated once.
@@ -87,16 +87,7 @@ impl Projection {
 
     /// Takes off `x` its part in the span of the columns.
     pub(super) fn project(&self, x: &mut [f64]) {
-        // Four at a time, which takes less than half of the memory traffic; among them the order does not
-        // matter.
-        let (fours, rest) = self.q[..self.columns * self.rows].split_at(self.columns / 4 * 4 * self.rows);
-        for four in fours.chunks_exact((4 * self.rows).max(1)) {
-            subtract_four(four, x);
-        }
-        for q in rest.chunks_exact(self.rows.max(1)) {
-            let share = dot(q, x);
-            subtract(x, share, q);
-        }
+        project_out(&self.q[..self.columns * self.rows], x);
     }
 
     /// The columns of `matrix` in place of all others.
@@ -155,36 +146,6 @@ pub(super) fn centre(x: &mut [f64]) {
     }
     let mean = (sums.iter().sum::<f64>() + rest) / x.len() as f64;
     x.iter_mut().for_each(|x| *x -= mean);
-}
-
-fn subtract(x: &mut [f64], share: f64, q: &[f64]) {
-    for (x, q) in x.iter_mut().zip(q) {
-        *x -= share * q;
-    }
-}
-
-/// Takes off `x` its part in four orthonormal columns, one after the other in `q`.
-fn subtract_four(q: &[f64], x: &mut [f64]) {
-    let rows = x.len();
-    let (ab, cd) = q.split_at(2 * rows);
-    let ((a, b), (c, d)) = (ab.split_at(rows), cd.split_at(rows));
-    let mut sums = [[0.0; 4]; 4];
-    let whole = rows / 4 * 4;
-    for k in (0..whole).step_by(4) {
-        let x = &x[k..k + 4];
-        for (sums, q) in sums.iter_mut().zip([&a[k..k + 4], &b[k..k + 4], &c[k..k + 4], &d[k..k + 4]]) {
-            for i in 0..4 {
-                sums[i] += q[i] * x[i];
-            }
-        }
-    }
-    let mut shares = sums.map(|sums| sums.iter().sum::<f64>());
-    for (share, q) in shares.iter_mut().zip([a, b, c, d]) {
-        *share += dot(&q[whole..], &x[whole..]);
-    }
-    for ((((x, a), b), c), d) in x.iter_mut().zip(a).zip(b).zip(c).zip(d) {
-        *x -= (shares[0] * a + shares[1] * b) + (shares[2] * c + shares[3] * d);
-    }
 }
 
 #[cfg(test)]

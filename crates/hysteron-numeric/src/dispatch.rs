@@ -9,6 +9,7 @@ use super::Complex64;
 use super::complex_exponential::exponentials_less_one_kernel;
 use super::elementary::{exp, sin_cos};
 use super::feedback_tangent::{FeedbackTangent, Forcing, Lanes, TangentState, feedback_tangent_kernel};
+use super::inner_product::{inner_product_kernel, project_out_four_kernel, subtract_multiple_kernel};
 use super::relaxation::{Relaxations, relaxations_kernel, relaxations_with_slopes_kernel};
 use super::relaxation_bank::{
     Abreast, BankWeights, Lines, RelaxationBank, bank_advance_kernel, bank_read_kernel,
@@ -17,6 +18,7 @@ use super::resonance_bank::{
     Propagators, ResonanceBank, propagators_kernel, resonances_advance_kernel, resonances_read_kernel,
 };
 use super::series::{SeriesPanel, series_evaluate_kernel, series_power_kernel, series_product_kernel};
+use super::triangular::reflect_kernel;
 
 /// Instruction set a kernel runs with. Results do not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -153,6 +155,17 @@ dispatched! {
 }
 
 dispatched! {
+    /// out ← out · factors, element by element.
+    multiply_by => multiply_by_kernel(factors: &[Complex64], out: &mut [Complex64])
+}
+
+dispatched! {
+    /// Adds factors · values to `out`, element by element; the values are a pair of slices (re, im).
+    multiply_and_add => multiply_and_add_kernel(
+        factors: &[Complex64], values: (&[f64], &[f64]), out: &mut [Complex64])
+}
+
+dispatched! {
     /// to = (from + before) · (coarse · fine) + after, element by element, on the shortest of the slices;
     /// false if any result is not finite.
     scale => scale_kernel(
@@ -173,6 +186,26 @@ dispatched! {
     /// `out[i]` = Σ_j kernel\[j\] · x\[i · step + j\], for as many as `x` reaches: a filter of which every
     /// `step`-th output is worked out. In eight interleaved sums each.
     filter_every => filter_every_kernel(kernel: &[f64], step: usize, x: &[f64], out: &mut [f64])
+}
+
+dispatched! {
+    /// [`super::dot`].
+    inner_product => inner_product_kernel(a: &[f64], b: &[f64]) -> f64
+}
+
+dispatched! {
+    /// [`super::subtract`].
+    subtract_multiple => subtract_multiple_kernel(x: &mut [f64], factor: f64, column: &[f64])
+}
+
+dispatched! {
+    /// Takes off `x` its part in four orthonormal columns, one after the other in `q`.
+    project_out_four => project_out_four_kernel(q: &[f64], x: &mut [f64])
+}
+
+dispatched! {
+    /// Reflects the columns of `work`, `height` rows each, to an upper triangle, and writes that to `factor`.
+    reflect => reflect_kernel(work: &mut [f64], height: usize, factor: &mut [f64])
 }
 
 dispatched! {
@@ -358,6 +391,21 @@ fn multiply_kernel(a: &[Complex64], b: &[Complex64], out: &mut [Complex64]) {
     for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
         out.re = a.re * b.re - a.im * b.im;
         out.im = a.re * b.im + a.im * b.re;
+    }
+}
+
+#[inline(always)]
+fn multiply_by_kernel(factors: &[Complex64], out: &mut [Complex64]) {
+    for (out, f) in out.iter_mut().zip(factors) {
+        *out = Complex64::new(out.re * f.re - out.im * f.im, out.re * f.im + out.im * f.re);
+    }
+}
+
+#[inline(always)]
+fn multiply_and_add_kernel(factors: &[Complex64], values: (&[f64], &[f64]), out: &mut [Complex64]) {
+    for ((out, f), (re, im)) in out.iter_mut().zip(factors).zip(values.0.iter().zip(values.1)) {
+        out.re += f.re * re - f.im * im;
+        out.im += f.re * im + f.im * re;
     }
 }
 

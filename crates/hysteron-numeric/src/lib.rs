@@ -24,10 +24,11 @@ mod triangular;
 
 pub use dispatch::{
     InstructionSet, accumulate_power, accumulate_tangent, filter_every, half_turns, multiply,
-    multiply_quotient, quotient_parts, quotient_tangent, rotate, rotate_and_add, scale,
+    multiply_and_add, multiply_by, multiply_quotient, quotient_parts, quotient_tangent, rotate,
+    rotate_and_add, scale,
 };
 pub use feedback_tangent::{FeedbackTangent, Forcing, LANES, Lanes, TangentState, Target};
-pub use inner_product::{dot, root_mean_square};
+pub use inner_product::{dot, project_out, root_mean_square, subtract};
 pub use least_squares::{LeastSquares, least_squares};
 pub use non_negative::non_negative_least_squares;
 pub use relaxation::Relaxations;

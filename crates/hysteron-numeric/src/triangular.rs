@@ -3,7 +3,9 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::dot;
+use super::InstructionSet;
+use super::dispatch::reflect;
+use super::inner_product::{inner_product_kernel, subtract_multiple_kernel};
 
 /// Rows that one reduction takes in: with its columns they stay in the cache.
 const BLOCK: usize = 256;
@@ -21,6 +23,7 @@ pub fn triangular(columns: &[&[f64]]) -> DMatrix<f64> {
     if width == 0 {
         return DMatrix::zeros(0, 0);
     }
+    let set = InstructionSet::detected();
     let mut factors = vec![0.0; rows.div_ceil(SHARE) * width * width];
     factors.par_chunks_exact_mut(width * width).enumerate().for_each(|(share, factor)| {
         let mut work = vec![0.0; (width + BLOCK) * width];
@@ -33,7 +36,7 @@ pub fn triangular(columns: &[&[f64]]) -> DMatrix<f64> {
                 own[..width].copy_from_slice(&factor[j * width..(j + 1) * width]);
                 own[width..].copy_from_slice(&column[first..first + count]);
             }
-            reduce(work, height, factor);
+            reflect(set, work, height, factor);
         }
     });
     let mut factor = vec![0.0; width * width];
@@ -44,7 +47,7 @@ pub fn triangular(columns: &[&[f64]]) -> DMatrix<f64> {
             own[share * width..(share + 1) * width].copy_from_slice(&part[j * width..(j + 1) * width]);
         }
     }
-    reduce(&mut stacked, height, &mut factor);
+    reflect(set, &mut stacked, height, &mut factor);
     DMatrix::from_vec(width, width, factor)
 }
 
@@ -52,22 +55,23 @@ pub fn triangular(columns: &[&[f64]]) -> DMatrix<f64> {
 const NOTHING: f64 = 1e-140;
 
 /// Reflects the columns of `work`, `height` rows each, to an upper triangle, and writes that to `factor`.
-fn reduce(work: &mut [f64], height: usize, factor: &mut [f64]) {
+#[inline(always)]
+pub(super) fn reflect_kernel(work: &mut [f64], height: usize, factor: &mut [f64]) {
     let width = work.len() / height.max(1);
     factor.fill(0.0);
     for k in 0..width.min(height) {
         let (head, tail) = work.split_at_mut((k + 1) * height);
         let v = &mut head[k * height + k..];
-        let norm = dot(v, v).sqrt();
+        let norm = inner_product_kernel(v, v).sqrt();
         if norm < NOTHING {
             v.fill(0.0);
         } else {
             let diagonal = -norm.copysign(v[0]);
             v[0] -= diagonal;
-            let scale = 2.0 / dot(v, v);
+            let scale = 2.0 / inner_product_kernel(v, v);
             for other in tail.chunks_exact_mut(height) {
-                let share = scale * dot(v, &other[k..]);
-                other[k..].iter_mut().zip(&*v).for_each(|(x, v)| *x -= share * v);
+                let share = scale * inner_product_kernel(v, &other[k..]);
+                subtract_multiple_kernel(&mut other[k..], share, v);
             }
             v[0] = diagonal;
         }

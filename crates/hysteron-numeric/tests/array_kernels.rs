@@ -6,7 +6,7 @@
 use hysteron_numeric::fft::{RealFft, fast_length};
 use hysteron_numeric::{
     Complex64, InstructionSet, accumulate_power, accumulate_tangent, filter_every, half_turns, multiply,
-    multiply_quotient, quotient_parts, quotient_tangent,
+    multiply_and_add, multiply_by, multiply_quotient, quotient_parts, quotient_tangent,
 };
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -101,6 +101,8 @@ fn every_instruction_set_gives_the_same_bits() {
         quotient_tangent(set, top, bottom, (&value.0, &value.1), (&weight.0, &weight.1), &mut tangent);
         let mut last = vec![Complex64::ZERO; n];
         multiply(set, &tangent, &product, &mut last);
+        multiply_by(set, &product, &mut last);
+        multiply_and_add(set, &tangent, (&re, &im), &mut last);
         quotient.extend(last);
         let bits: Vec<u64> = quotient.iter().flat_map(|q| [q.re.to_bits(), q.im.to_bits()]).collect();
         let mut filtered = vec![0.0; 321];

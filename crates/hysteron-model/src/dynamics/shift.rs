@@ -8,7 +8,7 @@ use super::delay::shift as delay_in_samples;
 use super::images::Images;
 use super::{DynamicsError, Sampling, Scheme, SimulationPlan};
 use crate::record::InterSample;
-use hysteron_numeric::{Complex64, InstructionSet, rotate, rotate_and_add};
+use hysteron_numeric::{Complex64, InstructionSet, multiply_by, rotate, rotate_and_add};
 
 /// z^x on the frequencies z = e^(−damping − 2πi·bin/length).
 ///
@@ -188,9 +188,7 @@ impl<'a> InputFactor<'a> {
 
     fn reconstruct(&self, first: usize, out: &mut [Complex64]) {
         if let Some(Reconstruction { table, .. }) = self.reconstruction {
-            for (out, factor) in out.iter_mut().zip(&table[first..]) {
-                *out *= factor;
-            }
+            multiply_by(self.set, &table[first..], out);
         }
     }
 }

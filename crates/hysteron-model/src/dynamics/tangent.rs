@@ -89,7 +89,7 @@ impl SimulationPlan {
                 multiply_quotient(self.set, n, d, &slope[..count], &mut delay.bins[bins.clone()]);
             }
             let Some((images, _)) = &images else { return };
-            images.raise(bins.start, false, &mut e[..count]);
+            images.raise(self.set, bins.start, false, &mut e[..count]);
             images.add(self.set, &value_images[..], bins.start, &e[..count], &mut values[bins.clone()]);
             for tangent in parameters.iter_mut().filter(|tangent| !tangent.zero) {
                 images.add(
@@ -103,7 +103,7 @@ impl SimulationPlan {
             if !delay.zero {
                 let own_slope = factor.turns_images();
                 let sums = if own_slope { &delay.images[..] } else { &value_images[..] };
-                images.raise(bins.start, own_slope, &mut slope[..count]);
+                images.raise(self.set, bins.start, own_slope, &mut slope[..count]);
                 images.add(self.set, sums, bins.start, &slope[..count], &mut delay.bins[bins]);
             }
         });

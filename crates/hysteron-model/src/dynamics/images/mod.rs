@@ -29,7 +29,8 @@ use super::tangent::Tangent;
 use super::transfer_function::highest;
 use super::{SimulationPlan, Term, TransferFunction};
 use hysteron_numeric::{
-    Complex64, InstructionSet, SeriesPanel, multiply_quotient, quotient_parts, quotient_tangent,
+    Complex64, InstructionSet, SeriesPanel, multiply_and_add, multiply_by, multiply_quotient, quotient_parts,
+    quotient_tangent,
 };
 use weights::{BlockRule, PLACES, cardinal, node, turn};
 
@@ -68,6 +69,8 @@ pub(super) struct Images {
     falls: [Vec<Complex64>; 2],
     /// s′ of the nodes of the pieces.
     nodes: Vec<Complex64>,
+    /// s′^p of every bin.
+    rises: Vec<Complex64>,
     /// From the nodes of the far images to those of the pieces.
     spread: Vec<[f64; FAR_NODES]>,
     /// From the values at the nodes of a piece to its coefficients.
@@ -108,6 +111,7 @@ impl Images {
             places: Vec::new(),
             falls: [Vec::new(), Vec::new()],
             nodes: Vec::new(),
+            rises: Vec::new(),
             spread: Vec::new(),
             coefficients: coefficients(),
             nearest: OnceLock::new(),
@@ -120,6 +124,7 @@ impl Images {
                 half / PIECES as f64 * (piece as f64 + 0.5 * (1.0 + node(NODES, j)))
             })
             .collect();
+        images.rises = (0..=length / 2).map(|bin| images.place(bin as f64).powi(power)).collect();
         images.nodes = near_bins.iter().map(|bin| images.place(*bin)).collect();
         let row = |bin: &f64| std::array::from_fn(|j| cardinal(FAR_NODES, j, 2.0 * bin / half - 1.0));
         images.spread = near_bins.iter().map(row).collect();
@@ -275,8 +280,10 @@ impl Images {
     }
 
     /// `factors` of the bins from `first` on, times s′^p, or s′^(p − 1) where `slower`.
-    pub(super) fn raise(&self, first: usize, slower: bool, factors: &mut [Complex64]) {
-        for _ in 0..self.power - i32::from(slower) {
+    pub(super) fn raise(&self, set: InstructionSet, first: usize, slower: bool, factors: &mut [Complex64]) {
+        if !slower {
+            multiply_by(set, &self.rises[first..], factors);
+        } else if self.power == 2 {
             for (j, factor) in factors.iter_mut().enumerate() {
                 *factor *= self.place((first + j) as f64);
             }
@@ -322,11 +329,7 @@ impl Images {
             });
             SeriesPanel::evaluate_one(set, &c, NODES - 1, &mut re[..count], &mut im[..count]);
             let part = done..done + count;
-            for ((out, factor), (re, im)) in
-                out[part.clone()].iter_mut().zip(&factors[part]).zip(re.iter().zip(&im))
-            {
-                *out += factor * Complex64::new(*re, *im);
-            }
+            multiply_and_add(set, &factors[part.clone()], (&re, &im), &mut out[part]);
             done += count;
         }
     }
