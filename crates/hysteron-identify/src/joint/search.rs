@@ -99,9 +99,10 @@ pub(super) fn search<'a>(
 fn with_degree<'a>(
     setup: JointSetup<'a>,
     (problem, reduced): (JointProblem, bool),
-    search: Search,
+    mut search: Search,
     engine: &mut Engine<'_, '_>,
 ) -> Result<Optimum<'a>, IdentifyError> {
+    search.outcome.best = problem.in_order(search.outcome.best);
     let mut degrees = Vec::new();
     let (degree, best) = if setup.options.degree == Choice::Auto && !engine.is_stopped() {
         choose_degree(&setup, reduced, &search, engine, &mut degrees)?

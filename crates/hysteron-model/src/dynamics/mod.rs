@@ -32,6 +32,7 @@ mod frequencies;
 mod images;
 mod inverse;
 mod linearised;
+mod mode_order;
 mod plan;
 mod poles;
 mod record_plan;
