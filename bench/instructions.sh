@@ -2,10 +2,11 @@
 # Instructions of the hot paths, counted by valgrind's callgrind; fails where one has grown by more than 3 %.
 #   bench/instructions.sh            compares with bench/instructions.txt
 #   bench/instructions.sh --accept   writes the counts into it
-# A path's count is that of 3 repetitions less that of 1, halved: making the inputs does not enter.
+# A path's count is that of 3 repetitions less that of 1, halved: making the inputs does not enter. One thread, since
+# which thread takes what from another differs from run to run, and with it the count.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-export LC_ALL=C
+export LC_ALL=C RAYON_NUM_THREADS=1
 
 accept=false
 case "${1-}" in
