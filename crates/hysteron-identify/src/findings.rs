@@ -227,7 +227,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
                     Hysteresis::BoucWen(_) =>
                         "β and γ are told apart only by the way from rest into the first loop, polynomial \
                          degree and exponent n only by the shape of one loop",
-                    Hysteresis::PrandtlIshlinskii(_) | Hysteresis::Family(_) =>
+                    Hysteresis::Family(_) =>
                         "the polynomial is told from the hysteretic part only by the shape of one loop",
                 }
             ),
@@ -386,7 +386,6 @@ fn verdict(
     let name = hysteresis.form().name();
     let bound = match hysteresis {
         Hysteresis::BoucWen(operator) => format!("{}; ", operator.admissibility()),
-        Hysteresis::PrandtlIshlinskii(_) => "bounded by its drive; ".to_owned(),
         Hysteresis::Family(_) => String::new(),
     };
     let inverse = match hysteresis.invertibility(drives) {

@@ -396,7 +396,7 @@ mod tests {
             sample_rate_hz: None,
         };
         let options = Options {
-            hysteresis: Choice::Given(HysteresisForm::PrandtlIshlinskii { plays: 9 }),
+            hysteresis: Choice::Given(HysteresisForm::prandtl_ishlinskii(9)),
             dynamics: DynamicsChoice::TwoFractional,
             creep: Creep::KelvinVoigt { elements: 3 },
             degree: Choice::Given(4),

@@ -31,7 +31,7 @@ fn record() -> CampaignRecord {
     assert!(matches!(time, TimeBase::NonUniform { .. }));
     let term = |coefficient, order| Term { coefficient, order };
     let model = Model {
-        hysteresis: Hysteresis::PrandtlIshlinskii(
+        hysteresis: Hysteresis::from(
             PrandtlIshlinskii::new(vec![0.1], vec![1.0, 3.0], vec![0.02, 0.01]).unwrap(),
         ),
         dynamics: Dynamics::Integer(TransferFunction {
@@ -53,7 +53,7 @@ fn record() -> CampaignRecord {
 #[test]
 fn ranges_are_those_of_the_small_fast_sine_too() {
     let options = Options {
-        hysteresis: Choice::Given(HysteresisForm::PrandtlIshlinskii { plays: 4 }),
+        hysteresis: Choice::Given(HysteresisForm::prandtl_ishlinskii(4)),
         dynamics: DynamicsChoice::Integer,
         order: 1,
         degree: Choice::Given(1),

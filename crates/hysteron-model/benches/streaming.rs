@@ -155,7 +155,7 @@ fn main() {
     let single = |model: &Model| contestant::<f32>(model, &drive);
     let tustin = Scheme::Tustin;
     let still = Model { dynamics: Dynamics::None, delay_s: 0.0, ..of_n(1.0, tustin) };
-    let plays = model(Hysteresis::PrandtlIshlinskii(plays.unwrap()), tustin);
+    let plays = model(Hysteresis::from(plays.unwrap()), tustin);
     let mut contestants: Vec<(&str, Pass)> = vec![
         ("n = 1, f64", double(&of_n(1.0, tustin))),
         ("n = 1, f32", single(&of_n(1.0, tustin))),

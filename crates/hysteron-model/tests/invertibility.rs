@@ -43,7 +43,7 @@ fn plays_by_the_partial_sums_of_their_weights() {
     let drive = drive();
     let of = |weights: Vec<f64>| {
         let model = PrandtlIshlinskii::new(vec![1.0], vec![0.5, 1.5], weights).unwrap();
-        Hysteresis::PrandtlIshlinskii(model).invertibility(&[(&drive, Timing::Unknown)]).unwrap()
+        Hysteresis::from(model).invertibility(&[(&drive, Timing::Unknown)]).unwrap()
     };
     assert_eq!(of(vec![-0.5, -0.4]), Invertibility::Everywhere);
     assert!(matches!(of(vec![-0.5, -0.6]), Invertibility::Nowhere { .. }));

@@ -197,7 +197,7 @@ fn what_lies_between_the_samples_is_noted_and_stands_in_the_header() {
     // Plays that turn between two samples.
     let plays =
         PrandtlIshlinskii { polynomial: vec![0.3], thresholds: vec![0.1, 0.3], weights: vec![0.2, 0.3] };
-    let hysteresis = Hysteresis::PrandtlIshlinskii(plays);
+    let hysteresis = Hysteresis::from(plays);
     let model = Model { hysteresis, scheme: Scheme::BandLimited, ..stage() };
     bench.write_model("stage.json", &model, SignalUnits::default());
     let realised = bench.run("realise stage.json --sample-rate 1000");

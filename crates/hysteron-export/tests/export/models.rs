@@ -32,7 +32,7 @@ pub fn stage() -> Model {
 fn plays() -> Hysteresis {
     let thresholds: Vec<f64> = (1..=12).map(|k| 4.0 * f64::from(k)).collect();
     let weights = thresholds.iter().map(|r| 0.02 / (1.0 + 0.05 * r)).collect();
-    Hysteresis::PrandtlIshlinskii(PrandtlIshlinskii { polynomial: vec![0.3, -2e-4], thresholds, weights })
+    Hysteresis::from(PrandtlIshlinskii { polynomial: vec![0.3, -2e-4], thresholds, weights })
 }
 
 fn parallel() -> Hysteresis {

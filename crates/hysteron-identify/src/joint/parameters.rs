@@ -179,7 +179,7 @@ pub(super) fn give_intervals(
     // The unit-α form's β', γ' and n; other families are searched in the symbols that they are reported in.
     let unit = match &solution.hysteresis {
         Hysteresis::BoucWen(b) => Some(b.unit_shape()),
-        Hysteresis::PrandtlIshlinskii(_) | Hysteresis::Family(_) => None,
+        Hysteresis::Family(_) => None,
     };
     for p in parameters {
         let Some(error) = p.std_error else { continue };

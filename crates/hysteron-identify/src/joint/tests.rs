@@ -216,7 +216,9 @@ fn jacobian_agrees_with_differences_for_other_exponents() {
     }
 }
 
-const PLAYS: HysteresisForm = HysteresisForm::PrandtlIshlinskii { plays: 3 };
+fn three_plays() -> HysteresisForm {
+    HysteresisForm::prandtl_ishlinskii(3)
+}
 
 #[test]
 fn jacobian_agrees_with_differences_for_plays() {
@@ -224,7 +226,7 @@ fn jacobian_agrees_with_differences_for_plays() {
     for (scheme, factor) in [(Scheme::BandLimited, 1), (Scheme::BandLimited, 4), (Scheme::Tustin, 1)] {
         let before = [REMEMBERING, Start::Rest { voltage_v: 1.0 }];
         let records = records(scheme, false, before, factor);
-        let family = (PLAYS, &shape[..], &[Role::Projected; 3][..]);
+        let family = (three_plays(), &shape[..], &[Role::Projected; 3][..]);
         let problem = of_family(family, fractional(), records, [true, false]);
         check(&problem, &[0.313, 2.217, 120.0, 0.4, 1.9, 0.9, 0.0034, 2.7431]);
     }
@@ -241,7 +243,7 @@ fn weights_of_one_sign_are_the_best_that_have_it() {
         let shape: Vec<_> = names.iter().zip(thresholds).map(|(name, r)| (*name, r, r)).collect();
         let problem = |roles: [Role; 3]| {
             let records = records(Scheme::BandLimited, false, before, 1);
-            of_family((PLAYS, &shape, &roles), fractional(), records, [false; 2])
+            of_family((three_plays(), &shape, &roles), fractional(), records, [false; 2])
         };
         let cost = |problem: &JointProblem| problem.cost(&x, &mut problem.workspace());
         let weights = |problem: &JointProblem| problem.solve(&x).unwrap().hysteresis.weights();
@@ -341,7 +343,7 @@ fn coefficients_and_a_held_memory_are_the_same_fit() {
         (two, &[120.0, 0.4, 1.9, 0.9, 310.0, 0.2, 2.1, 1.1, 0.7]),
     ] {
         let records = records(Scheme::BandLimited, false, before, 1);
-        let family = (PLAYS, &shape[..], &[Role::Projected; 3][..]);
+        let family = (three_plays(), &shape[..], &[Role::Projected; 3][..]);
         let problem = of_family(family, form, records, [true, false]).with_inside(40.0);
         let normalised = Normalised::new(&problem).unwrap();
         let x = [numbers, &[0.0034, 2.7431]].concat();

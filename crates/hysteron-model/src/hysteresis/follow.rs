@@ -81,14 +81,6 @@ impl Hysteresis {
                     Ok(model.polynomial_at(u) - z)
                 })
             }
-            Self::PrandtlIshlinskii(model) => {
-                let bank = model.bank()?;
-                let start = model.plays_at(memory.unwrap_or(rest), rest);
-                along(start, rest, wanted, limits, |plays, u| {
-                    let sum = bank.step(plays, u).map_err(|error| HysteresisError::at(0, error))?;
-                    Ok(model.polynomial_at(u) + sum)
-                })
-            }
             Self::Family(model) => {
                 let anhysteretic = |u: f64| polynomial::value(&model.polynomial, u);
                 model.form.follow(&model.shape, &model.weights, anhysteretic, wanted, (rest, memory), limits)

@@ -124,7 +124,6 @@ impl Hysteresis {
     fn by_condition(&self, range: [f64; 2], interval_s: Option<f64>) -> Option<Invertibility> {
         match self {
             Self::BoucWen(model) => bouc_wen(model, range),
-            Self::PrandtlIshlinskii(model) => plays(model, range),
             Self::Family(model) => {
                 let Family { polynomial, form, shape, weights } = model;
                 match form.description().as_plays(form.elements(), polynomial, shape, weights) {

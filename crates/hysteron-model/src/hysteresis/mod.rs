@@ -1,7 +1,7 @@
 //! Static hysteresis block: rate-independent operators, one file a model behind one enum.
 //!
 //! * [`BoucWen`] (article Eq. 1) and its [`UnitShape`], the two or three numbers that enter nonlinearly.
-//! * [`PrandtlIshlinskii`] (plays) with its inverses.
+//! * [`PrandtlIshlinskii`]: polynomial and plays, with their inverse.
 //! * [`ColumnKernel`]: the operators of a family that is linear in weights, with a few nonlinear numbers.
 //!   Each family has a file of its name here: its kernel, and its [`FamilyDescription`].
 //! * [`HysteresisForm`]: a family as a fit sees it, run into [`Columns`] with their derivatives;
@@ -87,6 +87,7 @@ use crate::start::Start;
 /// The list of families, in the order in which they are shown to users. A new one is a line here, its own
 /// file with its `mod`, and the law of its moves in `hysteron-rt`.
 static FAMILIES: &[&dyn family::ColumnOperators] = &[
+    &prandtl_ishlinskii::Entry,
     &parallel_bouc_wen::Entry,
     &non_symmetric_bouc_wen::Entry,
     &song_der_kiureghian::Entry,
@@ -120,9 +121,7 @@ impl FamilyForm {
 pub enum Hysteresis {
     /// Bouc–Wen, article Eq. 1.
     BoucWen(BoucWen),
-    /// Polynomial and plays.
-    PrandtlIshlinskii(PrandtlIshlinskii),
-    /// Polynomial and the columns of another family.
+    /// Polynomial and the columns of a family.
     Family(Family),
 }
 
@@ -134,7 +133,6 @@ impl Hysteresis {
     pub fn validate(&self) -> Result<(), HysteresisError> {
         match self {
             Self::BoucWen(model) => model.validate(),
-            Self::PrandtlIshlinskii(model) => model.validate(),
             Self::Family(model) => model.validate(),
         }
     }
@@ -163,12 +161,8 @@ impl Hysteresis {
         out: &mut [f64],
     ) -> Result<(), HysteresisError> {
         let grid = grid.into();
-        let factor = grid.factor;
         match self {
-            Self::BoucWen(model) => model.simulate_every(factor, u, start, out).map(|_| ()),
-            Self::PrandtlIshlinskii(model) => {
-                model.simulate_every(factor, u, start, &mut vec![0.0; model.weights.len()], out)
-            }
+            Self::BoucWen(model) => model.simulate_every(grid.factor, u, start, out).map(|_| ()),
             Self::Family(model) => model.simulate_every(grid, u, start, out),
         }
     }
@@ -178,11 +172,6 @@ impl Hysteresis {
     pub fn at_rest(&self, rest: f64, memory: Option<f64>) -> f64 {
         match self {
             Self::BoucWen(model) => model.polynomial_at(rest) - memory.unwrap_or(0.0),
-            Self::PrandtlIshlinskii(model) => {
-                let plays = model.plays_at(memory.unwrap_or(rest), rest);
-                let sum: f64 = plays.iter().zip(&model.weights).map(|(play, weight)| weight * play).sum();
-                model.polynomial_at(rest) + sum
-            }
             Self::Family(model) => model.at_rest(memory.unwrap_or(rest), rest),
         }
     }
@@ -199,7 +188,7 @@ impl Hysteresis {
                 let moved = model.operator()?.step(&mut state, rest);
                 moved.map_err(|cause| HysteresisError::RunsAway { index: 0, cause })
             }
-            Self::PrandtlIshlinskii(_) | Self::Family(_) => Ok(virgin),
+            Self::Family(_) => Ok(virgin),
         }
     }
 
@@ -208,10 +197,9 @@ impl Hysteresis {
         let mut polynomial = self.polynomial().to_vec();
         let operator = match self {
             Self::BoucWen(b) => RuntimeOperator::BoucWen(vec![[b.alpha, b.beta, b.gamma, b.n]]),
-            Self::PrandtlIshlinskii(_) | Self::Family(_) => {
-                let (form, shape, weights) = (self.form(), self.shape(), self.weights());
+            Self::Family(Family { form, shape, weights, .. }) => {
                 let family = form.description();
-                family.runtime(form.elements(), &mut polynomial, &shape, &weights, sample_rate_hz)
+                family.runtime(form.elements(), &mut polynomial, shape, weights, sample_rate_hz)
             }
         };
         (polynomial, operator)
@@ -221,7 +209,6 @@ impl Hysteresis {
     pub fn polynomial_mut(&mut self) -> &mut Vec<f64> {
         match self {
             Self::BoucWen(model) => &mut model.polynomial,
-            Self::PrandtlIshlinskii(model) => &mut model.polynomial,
             Self::Family(model) => &mut model.polynomial,
         }
     }
@@ -230,7 +217,6 @@ impl Hysteresis {
     pub fn polynomial(&self) -> &[f64] {
         match self {
             Self::BoucWen(model) => &model.polynomial,
-            Self::PrandtlIshlinskii(model) => &model.polynomial,
             Self::Family(model) => &model.polynomial,
         }
     }
@@ -248,11 +234,6 @@ impl Hysteresis {
                 let polynomial = times_gain(&b.polynomial);
                 BoucWen::new(polynomial, gain * b.alpha, shape * b.beta, shape * b.gamma, b.n)
                     .map(Self::BoucWen)
-            }
-            Self::PrandtlIshlinskii(model) => {
-                let (polynomial, weights) = (times_gain(&model.polynomial), times_gain(&model.weights));
-                PrandtlIshlinskii::new(polynomial, model.thresholds.clone(), weights)
-                    .map(Self::PrandtlIshlinskii)
             }
             Self::Family(model) => {
                 let (polynomial, weights) = (times_gain(&model.polynomial), times_gain(&model.weights));

@@ -13,8 +13,6 @@ const BOUC_WEN_NAMES: &str =
     "linear, quadratic, cubic, quartic, quintic, degree_6 … without gaps, and alpha, beta, gamma, n";
 const FAMILY_NAMES: &str = "linear, quadratic, cubic, quartic, quintic, degree_6 … without gaps, the shape \
                             numbers of the kind, and weight_1, weight_2 … without gaps";
-const PLAY_NAMES: &str = "linear, quadratic, cubic, quartic, quintic, degree_6 … without gaps, and \
-                          threshold_1, weight_1, threshold_2, weight_2 … without gaps";
 
 impl ModelFile {
     /// Checks everything that is not a matter of types: version, finite numbers, ranges, units, parameter
@@ -28,7 +26,6 @@ impl ModelFile {
         let parameters = &self.hysteresis.parameters;
         match self.hysteresis.kind.family() {
             HysteresisForm::BoucWen => bouc_wen(parameters, &units)?,
-            HysteresisForm::PrandtlIshlinskii { .. } => prandtl_ishlinskii(parameters, &units)?,
             HysteresisForm::Family(form) => family(form, parameters, &units)?,
         }
         self.dynamics()?;
@@ -103,37 +100,6 @@ fn polynomial(parameters: &Parameters, units: &Units) -> Result<usize, ModelFile
         return Err(ModelFileError::MissingParameter { name: "linear".into() });
     }
     Ok(degree)
-}
-
-fn prandtl_ishlinskii(parameters: &Parameters, units: &Units) -> Result<(), ModelFileError> {
-    let degree = polynomial(parameters, units)?;
-    let mut plays = 0;
-    let mut above = 0.0;
-    while let Some(threshold) = parameters.get(&format!("threshold_{}", plays + 1)) {
-        plays += 1;
-        let path = format!("hysteresis.parameters.threshold_{plays}");
-        quantity(&path, threshold, &units.input, None)?;
-        let expected = "a threshold above 0 and above the one before it";
-        allowed(&format!("{path}.value"), threshold.value, threshold.value > above, expected)?;
-        above = threshold.value;
-        let name = format!("weight_{plays}");
-        let weight =
-            parameters.get(&name).ok_or_else(|| ModelFileError::MissingParameter { name: name.clone() })?;
-        quantity(&format!("hysteresis.parameters.{name}"), weight, &units.polynomial(1), None)?;
-    }
-    let known = |name: &str| {
-        let of_play = |list: &str| {
-            let index = name.strip_prefix(list).and_then(|index| index.parse().ok());
-            index.is_some_and(|index: usize| (1..=plays).contains(&index))
-        };
-        (1..=degree).any(|i| polynomial_name(i) == name) || of_play("threshold_") || of_play("weight_")
-    };
-    match parameters.iter().find(|(name, _)| !known(name)) {
-        None => Ok(()),
-        Some((name, _)) => {
-            Err(ModelFileError::UnknownParameter { name: name.to_owned(), expected: PLAY_NAMES })
-        }
-    }
 }
 
 fn family(form: FamilyForm, parameters: &Parameters, units: &Units) -> Result<(), ModelFileError> {

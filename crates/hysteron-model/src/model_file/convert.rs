@@ -6,9 +6,7 @@ use super::{
 };
 use crate::dynamics::{Arx, Dynamics, Term, TransferFunction};
 use crate::hammerstein::Model;
-use crate::hysteresis::{
-    BoucWen, DriveSpan, Family, FamilyForm, Hysteresis, HysteresisForm, NumberUnit, PrandtlIshlinskii,
-};
+use crate::hysteresis::{BoucWen, DriveSpan, Family, FamilyForm, Hysteresis, HysteresisForm, NumberUnit};
 
 /// Units of a model's numbers, from the units of its signals.
 pub(super) struct Units {
@@ -131,9 +129,6 @@ impl ModelFile {
         let parameters = &self.hysteresis.parameters;
         let hysteresis = match self.hysteresis.kind.family() {
             HysteresisForm::BoucWen => Hysteresis::BoucWen(bouc_wen(parameters)?),
-            HysteresisForm::PrandtlIshlinskii { .. } => {
-                Hysteresis::PrandtlIshlinskii(prandtl_ishlinskii(parameters))
-            }
             HysteresisForm::Family(form) => Hysteresis::Family(family(form, parameters)?),
         };
         Ok(Model {
@@ -158,7 +153,7 @@ fn parameters(block: &Hysteresis, units: &Units) -> Parameters {
         Hysteresis::BoucWen(b) => {
             vec![units.polynomial(1), units.shape(b.n), units.shape(b.n), "1".into()]
         }
-        Hysteresis::PrandtlIshlinskii(_) | Hysteresis::Family(_) => {
+        Hysteresis::Family(_) => {
             let (form, elements) = (block.form().description(), block.form().elements());
             let shape = form.shape_numbers(elements, &DriveSpan::UNIT).into_iter().map(|number| number.unit);
             let weights = (0..block.form().columns()).map(|index| form.weight_unit(index));
@@ -198,16 +193,6 @@ fn family(form: FamilyForm, parameters: &Parameters) -> Result<Family, ModelFile
 
 fn polynomial(parameters: &Parameters) -> Vec<f64> {
     (1..).map_while(|i| parameters.get(&polynomial_name(i))).map(|q| q.value).collect()
-}
-
-fn prandtl_ishlinskii(parameters: &Parameters) -> PrandtlIshlinskii {
-    let list =
-        |name: &str| (1..).map_while(|i| parameters.get(&format!("{name}_{i}"))).map(|q| q.value).collect();
-    PrandtlIshlinskii {
-        polynomial: polynomial(parameters),
-        thresholds: list("threshold"),
-        weights: list("weight"),
-    }
 }
 
 fn bouc_wen(parameters: &Parameters) -> Result<BoucWen, ModelFileError> {

@@ -151,10 +151,6 @@ fn summary(found: &Identification) -> String {
         Hysteresis::BoucWen(_) => {
             format!("Improved Bouc–Wen hysteresis with a polynomial of degree {degree}")
         }
-        Hysteresis::PrandtlIshlinskii(model) => format!(
-            "Prandtl–Ishlinskii hysteresis of {} plays with a polynomial of degree {degree}",
-            model.thresholds.len()
-        ),
         Hysteresis::Family(model) => format!(
             "Hysteresis of the family {} ({} weights) with a polynomial of degree {degree}",
             model.form.name(),
@@ -196,11 +192,9 @@ fn equations(found: &Identification) -> Vec<String> {
         Hysteresis::BoucWen(_) => {
             vec![format!("v = {polynomial} − z"), "ż = α u̇ − β |u̇| z |z|ⁿ⁻¹ − γ u̇ |z|ⁿ   (Eq. 1)".to_owned()]
         }
-        Hysteresis::PrandtlIshlinskii(_) => {
-            vec![format!("v = {polynomial} + Σ wᵢ Fᵢ"), "Fᵢ ← max(u − rᵢ, min(u + rᵢ, Fᵢ))".to_owned()]
-        }
         Hysteresis::Family(model) => {
-            vec![format!("v = {polynomial} + Σ wⱼ Hⱼ[u],   H of the family {}", model.form.name())]
+            let family = model.form.description();
+            vec![format!("v = {polynomial} + H,   H of {}:", family.name()), family.equation().to_owned()]
         }
     };
     match &found.model.dynamics {

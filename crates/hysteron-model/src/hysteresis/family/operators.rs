@@ -87,10 +87,7 @@ impl<F: ColumnFamily> ColumnOperators for F {
     }
 
     fn mover(&self, elements: usize, shape: &[f64], interval_s: f64, u: f64) -> Box<dyn Mover> {
-        let kernel = self.kernel(elements, shape, interval_s);
-        let shape = own::<F>(shape).to_vec();
-        let state = kernel.virgin(&shape, u);
-        Box::new(MovingKernel { kernel, shape, state })
+        MovingKernel::virgin(self.kernel(elements, shape, interval_s), own::<F>(shape), u)
     }
 
     fn follow(
@@ -119,11 +116,23 @@ pub(in crate::hysteresis) trait Mover: fmt::Debug + Send + Sync {
     fn twin(&self) -> Box<dyn Mover>;
 }
 
+/// A kernel with its state.
 #[derive(Clone, Debug)]
-struct MovingKernel<K, S> {
+pub(in crate::hysteresis) struct MovingKernel<K, S> {
     kernel: K,
     shape: Vec<f64>,
     state: S,
+}
+
+impl<K> MovingKernel<K, K::State<f64>>
+where
+    K: ColumnKernel<State<f64>: fmt::Debug + Send + Sync> + Clone + fmt::Debug + Send + Sync + 'static,
+{
+    /// Virgin at the voltage `u` \[V\].
+    pub(in crate::hysteresis) fn virgin(kernel: K, shape: &[f64], u: f64) -> Box<dyn Mover> {
+        let (shape, state) = (shape.to_vec(), kernel.virgin(shape, u));
+        Box::new(Self { kernel, shape, state })
+    }
 }
 
 impl<K> Mover for MovingKernel<K, K::State<f64>>

@@ -1,6 +1,6 @@
 //! Memory of an operator at the beginning of a record.
 
-use super::super::{Admissibility, Family, Hysteresis, HysteresisError, PrandtlIshlinskii};
+use super::super::{Admissibility, Hysteresis, HysteresisError};
 use crate::start::{Memory, Start};
 
 impl Hysteresis {
@@ -16,7 +16,7 @@ impl Hysteresis {
     pub fn memory(&self, value: f64) -> Memory {
         match self {
             Self::BoucWen(_) => Memory::Displacement(value),
-            Self::PrandtlIshlinskii(_) | Self::Family(_) => Memory::VirginAt(value),
+            Self::Family(_) => Memory::VirginAt(value),
         }
     }
 
@@ -47,10 +47,9 @@ impl Hysteresis {
                 let limit = model.alpha.abs() * reach;
                 (limit > 0.0 && limit.is_finite()).then_some((-limit, limit))
             }
-            Self::PrandtlIshlinskii(PrandtlIshlinskii { weights, .. })
-            | Self::Family(Family { weights, .. }) => {
+            Self::Family(model) => {
                 let reach = high - low;
-                (low < high && weights.iter().any(|w| *w != 0.0)).then_some((low - reach, high + reach))
+                (low < high && model.weights.iter().any(|w| *w != 0.0)).then_some((low - reach, high + reach))
             }
         }
     }

@@ -8,12 +8,11 @@
 mod bouc_wen;
 mod json;
 mod memory;
-mod plays;
 
 use super::outputs::Columns;
 use super::{
     BoucWen, DriveGrid, DriveSpan, Elements, Family, FamilyDescription, FamilyForm, Hysteresis,
-    HysteresisError, PrandtlIshlinskii, ShapeNumber, UnitShape,
+    HysteresisError, ShapeNumber, UnitShape,
 };
 use crate::record::Dependence;
 use crate::start::Start;
@@ -25,13 +24,8 @@ pub enum HysteresisForm {
     /// H = ζ of the unit-α form, s = −1: weight α; shape β', γ', n. Memory of a record: ζ(0) \[V\].
     #[default]
     BoucWen,
-    /// H_j = F_rⱼ, s = 1: a weight and a threshold r a play. Memory of a record: the voltage at which the
-    /// device was virgin before it moved, without turning, to where it rested.
-    PrandtlIshlinskii {
-        /// Number of plays.
-        plays: usize,
-    },
-    /// Another family of columns, s = 1. Memory of a record as for plays.
+    /// A family of columns, s = 1. Memory of a record: the voltage at which the device was virgin before it
+    /// moved, without turning, to where it rested.
     Family(FamilyForm),
 }
 
@@ -47,15 +41,13 @@ impl std::str::FromStr for HysteresisForm {
 impl HysteresisForm {
     /// Every family with its usual number of elements, the article's first.
     pub fn usual() -> Vec<Self> {
-        let plays = Self::PrandtlIshlinskii { plays: super::prandtl_ishlinskii::USUAL_PLAYS };
-        [Self::BoucWen, plays].into_iter().chain(FamilyForm::all().map(Self::Family)).collect()
+        [Self::BoucWen].into_iter().chain(FamilyForm::all().map(Self::Family)).collect()
     }
 
     /// Description of the family.
     pub fn description(self) -> &'static dyn FamilyDescription {
         match self {
             Self::BoucWen => &super::bouc_wen::Entry,
-            Self::PrandtlIshlinskii { .. } => &super::prandtl_ishlinskii::Entry,
             Self::Family(form) => form.description(),
         }
     }
@@ -65,7 +57,6 @@ impl HysteresisForm {
     pub fn elements(self) -> usize {
         match self {
             Self::BoucWen => 0,
-            Self::PrandtlIshlinskii { plays } => plays,
             Self::Family(form) => form.elements(),
         }
     }
@@ -81,7 +72,6 @@ impl HysteresisForm {
             Some(_) => {
                 return Ok(match self {
                     Self::BoucWen => self,
-                    Self::PrandtlIshlinskii { .. } => Self::PrandtlIshlinskii { plays: count },
                     Self::Family(form) => Self::Family(form.of_elements(count)),
                 });
             }
@@ -133,7 +123,7 @@ impl HysteresisForm {
     pub fn sign(self) -> f64 {
         match self {
             Self::BoucWen => -1.0,
-            Self::PrandtlIshlinskii { .. } | Self::Family(_) => 1.0,
+            Self::Family(_) => 1.0,
         }
     }
 
@@ -169,10 +159,8 @@ impl HysteresisForm {
         out: &mut Columns,
     ) -> Result<(), HysteresisError> {
         let grid = grid.into();
-        let factor = grid.factor;
         match self {
-            Self::BoucWen => bouc_wen::run(unit_shape(shape)?, factor, u, start, wanted, out),
-            Self::PrandtlIshlinskii { .. } => plays::run(shape, factor, u, start, wanted, out),
+            Self::BoucWen => bouc_wen::run(unit_shape(shape)?, grid.factor, u, start, wanted, out),
             Self::Family(form) => form.run(shape, grid, u, start, wanted, out),
         }
     }
@@ -197,10 +185,6 @@ impl HysteresisForm {
                 let alpha = weights.first().copied().unwrap_or(0.0);
                 BoucWen::from_unit(polynomial, alpha, unit_shape(shape)?).map(Hysteresis::BoucWen)
             }
-            Self::PrandtlIshlinskii { .. } => {
-                PrandtlIshlinskii::new(polynomial, shape.to_vec(), weights.to_vec())
-                    .map(Hysteresis::PrandtlIshlinskii)
-            }
             Self::Family(form) => {
                 Family::new(polynomial, form, shape.to_vec(), weights.to_vec()).map(Hysteresis::Family)
             }
@@ -211,7 +195,7 @@ impl HysteresisForm {
     pub fn own_memory(self, memory: f64, weights: &[f64]) -> f64 {
         match self {
             Self::BoucWen => memory * weights.first().copied().unwrap_or(0.0),
-            Self::PrandtlIshlinskii { .. } | Self::Family(_) => memory,
+            Self::Family(_) => memory,
         }
     }
 }
@@ -238,9 +222,6 @@ impl Hysteresis {
     pub fn form(&self) -> HysteresisForm {
         match self {
             Self::BoucWen(_) => HysteresisForm::BoucWen,
-            Self::PrandtlIshlinskii(model) => {
-                HysteresisForm::PrandtlIshlinskii { plays: model.thresholds.len() }
-            }
             Self::Family(model) => HysteresisForm::Family(model.form),
         }
     }
@@ -249,7 +230,6 @@ impl Hysteresis {
     pub fn weights(&self) -> Vec<f64> {
         match self {
             Self::BoucWen(model) => vec![model.alpha],
-            Self::PrandtlIshlinskii(model) => model.weights.clone(),
             Self::Family(model) => model.weights.clone(),
         }
     }
@@ -261,7 +241,6 @@ impl Hysteresis {
                 let UnitShape { beta, gamma, n } = model.unit_shape();
                 vec![beta, gamma, n]
             }
-            Self::PrandtlIshlinskii(model) => model.thresholds.clone(),
             Self::Family(model) => model.shape.clone(),
         }
     }
@@ -275,10 +254,6 @@ impl Hysteresis {
             Self::BoucWen(b) => [("alpha", b.alpha), ("beta", b.beta), ("gamma", b.gamma), ("n", b.n)]
                 .map(|(name, value)| (name.to_owned(), value))
                 .into(),
-            Self::PrandtlIshlinskii(p) => {
-                let form = self.form();
-                of(form.shape_names(), &p.thresholds).chain(of(form.weight_names(), &p.weights)).collect()
-            }
             Self::Family(p) => {
                 let form = self.form();
                 of(form.shape_names(), &p.shape).chain(of(form.weight_names(), &p.weights)).collect()
@@ -301,15 +276,6 @@ impl Hysteresis {
                 "n" => Some(&mut b.n),
                 _ => None,
             },
-            Self::PrandtlIshlinskii(p) => {
-                let (list, index) = name.rsplit_once('_')?;
-                let index = index.parse::<usize>().ok()?.checked_sub(1)?;
-                match list {
-                    "threshold" => p.thresholds.get_mut(index),
-                    "weight" => p.weights.get_mut(index),
-                    _ => None,
-                }
-            }
             Self::Family(p) => {
                 let form = HysteresisForm::Family(p.form);
                 let place = |names: Vec<String>| names.iter().position(|own| own == name);

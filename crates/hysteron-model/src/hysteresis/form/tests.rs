@@ -1,7 +1,7 @@
 use hysteron_rt::Limited;
 
 use super::*;
-use crate::hysteresis::{DriveLimits, examples};
+use crate::hysteresis::{DriveLimits, PrandtlIshlinskii, examples};
 
 /// A drive with minor loops, on a grid finer by 2 where every other sample is read.
 fn drive() -> Vec<f64> {
@@ -40,7 +40,7 @@ fn moved([value, by_threshold, by_virgin]: [f64; 3], threshold: f64, u: f64) -> 
 
 #[test]
 fn plays_and_their_derivatives_are_those_of_the_definition_to_the_last_bit() {
-    let form = HysteresisForm::PrandtlIshlinskii { plays: 3 };
+    let form = HysteresisForm::prandtl_ishlinskii(3);
     let (shape, virgin, rest) = ([0.4, 1.3, 2.9], 3.4, 4.2);
     let origin = Start::Remembering { voltage_v: rest, memory: virgin };
     let columns = run(form, &shape, 2, origin, true);
@@ -217,17 +217,13 @@ fn the_drive_that_gives_an_output_is_found_in_one_step() {
 
 #[test]
 fn plays_follow_as_their_closed_form_does() {
-    let operator = HysteresisForm::PrandtlIshlinskii { plays: 4 };
-    let Hysteresis::PrandtlIshlinskii(plays) =
-        operator.operator(vec![1.0, 0.02], &[0.3, 0.2, -0.1, 0.1], &[0.31, 0.9, 1.7, 3.3]).unwrap()
-    else {
-        panic!("another family")
-    };
+    let plays = PrandtlIshlinskii::new(vec![1.0, 0.02], vec![0.31, 0.9, 1.7, 3.3], vec![0.3, 0.2, -0.1, 0.1])
+        .unwrap();
     let wanted: Vec<f64> = (0..500).map(|k| 6.0 + 4.0 * (f64::from(k) * 0.31).sin()).collect();
     let mut states = plays.plays_at(2.0, 2.0);
     let mut exact = vec![0.0; wanted.len()];
     plays.step_inverse(FREE.range).unwrap().follow(&wanted, &mut states, &mut exact).unwrap();
-    let found = Hysteresis::PrandtlIshlinskii(plays).follow(&wanted, 2.0, None, &FREE).unwrap();
+    let found = Hysteresis::from(plays).follow(&wanted, 2.0, None, &FREE).unwrap();
     for (found, exact) in found.drive.iter().zip(&exact) {
         assert!((found - exact).abs() < 1e-12, "{found} {exact}");
     }

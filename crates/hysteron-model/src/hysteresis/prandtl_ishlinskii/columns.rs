@@ -3,13 +3,58 @@
 use hysteron_rt::{Dual, Scalar, play};
 
 use super::super::HysteresisError;
+use super::super::columns::{ColumnKernel, simulate_with_sensitivities};
 use super::super::outputs::Columns;
 use super::super::pass::{Every, at_rest};
+use super::super::plays::{PlayStates, check_thresholds};
 use crate::start::Start;
+
+/// Columns F_rⱼ ← max(u − rⱼ, min(u + rⱼ, F_rⱼ)) \[V\], rⱼ = `thresholds`\[j\]; without shape numbers.
+#[derive(Clone, Debug)]
+pub(super) struct Plays {
+    pub(super) thresholds: Vec<f64>,
+}
+
+impl ColumnKernel for Plays {
+    type State<S: Scalar<Real = f64>> = PlayStates<S>;
+
+    simulate_with_sensitivities!(0);
+
+    fn shape_names(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    fn check(&self, _: &[f64]) -> Result<(), HysteresisError> {
+        check_thresholds(&self.thresholds)
+    }
+
+    fn columns(&self) -> usize {
+        self.thresholds.len()
+    }
+
+    fn virgin<S: Scalar<Real = f64>>(&self, _: &[S], u: S) -> PlayStates<S> {
+        PlayStates::at(self.thresholds.len(), u)
+    }
+
+    fn advance<S: Scalar<Real = f64>>(
+        &self,
+        _: &[S],
+        state: &mut PlayStates<S>,
+        u: f64,
+    ) -> Result<(), HysteresisError> {
+        state.advance(self.thresholds.iter().map(|&threshold| S::constant(threshold)), u);
+        Ok(())
+    }
+
+    fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &PlayStates<S>, out: &mut [S]) {
+        state.read(out);
+    }
+}
 
 /// A play with its derivatives with respect to its threshold and to the memory.
 type Play = Dual<f64, 2>;
 
+/// [`crate::hysteresis::FamilyForm::run`], with derivatives with respect to the thresholds.
 pub(super) fn run(
     thresholds: &[f64],
     factor: usize,
@@ -36,9 +81,6 @@ pub(super) fn run(
     let mut next = 0;
     let mut plain = Vec::with_capacity(thresholds.len());
     for (index, &threshold) in thresholds.iter().enumerate() {
-        if !(threshold.is_finite() && threshold > 0.0) {
-            return Err(HysteresisError::Threshold { index, value: threshold, above: 0.0 });
-        }
         let half_width = Play::variable(threshold, 0);
         let step = |state: Play, u: f64| play(half_width, state, Play::constant(u));
         let mut state = match at_rest {

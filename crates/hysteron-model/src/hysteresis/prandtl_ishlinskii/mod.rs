@@ -4,18 +4,24 @@
 //! doi:10.1007/978-1-4612-4048-8; the inverse after P. Krejčí, K. Kuhnen, *IEE Proc. Control Theory Appl.*
 //! 148 (2001) 185–192, doi:10.1049/ip-cta:20010375.
 
+mod columns;
 mod inverse;
 
 pub use inverse::StepInverse;
 
+use columns::Plays;
+
 use hysteron_rt::{PlayBank, PlayError, play};
 
 use super::family::{
-    DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, NumberUnit, RuntimeOperator, Search, ShapeNumber,
-    in_a_row,
+    ColumnOperators, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, Mover, MovingKernel, NumberUnit,
+    RuntimeOperator, Search, ShapeNumber, in_a_row,
 };
+use super::follow::{self, DriveLimits, Followed};
+use super::outputs::Columns;
 use super::pass::{Every, at_rest};
-use super::{HysteresisError, polynomial};
+use super::plays::check_thresholds;
+use super::{DriveGrid, Family, FamilyForm, Hysteresis, HysteresisError, HysteresisForm, polynomial};
 use crate::start::Start;
 
 /// Prandtl–Ishlinskii operator with a polynomial of any degree:
@@ -212,9 +218,6 @@ impl HysteresisError {
     }
 }
 
-/// Plays where nobody says how many.
-pub(super) const USUAL_PLAYS: usize = 12;
-
 /// The family, with a threshold a play.
 #[derive(Debug)]
 pub(super) struct Entry;
@@ -239,7 +242,7 @@ impl FamilyDescription for Entry {
     }
 
     fn elements(&self) -> Option<Elements> {
-        Some(Elements { usual: USUAL_PLAYS, most: MOST_ELEMENTS })
+        Some(Elements { usual: 12, most: MOST_ELEMENTS })
     }
 
     fn weight_reach(&self) -> f64 {
@@ -275,7 +278,68 @@ impl FamilyDescription for Entry {
         in_a_row(0, plays).chain(plays.checked_sub(1).map(|last| (last, None))).collect()
     }
 
+    fn as_plays(
+        &self,
+        _: usize,
+        polynomial: &[f64],
+        shape: &[f64],
+        weights: &[f64],
+    ) -> Option<PrandtlIshlinskii> {
+        let (polynomial, thresholds) = (polynomial.to_vec(), shape.to_vec());
+        Some(PrandtlIshlinskii { polynomial, thresholds, weights: weights.to_vec() })
+    }
+
     fn runtime(&self, _: usize, _: &mut [f64], shape: &[f64], weights: &[f64], _: f64) -> RuntimeOperator {
         RuntimeOperator::Plays { thresholds: shape.to_vec(), weights: weights.to_vec() }
+    }
+}
+
+/// The derivatives with respect to the thresholds, of which each moves one column, are the family's own.
+impl ColumnOperators for Entry {
+    fn check(&self, _: usize, shape: &[f64]) -> Result<(), HysteresisError> {
+        check_thresholds(shape)
+    }
+
+    fn run(
+        &self,
+        (_, shape, _): (usize, &[f64], f64),
+        grid: DriveGrid<'_>,
+        u: &[f64],
+        start: Start<f64>,
+        wanted: Option<&[bool]>,
+        out: &mut Columns,
+    ) -> Result<(), HysteresisError> {
+        columns::run(shape, grid.factor, u, start, wanted, out)
+    }
+
+    fn mover(&self, _: usize, shape: &[f64], _: f64, u: f64) -> Box<dyn Mover> {
+        MovingKernel::virgin(Plays { thresholds: shape.to_vec() }, &[], u)
+    }
+
+    fn follow(
+        &self,
+        (_, shape, _): (usize, &[f64], f64),
+        weights: &[f64],
+        anhysteretic: &dyn Fn(f64) -> f64,
+        wanted: &[f64],
+        start: (f64, Option<f64>),
+        limits: &DriveLimits,
+    ) -> Result<Followed, HysteresisError> {
+        let kernel = Plays { thresholds: shape.to_vec() };
+        follow::columns(&kernel, &[], weights, anhysteretic, wanted, start, limits)
+    }
+}
+
+impl HysteresisForm {
+    /// The Prandtl–Ishlinskii model of so many plays.
+    pub fn prandtl_ishlinskii(plays: usize) -> Self {
+        Self::Family(FamilyForm::of(&Entry, plays))
+    }
+}
+
+impl From<PrandtlIshlinskii> for Hysteresis {
+    fn from(PrandtlIshlinskii { polynomial, thresholds, weights }: PrandtlIshlinskii) -> Self {
+        let form = FamilyForm::of(&Entry, thresholds.len());
+        Self::Family(Family { polynomial, form, shape: thresholds, weights })
     }
 }
