@@ -200,7 +200,7 @@ mod tests {
                     column(&shape, &u, start)
                 };
                 let (above, below) = (at(1e-5), at(-1e-5));
-                for (k, derivative) in derivatives.iter().enumerate() {
+                for (k, derivative) in derivatives[0].iter().enumerate() {
                     let difference = (above[k] - below[k]) / 2e-5;
                     assert!((derivative - difference).abs() < 1e-8, "{index} {k}: {derivative} {difference}");
                 }

@@ -27,7 +27,7 @@ fn finite_or_refused<K: ColumnKernel>(
         }
         let mut all = ColumnSensitivities::default();
         if kernel.simulate_with_sensitivities(shape, 1, u, start, &mut all).is_ok() {
-            let finite = all.columns.iter().chain(&all.d_start).chain(all.d_shape.iter().flatten());
+            let finite = all.columns.iter().chain(&all.d_start).chain(all.d_shape.iter().flatten()).flatten();
             prop_assert!(finite.copied().all(f64::is_finite), "{all:?}");
         }
     }

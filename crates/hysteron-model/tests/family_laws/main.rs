@@ -151,6 +151,11 @@ fn difference(step: f64, f: impl Fn(f64) -> Vec<f64>) -> Vec<f64> {
     (0..a.len()).map(|i| ((a[i] - d[i]) + 8.0 * (c[i] - b[i])) / (12.0 * step)).collect()
 }
 
+/// Columns one after the other, 0 beyond their end.
+fn whole(columns: &[Vec<f64>], samples: usize) -> Vec<f64> {
+    columns.iter().flat_map(|c| c.iter().copied().chain(std::iter::repeat(0.0)).take(samples)).collect()
+}
+
 /// Exact derivatives against differences of the plain simulation. Where differences of two step sizes
 /// disagree (a kink between their points) nothing is compared; cases with many of them are rejected, of which
 /// proptest allows few.
@@ -170,7 +175,7 @@ fn derivatives_are_differences<K: ColumnKernel>(
     };
     let size = |values: &[f64]| values.iter().fold(1.0, |m: f64, x| m.max(x.abs()));
     let value = plain(shape, start);
-    prop_assert!(apart(&value, &exact.columns) <= 1e-4 * tolerance * size(&value));
+    prop_assert!(apart(&value, &exact.columns.concat()) <= 1e-4 * tolerance * size(&value));
     // What rounding, or the settling of a steady state, leaves of each value that a difference is made of.
     let left = if start == Start::PERIODIC { 1e-13 } else { 8.0 * f64::EPSILON } * size(&value);
     let moved = |index: usize, by: f64| {
@@ -178,8 +183,9 @@ fn derivatives_are_differences<K: ColumnKernel>(
         shape[index] += by;
         plain(&shape, start)
     };
-    let mut wanted: Vec<_> = exact
-        .d_shape
+    let d_shape: Vec<Vec<f64>> = exact.d_shape.iter().map(|columns| columns.concat()).collect();
+    let d_start = whole(&exact.d_start, u.len());
+    let mut wanted: Vec<_> = d_shape
         .iter()
         .enumerate()
         .map(|(i, d)| {
@@ -189,9 +195,9 @@ fn derivatives_are_differences<K: ColumnKernel>(
         .collect();
     if let Start::Rest { voltage_v: at } = start {
         let from = |by: f64| plain(shape, Start::Rest { voltage_v: at + by });
-        wanted.push((exact.d_start.as_slice(), 1e-4, [1e-4, 3e-5].map(|step| difference(step, from))));
+        wanted.push((d_start.as_slice(), 1e-4, [1e-4, 3e-5].map(|step| difference(step, from))));
     } else {
-        prop_assert!(exact.d_start.iter().all(|d| *d == 0.0));
+        prop_assert!(d_start.iter().all(|d| *d == 0.0));
     }
     for (d, step, [coarse, fine]) in wanted {
         let bound = tolerance * size(d) + left / (0.3 * step);
@@ -231,13 +237,14 @@ fn a_memory_is_a_move<K: ColumnKernel>(
     let others =
         |columns: &[f64]| columns.chunks(longer.len()).flat_map(|c| c[1..].to_vec()).collect::<Vec<f64>>();
     prop_assert_eq!(&plain, &others(&plain_longer));
-    prop_assert_eq!(&all.columns, &others(&all_longer.columns));
-    prop_assert_eq!(&all.d_start, &others(&all_longer.d_start));
-    prop_assert_eq!(&all.rest, &first(&all_longer.columns));
-    prop_assert_eq!(&all.d_start_rest, &first(&all_longer.d_start));
+    let (columns, d_start) = (all_longer.columns.concat(), whole(&all_longer.d_start, longer.len()));
+    prop_assert_eq!(&all.columns.concat(), &others(&columns));
+    prop_assert_eq!(&whole(&all.d_start, u.len()), &others(&d_start));
+    prop_assert_eq!(&all.rest, &first(&columns));
+    prop_assert_eq!(&all.d_start_rest, &first(&d_start));
     for (index, d) in all_longer.d_shape.iter().enumerate() {
-        prop_assert_eq!(&all.d_shape[index], &others(d));
-        prop_assert_eq!(&all.d_shape_rest[index], &first(d));
+        prop_assert_eq!(&all.d_shape[index].concat(), &others(&d.concat()));
+        prop_assert_eq!(&all.d_shape_rest[index], &first(&d.concat()));
     }
     Ok(())
 }

@@ -6,6 +6,7 @@
 
 mod pass;
 mod relaxing;
+mod rows;
 
 pub use pass::ColumnSensitivities;
 pub(super) use pass::{differentiate, simulate};
@@ -118,7 +119,7 @@ pub trait ColumnKernel {
     where
         Self: Sized,
     {
-        simulate(self, shape, grid.into(), u, start, None, out)
+        pass::simulate_into(self, shape, grid.into(), u, start, out)
     }
 
     /// [`Self::simulate_every`] from a known `state`, which ends at the last sample of u.

@@ -7,20 +7,20 @@ use super::super::outputs;
 use super::super::pass::{Every, at_rest};
 use super::super::{DriveGrid, HysteresisError};
 use super::ColumnKernel;
+use super::rows::Rows;
 use crate::record::Pace;
 use crate::start::Start;
 
-/// Columns and their derivatives at every `factor`-th sample of a drive, each K columns one after the other.
-/// The buffers are kept between calls.
+/// K columns and their derivatives at every `factor`-th sample of a drive. The buffers are kept between calls.
 #[derive(Clone, Debug, Default)]
 pub struct ColumnSensitivities {
     /// The columns.
-    pub columns: Vec<f64>,
+    pub columns: Vec<Vec<f64>>,
     /// Their derivatives with respect to each shape parameter.
-    pub d_shape: Vec<Vec<f64>>,
-    /// Their derivatives with respect to the voltage at which the device was virgin; 0 for a steady state,
-    /// which has no free start.
-    pub d_start: Vec<f64>,
+    pub d_shape: Vec<Vec<Vec<f64>>>,
+    /// Their derivatives with respect to the voltage at which the device was virgin, 0 beyond their end: a
+    /// steady state has no free start, and memory is wiped out.
+    pub d_start: Vec<Vec<f64>>,
     /// The K columns before the first sample, at the rest voltage; 0 for a steady state, which has no such.
     pub rest: Vec<f64>,
     /// Their derivatives with respect to each shape parameter.
@@ -29,6 +29,8 @@ pub struct ColumnSensitivities {
     pub d_start_rest: Vec<f64>,
     /// Ends the pass early.
     pub stop: Option<Stop>,
+    /// Shape parameters whose derivatives nobody asks for and `d_shape` is without.
+    pub(in crate::hysteresis) left_out: Vec<bool>,
 }
 
 /// Samples between two looks at the stop.
@@ -109,6 +111,7 @@ fn virgin_voltage(u: &[f64], at_rest: Option<(f64, Option<f64>)>) -> Result<f64,
     }
 }
 
+/// Hands the columns at every `factor`-th sample to `put`; the state at the last sample.
 pub(in crate::hysteresis) fn simulate<K: ColumnKernel>(
     kernel: &K,
     shape: &[f64],
@@ -116,10 +119,9 @@ pub(in crate::hysteresis) fn simulate<K: ColumnKernel>(
     u: &[f64],
     start: Start<f64>,
     stop: Option<&Stop>,
-    out: &mut [f64],
+    put: impl FnMut(&Rows<f64>),
 ) -> Result<K::State<f64>, HysteresisError> {
-    let samples = check(kernel, shape, grid, u)?;
-    check_length(samples * kernel.columns(), out.len())?;
+    check(kernel, shape, grid, u)?;
     let at_rest = at_rest(start, u)?;
     let mut state = kernel.virgin(shape, virgin_voltage(u, at_rest)?);
     match at_rest {
@@ -130,8 +132,31 @@ pub(in crate::hysteresis) fn simulate<K: ColumnKernel>(
             settle(kernel, shape, (u, grid.paces), &mut state)?;
         }
     }
-    write(kernel, shape, &mut state, (Every::new(grid.factor)?, stop), (u, grid.paces), out)?;
+    write(kernel, shape, &mut state, (Every::new(grid.factor)?, stop), (u, grid.paces), put)?;
     Ok(state)
+}
+
+/// [`simulate`] into one column after the other.
+pub(super) fn simulate_into<K: ColumnKernel>(
+    kernel: &K,
+    shape: &[f64],
+    grid: DriveGrid<'_>,
+    u: &[f64],
+    start: Start<f64>,
+    out: &mut [f64],
+) -> Result<K::State<f64>, HysteresisError> {
+    let samples = check(kernel, shape, grid, u)?;
+    check_length(samples * kernel.columns(), out.len())?;
+    simulate(kernel, shape, grid, u, start, None, scatter(out, samples))
+}
+
+/// Puts rows into one column after the other.
+fn scatter(out: &mut [f64], samples: usize) -> impl FnMut(&Rows<f64>) {
+    move |rows| {
+        for (index, column) in out.chunks_exact_mut(samples.max(1)).enumerate() {
+            rows.put(index, column, |value| value);
+        }
+    }
 }
 
 pub(super) fn continue_from<K: ColumnKernel>(
@@ -144,7 +169,8 @@ pub(super) fn continue_from<K: ColumnKernel>(
 ) -> Result<(), HysteresisError> {
     let samples = check(kernel, shape, grid, u)?;
     check_length(samples * kernel.columns(), out.len())?;
-    write(kernel, shape, state, (Every::new(grid.factor)?, None), (u, grid.paces), out)
+    let put = scatter(out, samples);
+    write(kernel, shape, state, (Every::new(grid.factor)?, None), (u, grid.paces), put)
 }
 
 fn write<K: ColumnKernel>(
@@ -153,26 +179,26 @@ fn write<K: ColumnKernel>(
     state: &mut K::State<f64>,
     (mut every, stop): (Every, Option<&Stop>),
     (u, paces): Paced<'_>,
-    out: &mut [f64],
+    mut put: impl FnMut(&Rows<f64>),
 ) -> Result<(), HysteresisError> {
-    let mut row = vec![0.0; kernel.columns()];
-    let samples = out.len() / row.len().max(1);
-    let mut at = 0;
+    let mut rows = Rows::new(kernel.columns(), 0.0);
     for (index, &u) in u.iter().enumerate() {
         look(stop, index)?;
         pace::<K, f64>(state, paces, index);
         kernel.advance(shape, state, u).map_err(|error| error.at_sample(index))?;
         if every.take() {
-            kernel.read(shape, state, &mut row);
-            for (slot, value) in out.iter_mut().skip(at).step_by(samples).zip(&row) {
-                *slot = *value;
-            }
+            let row = rows.next();
+            kernel.read(shape, state, row);
             if !row.iter().all(|value| value.is_finite()) {
                 return Err(HysteresisError::Overflow { index });
             }
-            at += 1;
+            if rows.is_full() {
+                put(&rows);
+                rows.clear();
+            }
         }
     }
+    put(&rows);
     Ok(())
 }
 
@@ -263,7 +289,7 @@ pub(in crate::hysteresis) fn differentiate<const P: usize, K: ColumnKernel>(
     let samples = check(kernel, shape, grid, u)?;
     let drive = (u, grid.paces);
     let columns = kernel.columns();
-    out.resize(shape.len(), samples * columns)?;
+    out.resize(shape.len(), columns, samples)?;
     let duals: [Dual<f64, P>; P] = std::array::from_fn(|index| match shape.get(index) {
         Some(&value) => Dual::variable(value, index),
         None => Dual::constant(0.0),
@@ -293,7 +319,7 @@ pub(in crate::hysteresis) fn differentiate<const P: usize, K: ColumnKernel>(
     }
     out.put_rest(&row, shape.len());
     let mut every = Every::new(grid.factor)?;
-    let mut at = 0;
+    let mut rows = Rows::new(columns, Dual::constant(0.0));
     for (index, &u) in u.iter().enumerate() {
         look(out.stop.as_ref(), index)?;
         pace::<K, _>(&mut state, grid.paces, index);
@@ -302,16 +328,18 @@ pub(in crate::hysteresis) fn differentiate<const P: usize, K: ColumnKernel>(
             *number = number.without_vanished(0);
         }
         if every.take() {
-            kernel.read(duals, &state, &mut row);
-            for (column, value) in row.iter().enumerate() {
-                out.put(column * samples + at, value, shape.len());
-            }
+            let row = rows.next();
+            kernel.read(duals, &state, row);
             if !row.iter().all(|value| value.magnitude().is_finite()) {
                 return Err(HysteresisError::Overflow { index });
             }
-            at += 1;
+            if rows.is_full() {
+                out.put(&rows, shape.len());
+                rows.clear();
+            }
         }
     }
+    out.put(&rows, shape.len());
     Ok(())
 }
 
@@ -347,12 +375,19 @@ fn close_period<const P: usize, K: ColumnKernel>(
 
 impl ColumnSensitivities {
     /// Gives every buffer its length.
-    fn resize(&mut self, parameters: usize, length: usize) -> Result<(), HysteresisError> {
+    fn resize(&mut self, parameters: usize, columns: usize, samples: usize) -> Result<(), HysteresisError> {
         self.d_shape.resize(parameters, Vec::new());
-        for column in self.d_shape.iter_mut().chain([&mut self.columns, &mut self.d_start]) {
-            outputs::look(self.stop.as_ref())?;
-            column.resize(length, 0.0);
+        let Self { d_shape, left_out, .. } = self;
+        let wanted = d_shape.iter_mut().enumerate().filter(|(index, _)| left_out.get(*index) != Some(&true));
+        for buffers in wanted.map(|(_, buffers)| buffers).chain([&mut self.columns]) {
+            buffers.resize(columns, Vec::new());
+            for column in buffers {
+                outputs::look(self.stop.as_ref())?;
+                column.resize(samples, 0.0);
+            }
         }
+        self.d_start.resize(columns, Vec::new());
+        self.d_start.iter_mut().for_each(Vec::clear);
         Ok(())
     }
 
@@ -371,16 +406,24 @@ impl ColumnSensitivities {
         }
     }
 
-    fn put<const P: usize>(&mut self, at: usize, value: &Dual<f64, P>, parameters: usize) {
-        let set = |buffer: &mut Vec<f64>, value: f64| {
-            if let Some(slot) = buffer.get_mut(at) {
-                *slot = value;
-            }
-        };
-        set(&mut self.columns, value.value);
-        for (buffer, partial) in self.d_shape.iter_mut().zip(value.partials) {
-            set(buffer, partial);
+    fn put<const P: usize>(&mut self, rows: &Rows<Dual<f64, P>>, parameters: usize) {
+        let partial = |value: Dual<f64, P>, index: usize| value.partials.get(index).copied().unwrap_or(0.0);
+        for (index, column) in self.columns.iter_mut().enumerate() {
+            rows.put(index, column, |value| value.value);
         }
-        set(&mut self.d_start, value.partials.get(parameters).copied().unwrap_or(0.0));
+        for (parameter, columns) in self.d_shape.iter_mut().enumerate() {
+            for (index, column) in columns.iter_mut().enumerate() {
+                rows.put(index, column, |value| partial(value, parameter));
+            }
+        }
+        for (index, column) in self.d_start.iter_mut().enumerate() {
+            for (row, value) in rows.column(index).enumerate() {
+                let by_start = partial(value, parameters);
+                if by_start != 0.0 {
+                    column.resize(rows.first() + row, 0.0);
+                    column.push(by_start);
+                }
+            }
+        }
     }
 }

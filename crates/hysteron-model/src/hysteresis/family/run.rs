@@ -1,7 +1,7 @@
 //! A kernel run into the columns of a fit.
 
 use super::super::columns::{ColumnKernel, simulate};
-use super::super::outputs::{Columns, look};
+use super::super::outputs::Columns;
 use super::super::pass::at_rest;
 use super::super::{DriveGrid, HysteresisError};
 use crate::start::Start;
@@ -29,31 +29,41 @@ pub(super) fn run<K: ColumnKernel>(
         .flat_map(|index| (0..count).map(move |column| (index, column)))
         .collect();
     let free = matches!(start, Start::Remembering { .. });
-    out.resize(count, samples, &pairs, wanted.is_some() && free)?;
     let mut all = std::mem::take(&mut out.scratch);
-    let column = |values: &[f64], index: usize, to: &mut [f64]| {
-        to.copy_from_slice(&values[index * samples..(index + 1) * samples]);
-    };
+    if !out.by_memory.is_empty() {
+        all.d_start = std::mem::take(&mut out.by_memory);
+    }
+    out.resize(count, samples, &pairs, false)?;
     if wanted.is_some() && (free || !pairs.is_empty()) {
         all.stop.clone_from(&out.stop);
-        kernel.simulate_with_sensitivities(own, grid, u, start, &mut all)?;
+        // The pass fills the buffers of `out`.
+        std::mem::swap(&mut all.columns, &mut out.values);
+        all.left_out = (fixed..shape.len()).map(|index| !is_wanted(index)).collect();
+        let of_shape =
+            all.left_out.iter().map(|&left_out| vec![Vec::new(); if left_out { 0 } else { count }]);
+        all.d_shape = of_shape.collect();
         for partial in &mut out.partials {
-            look(out.stop.as_ref())?;
-            let index = partial.shape - fixed;
-            column(&all.d_shape[index], partial.column, &mut partial.values);
-            partial.rest = all.d_shape_rest[index][partial.column];
+            std::mem::swap(&mut all.d_shape[partial.shape - fixed][partial.column], &mut partial.values);
         }
-        for (index, values) in out.by_memory.iter_mut().enumerate() {
-            look(out.stop.as_ref())?;
-            column(&all.d_start, index, values);
+        kernel.simulate_with_sensitivities(own, grid, u, start, &mut all)?;
+        std::mem::swap(&mut all.columns, &mut out.values);
+        for partial in &mut out.partials {
+            let index = partial.shape - fixed;
+            std::mem::swap(&mut all.d_shape[index][partial.column], &mut partial.values);
+            partial.rest = all.d_shape_rest[index][partial.column];
         }
         out.rest.copy_from_slice(&all.rest);
         if free {
+            out.by_memory = std::mem::take(&mut all.d_start);
             out.rest_by_memory.copy_from_slice(&all.d_start_rest);
         }
     } else {
-        all.columns.resize(samples * count, 0.0);
-        simulate(kernel, own, grid, u, start, out.stop.as_ref(), &mut all.columns)?;
+        let values = &mut out.values;
+        simulate(kernel, own, grid, u, start, out.stop.as_ref(), |rows| {
+            for (index, column) in values.iter_mut().enumerate() {
+                rows.put(index, column, |value| value);
+            }
+        })?;
         match at_rest(start, u)? {
             Some((rest, None)) => kernel.read(own, &kernel.virgin(own, rest), &mut out.rest),
             Some((rest, Some(virgin))) => {
@@ -62,10 +72,6 @@ pub(super) fn run<K: ColumnKernel>(
             }
             None => {}
         }
-    }
-    for (index, values) in out.values.iter_mut().enumerate() {
-        look(out.stop.as_ref())?;
-        column(&all.columns, index, values);
     }
     out.scratch = all;
     Ok(())

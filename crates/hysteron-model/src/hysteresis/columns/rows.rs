@@ -1,0 +1,54 @@
+//! Rows of columns, gathered before they are put into the columns.
+
+/// Rows at a time.
+const ROWS: usize = 16;
+
+/// The columns at a few samples, one row after the other: to write each row into its columns at once would
+/// touch as many places of the memory as there are columns, at every sample.
+pub(in crate::hysteresis) struct Rows<S> {
+    columns: usize,
+    rows: Vec<S>,
+    /// Sample of the first row, and number of rows.
+    first: usize,
+    count: usize,
+}
+
+impl<S: Copy> Rows<S> {
+    pub(super) fn new(columns: usize, zero: S) -> Self {
+        Self { columns, rows: vec![zero; ROWS * columns], first: 0, count: 0 }
+    }
+
+    /// The next row, to be read into.
+    pub(super) fn next(&mut self) -> &mut [S] {
+        let begin = self.count * self.columns;
+        self.count += 1;
+        &mut self.rows[begin..begin + self.columns]
+    }
+
+    pub(super) fn is_full(&self) -> bool {
+        self.count == ROWS
+    }
+
+    /// Goes on behind these rows.
+    pub(super) fn clear(&mut self) {
+        self.first += self.count;
+        self.count = 0;
+    }
+
+    /// Sample of the first row.
+    pub(super) fn first(&self) -> usize {
+        self.first
+    }
+
+    /// Values of a column.
+    pub(in crate::hysteresis) fn column(&self, index: usize) -> impl Iterator<Item = S> {
+        self.rows.iter().skip(index).step_by(self.columns).take(self.count).copied()
+    }
+
+    /// Puts `of` the values of a column into it.
+    #[inline]
+    pub(in crate::hysteresis) fn put(&self, index: usize, column: &mut [f64], of: impl Fn(S) -> f64) {
+        let places = column.iter_mut().skip(self.first);
+        places.zip(self.column(index)).for_each(|(place, value)| *place = of(value));
+    }
+}
