@@ -51,8 +51,8 @@ impl Request {
         let mut answer = ColumnTimes::starting(plan.transform_length());
         for _ in 0..self.repetitions {
             let ffts = time::<BenchError>(1, || {
-                let _ = fft.forward.process_with_scratch(black_box(&mut real), &mut bins, &mut scratch);
-                let _ = fft.inverse.process_with_scratch(black_box(&mut bins), &mut real, &mut scratch);
+                fft.transform_with(&mut scratch, black_box(&mut real), &mut bins);
+                fft.invert_with(&mut scratch, black_box(&mut bins), &mut real);
                 Ok(())
             })?;
             let column = time::<BenchError>(1, || {

@@ -134,10 +134,10 @@ pub(super) fn autocorrelation(e: &[f64]) -> Vec<f64> {
     let mut spectrum = fft.forward.make_output_vec();
     time[..e.len()].copy_from_slice(e);
     // All lengths come from the plan, so the transforms cannot refuse them.
-    let _ = fft.forward.process(&mut time, &mut spectrum);
+    fft.transform(&mut time, &mut spectrum);
     let scale = 1.0 / fft.len() as f64;
     spectrum.iter_mut().for_each(|bin| *bin = (bin.norm_sqr() * scale).into());
-    let _ = fft.inverse.process(&mut spectrum, &mut time);
+    fft.invert(&mut spectrum, &mut time);
     time
 }
 

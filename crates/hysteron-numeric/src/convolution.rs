@@ -28,7 +28,7 @@ impl CausalConvolver {
         let mut time = vec![0.0; fft.len()];
         let mut spectrum = fft.forward.make_output_vec();
         fill(&mut time, kernel);
-        let _ = fft.forward.process(&mut time, &mut spectrum);
+        fft.transform(&mut time, &mut spectrum);
         Self { kernel: spectrum.clone(), fft, time, spectrum }
     }
 
@@ -36,12 +36,12 @@ impl CausalConvolver {
     pub fn convolve(&mut self, input: &[f64]) -> &[f64] {
         fill(&mut self.time, input);
         // All lengths come from the plan, so the transforms cannot refuse them.
-        let _ = self.fft.forward.process(&mut self.time, &mut self.spectrum);
+        self.fft.transform(&mut self.time, &mut self.spectrum);
         let scale = 1.0 / self.fft.len() as f64;
         for (x, k) in self.spectrum.iter_mut().zip(&self.kernel) {
             *x *= k * scale;
         }
-        let _ = self.fft.inverse.process(&mut self.spectrum, &mut self.time);
+        self.fft.invert(&mut self.spectrum, &mut self.time);
         &self.time
     }
 }

@@ -2,7 +2,9 @@
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use realfft::{ComplexToReal, FftError, RealFftPlanner, RealToComplex};
+
+use super::Complex64;
 
 /// A forward and an inverse real FFT of one length (unnormalised: inverse after forward multiplies by
 /// the length).
@@ -29,6 +31,31 @@ impl RealFft {
         let mut planner = planner.lock().unwrap_or_else(PoisonError::into_inner);
         let length = length.max(1);
         Self { forward: planner.plan_fft_forward(length), inverse: planner.plan_fft_inverse(length) }
+    }
+
+    /// Spectrum of `time`, which is overwritten; both of the plan's lengths.
+    pub fn transform(&self, time: &mut [f64], spectrum: &mut [Complex64]) {
+        let mut scratch = self.forward.make_scratch_vec();
+        self.transform_with(&mut scratch, time, spectrum);
+    }
+
+    /// [`Self::transform`] with scratch of at least [`RealToComplex::get_scratch_len`].
+    pub fn transform_with(&self, scratch: &mut [Complex64], time: &mut [f64], spectrum: &mut [Complex64]) {
+        let transformed = self.forward.process_with_scratch(time, spectrum, scratch);
+        debug_assert!(transformed.is_ok(), "{transformed:?}");
+    }
+
+    /// Signal of `spectrum`, which is overwritten; both of the plan's lengths. The imaginary parts at 0 and at
+    /// half the sample rate, which no real signal has, are taken as 0.
+    pub fn invert(&self, spectrum: &mut [Complex64], time: &mut [f64]) {
+        let mut scratch = self.inverse.make_scratch_vec();
+        self.invert_with(&mut scratch, spectrum, time);
+    }
+
+    /// [`Self::invert`] with scratch of at least [`ComplexToReal::get_scratch_len`].
+    pub fn invert_with(&self, scratch: &mut [Complex64], spectrum: &mut [Complex64], time: &mut [f64]) {
+        let inverted = self.inverse.process_with_scratch(spectrum, time, scratch);
+        debug_assert!(matches!(inverted, Ok(()) | Err(FftError::InputValues(..))), "{inverted:?}");
     }
 
     /// Length of the real side.

@@ -189,7 +189,7 @@ fn spectra(record: &InputOutput, samples: usize, range: std::ops::Range<usize>) 
             .map(|period| {
                 let mut spectrum = fft.forward.make_output_vec();
                 // The lengths are the plan's own.
-                let _ = fft.forward.process(&mut period.to_vec(), &mut spectrum);
+                fft.transform(&mut period.to_vec(), &mut spectrum);
                 spectrum.iter_mut().for_each(|z| *z *= 2.0 / samples as f64);
                 spectrum
             })

@@ -270,7 +270,7 @@ pub(in super::super) fn coloured_square(columns: &[&[f64]], residual: &[f64]) ->
             time[..n].copy_from_slice(column);
             time[n..].fill(0.0);
             // All lengths come from the plan, so the transform cannot refuse them.
-            let _ = fft.forward.process_with_scratch(time, spectrum, scratch);
+            fft.transform_with(scratch, time, spectrum);
             let mut coloured = vec![0.0; 2 * spectrum.len()];
             for ((pair, x), root) in coloured.chunks_exact_mut(2).zip(&*spectrum).zip(&root) {
                 (pair[0], pair[1]) = (root * x.re, root * x.im);
@@ -300,7 +300,7 @@ fn root_power(residual: &[f64], fft: &RealFft) -> Vec<f64> {
         }
     }
     let mut spectrum = fft.forward.make_output_vec();
-    let _ = fft.forward.process(&mut windowed, &mut spectrum);
+    fft.transform(&mut windowed, &mut spectrum);
     let root = |(bin, power): (usize, &Complex64)| {
         let angle = TAU * bin as f64 / length as f64;
         let coloured = power.re / (1.0 - 2.0 * memory * angle.cos() + memory * memory);

@@ -104,6 +104,6 @@ fn spectrum(x: &[f64], fft: &RealFft) -> Vec<Complex64> {
         *time = window * (x - mean);
     }
     let mut spectrum = fft.forward.make_output_vec();
-    let _ = fft.forward.process(&mut time, &mut spectrum);
+    fft.transform(&mut time, &mut spectrum);
     spectrum
 }

@@ -274,7 +274,7 @@ fn spectrum(fft: &RealFft, x: &[f64], window: Option<&[f64]>) -> Vec<Complex64> 
     }
     let mut lines = fft.forward.make_output_vec();
     // Lengths come from the plan, so the transform cannot refuse them.
-    let _ = fft.forward.process(&mut time, &mut lines);
+    fft.transform(&mut time, &mut lines);
     lines
 }
 
@@ -318,7 +318,7 @@ fn motion(y: &[f64], rate: f64, ends: RecordEnds, highest_hz: f64) -> Motion {
                 if frequency > highest_hz { Complex64::ZERO } else { *value * factor / series.len() as f64 };
         }
         let mut out = fft.inverse.make_output_vec();
-        let _ = fft.inverse.process(&mut filtered, &mut out);
+        fft.invert(&mut filtered, &mut out);
         out.truncate(samples);
         out
     };

@@ -125,7 +125,7 @@ fn turn_phase(signal: &[f64], shift: f64, before: f64, output: &mut [f64]) {
         time[count - 1 + j] = mirrored * (0.5 + 0.5 * (PI * j as f64 / fade as f64).cos());
     }
     let mut spectrum = fft.forward.make_output_vec();
-    let _ = fft.forward.process(&mut time, &mut spectrum);
+    fft.transform(&mut time, &mut spectrum);
     let step = -std::f64::consts::TAU * shift / fft.len() as f64;
     let last = spectrum.len() - 1;
     for (bin, x) in spectrum.iter_mut().enumerate() {
@@ -133,7 +133,7 @@ fn turn_phase(signal: &[f64], shift: f64, before: f64, output: &mut [f64]) {
     }
     // fast_length is even: the last bin is the Nyquist frequency, whose phase a real signal cannot carry.
     spectrum[last].im = 0.0;
-    let _ = fft.inverse.process(&mut spectrum, &mut time);
+    fft.invert(&mut spectrum, &mut time);
     for (y, x) in output.iter_mut().zip(&time) {
         *y = x + before;
     }

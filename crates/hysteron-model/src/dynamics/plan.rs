@@ -223,7 +223,7 @@ impl SimulationPlan {
         if self.scheme == Scheme::BandLimited {
             self.extend(input, spectrum.level, time);
         }
-        let _ = self.fft.forward.process_with_scratch(time, &mut spectrum.bins, &mut workspace.scratch);
+        self.fft.transform_with(&mut workspace.scratch, time, &mut spectrum.bins);
         Ok(())
     }
 
@@ -263,7 +263,7 @@ impl SimulationPlan {
         output: &mut [f64],
     ) -> Result<(), DynamicsError> {
         let (time, scratch) = (&mut workspace.time, &mut workspace.scratch);
-        let _ = self.fft.inverse.process_with_scratch(&mut workspace.spectrum, time, scratch);
+        self.fft.invert_with(scratch, &mut workspace.spectrum, time);
         if self.growth.multiply(self.set, time, 0.0, offset, output) {
             Ok(())
         } else {

@@ -42,7 +42,7 @@ pub fn convolution_weights(
     spectrum[length / 2].im = 0.0;
     let mut series = vec![0.0; length];
     // Lengths are right by construction, and the two bins above are real: nothing is left to fail.
-    let _ = fft.inverse.process(&mut spectrum, &mut series);
+    fft.invert(&mut spectrum, &mut series);
     series.truncate(count);
     for (j, w) in series.iter_mut().enumerate() {
         *w *= (damping * j as f64).exp() / length as f64;

@@ -154,7 +154,7 @@ impl Arx {
         }
         let fft = RealFft::new(input.len());
         let (mut time, mut spectrum) = (input.to_vec(), fft.forward.make_output_vec());
-        let _ = fft.forward.process(&mut time, &mut spectrum);
+        fft.transform(&mut time, &mut spectrum);
         for (bin, x) in spectrum.iter_mut().enumerate() {
             let angle = TAU * bin as f64 / input.len() as f64;
             *x *= self.response_at(Complex64::from_polar(1.0, -angle)) / input.len() as f64;
@@ -165,7 +165,7 @@ impl Arx {
         if input.len() == 2 * last {
             spectrum[last].im = 0.0;
         }
-        let _ = fft.inverse.process(&mut spectrum, output);
+        fft.invert(&mut spectrum, output);
         Ok(())
     }
 }
