@@ -7,8 +7,8 @@ use super::{ArticleError, Plan, printed};
 use hysteron_identify::{IdentifyError, StaticFit};
 use hysteron_model::Start;
 use hysteron_optimize::{
-    AbcOptions, Algorithm, DeAbcOptions, DeOptions, LeastSquaresOptions, Moved, Outcome, Problem, Progress,
-    Scout, Settings, Unobserved, minimize, minimize_cost,
+    AbcOptions, Algorithm, DeAbcOptions, DeOptions, LeastSquaresOptions, MovedComponents, Outcome, Problem,
+    Progress, Scout, Settings, Unobserved, minimize, minimize_cost,
 };
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -81,7 +81,7 @@ fn contenders() -> Vec<(&'static str, &'static str, Algorithm)> {
         (
             "DE-ABC, one component",
             "as the text reads: one random component moved",
-            Algorithm::DeAbc(DeAbcOptions { moved: Moved::One, ..colony() }),
+            Algorithm::DeAbc(DeAbcOptions { moved: MovedComponents::One, ..colony() }),
         ),
     ]
 }

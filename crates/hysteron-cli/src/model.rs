@@ -9,7 +9,7 @@ use hysteron_model::hammerstein::SimulationError;
 use hysteron_model::model::{
     Capability, Hammerstein, RunError, RunScore, Score, SignalRole, Signals, Simulation, Unsupported,
 };
-use hysteron_model::record::{Driven, InputOutput, Quantity, Run, Source, Timing, Unit};
+use hysteron_model::record::{Driven, InputOutput, MeasurementRun, Quantity, Source, Timing, Unit};
 use hysteron_model::validate::Scoring;
 use hysteron_model::{Advice, Model, Start, hammerstein};
 
@@ -200,7 +200,7 @@ impl Loaded {
     pub fn score_run(
         &self,
         path: &Path,
-        run: &Run,
+        run: &MeasurementRun,
         start: Start,
         scoring: &Scoring,
     ) -> Result<RunScore, Failure> {

@@ -8,7 +8,7 @@ use hysteron_identify::recalibrate::{
     Change, Prior, Recalibration, RecalibrationSummary, Recording, SIGNIFICANT, recalibrate,
 };
 use hysteron_model::model::{Capability, SignalRole};
-use hysteron_model::record::{InputOutput, Run, Unit};
+use hysteron_model::record::{InputOutput, MeasurementRun, Unit};
 use hysteron_model::{Model, Start};
 use hysteron_report::number::{significant, with_std_error};
 use serde::Serialize;
@@ -110,8 +110,9 @@ impl Recalibrate {
                 .map(|(path, data)| recording(path, data, None))
                 .collect();
         }
-        let runs = Run::of(&records).map_err(|e| Failure::new("the records are no runs").because(e))?;
-        let of_run = |run: Run| {
+        let runs =
+            MeasurementRun::of(&records).map_err(|e| Failure::new("the records are no runs").because(e))?;
+        let of_run = |run: MeasurementRun| {
             let beginning = run.beginning();
             recording(&self.records[0], run.data, Some(beginning))
         };

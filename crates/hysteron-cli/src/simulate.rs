@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use hysteron_identify::IdentifyError;
 use hysteron_io::write_record;
 use hysteron_model::model::{Capability, Signals};
-use hysteron_model::record::Run;
+use hysteron_model::record::MeasurementRun;
 
 use crate::axes::AxesFlags;
 use crate::columns::InputFlags;
@@ -111,8 +111,8 @@ impl Simulate {
         }
         let part = |path: &PathBuf| loaded.read_driven_part(path, &self.columns, &self.axes);
         let parts = self.input_files.iter().map(part).collect::<Result<Vec<_>, Failure>>()?;
-        let runs = Run::of(&parts).map_err(|e| Failure::new("the files are no run").because(e))?;
-        match <[Run; 1]>::try_from(runs) {
+        let runs = MeasurementRun::of(&parts).map_err(|e| Failure::new("the files are no run").because(e))?;
+        match <[MeasurementRun; 1]>::try_from(runs) {
             Ok([run]) => Ok((path, Signals::Single(run.data))),
             Err(runs) => Err(Failure::new(format!("the files are {} runs", runs.len()))
                 .because("a file begins before the one before it ends")

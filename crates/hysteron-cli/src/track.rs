@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use hysteron_io::write_record;
 use hysteron_model::Advice;
-use hysteron_model::control::{ControlError, Plant, Wanted, slew_of_current};
+use hysteron_model::control::{ControlError, Plant, RequiredMargins, slew_of_current};
 use hysteron_model::invert::InversionError;
 use hysteron_model::model::{Capability, SignalRole};
 use hysteron_model::realise::{RealiseError, RealiseOptions};
@@ -207,7 +207,11 @@ impl Track {
             range: self.range,
             slew_per_s: self.slew.or(of_current).unwrap_or(f64::INFINITY),
             virgin_v: self.virgin_voltage,
-            margins: Wanted { gain: self.gain_margin, phase_deg: self.phase_margin, ..Wanted::default() },
+            margins: RequiredMargins {
+                gain: self.gain_margin,
+                phase_deg: self.phase_margin,
+                ..RequiredMargins::default()
+            },
             realise: RealiseOptions {
                 lowest_frequency_hz: self.lowest_frequency,
                 ..RealiseOptions::default()

@@ -6,7 +6,7 @@ use clap::Args;
 use hysteron_identify::IdentifyError;
 use hysteron_io::write_record;
 use hysteron_model::model::{Capability, RunScore, Score, Signals};
-use hysteron_model::record::{InputOutput, Run};
+use hysteron_model::record::{InputOutput, MeasurementRun};
 use hysteron_model::validate::{OffsetTreatment, Scoring};
 use hysteron_report::validation::{Validated, page};
 use serde::Serialize;
@@ -222,7 +222,8 @@ impl Validate {
         loaded.hammerstein(Capability::Runs)?;
         let part = |path: &&PathBuf| loaded.read_part(path, &self.columns, &self.axes);
         let records = paths.iter().map(part).collect::<Result<Vec<_>, Failure>>()?;
-        let found = Run::of(&records).map_err(|e| Failure::new("the records are no runs").because(e))?;
+        let found =
+            MeasurementRun::of(&records).map_err(|e| Failure::new("the records are no runs").because(e))?;
         let path = paths[0];
         let (mut runs, mut shown) = (Vec::new(), Vec::new());
         for run in found {

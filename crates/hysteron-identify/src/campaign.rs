@@ -2,7 +2,7 @@
 
 use super::options::{CampaignRecord, DynamicsChoice, Options, RecordRole};
 use super::{IdentifyError, RecordFacts};
-use hysteron_model::record::Run;
+use hysteron_model::record::MeasurementRun;
 use rayon::prelude::*;
 
 /// Fewest valid samples of a usable record.
@@ -45,13 +45,13 @@ pub(super) fn usable(campaign: &[CampaignRecord]) -> Result<Vec<RecordFacts>, Id
 }
 
 /// The records as runs.
-pub(super) fn runs(records: &[CampaignRecord]) -> Result<Vec<Run>, IdentifyError> {
+pub(super) fn runs(records: &[CampaignRecord]) -> Result<Vec<MeasurementRun>, IdentifyError> {
     let data: Vec<_> = records.iter().map(|record| record.data.clone()).collect();
-    Ok(Run::of(&data)?)
+    Ok(MeasurementRun::of(&data)?)
 }
 
 /// The runs as records; each has the role of its first part.
-pub(super) fn of_runs(records: &[CampaignRecord], runs: &[Run]) -> Vec<CampaignRecord> {
+pub(super) fn of_runs(records: &[CampaignRecord], runs: &[MeasurementRun]) -> Vec<CampaignRecord> {
     let mut first = 0;
     runs.iter()
         .map(|run| {

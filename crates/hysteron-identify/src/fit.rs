@@ -116,13 +116,13 @@ pub struct Fit {
     /// State to go on from.
     pub resume: Searches,
     /// Results specific to the kind of model.
-    pub found: Found,
+    pub found: FitDetails,
 }
 
 /// The identification in full, by kind.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
-pub enum Found {
+pub enum FitDetails {
     /// Of a Hammerstein model.
     Hammerstein(Box<Identification>),
     /// Of an oscillator.
@@ -169,7 +169,7 @@ impl Fit {
     /// The identified modes; `None` for a fit of another kind.
     pub fn modes(&self) -> Option<&ModesIdentification> {
         match &self.found {
-            Found::Modes(found) => Some(found),
+            FitDetails::Modes(found) => Some(found),
             _ => None,
         }
     }
@@ -177,7 +177,7 @@ impl Fit {
     /// Each run as a whole, where records continue one another.
     pub fn runs(&self) -> &[RecordFit] {
         match &self.found {
-            Found::Hammerstein(found) => &found.runs,
+            FitDetails::Hammerstein(found) => &found.runs,
             _ => &[],
         }
     }
@@ -191,7 +191,7 @@ impl Fit {
         watch: &Watch<'_>,
     ) -> Option<Result<Neighbours, IdentifyError>> {
         match (&self.found, records, task) {
-            (Found::Hammerstein(found), FitRecords::Single(records), Task::Hammerstein(options)) => {
+            (FitDetails::Hammerstein(found), FitRecords::Single(records), Task::Hammerstein(options)) => {
                 Some(neighbours(records, options, found, watch))
             }
             _ => None,
@@ -272,7 +272,7 @@ fn hammerstein(found: Identification, options: &Options, maker: &Maker) -> Resul
         treatment: found.treatment.clone(),
         interrupted: found.cancelled,
         resume: found.resume.clone(),
-        found: Found::Hammerstein(Box::new(found)),
+        found: FitDetails::Hammerstein(Box::new(found)),
     })
 }
 
@@ -300,7 +300,7 @@ fn oscillator_fit(
         treatment: found.treatment.clone(),
         interrupted: found.interrupted,
         resume: found.resume.clone(),
-        found: Found::Oscillator(Box::new(found)),
+        found: FitDetails::Oscillator(Box::new(found)),
     })
 }
 
@@ -328,7 +328,7 @@ fn modes_fit(
         treatment: found.treatment.clone(),
         interrupted: found.interrupted,
         resume: found.resume.clone(),
-        found: Found::Modes(Box::new(found)),
+        found: FitDetails::Modes(Box::new(found)),
     })
 }
 
@@ -358,7 +358,7 @@ fn branches_fit(
         treatment: Vec::new(),
         interrupted: found.interrupted,
         resume: found.resume.clone(),
-        found: Found::Branches(Box::new(found)),
+        found: FitDetails::Branches(Box::new(found)),
     })
 }
 

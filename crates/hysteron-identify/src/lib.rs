@@ -53,8 +53,8 @@ pub use compared::{
 pub use engine::Search;
 pub use error::IdentifyError;
 pub use fit::{
-    Fit, FitParameter, FitRecords, FitSummary, Found, ModeSummary, Place, ReductionSummary, SearchSummary,
-    Task, fit, fit_on,
+    Fit, FitDetails, FitParameter, FitRecords, FitSummary, ModeSummary, Place, ReductionSummary,
+    SearchSummary, Task, fit, fit_on,
 };
 pub use hysteron_model::{Finding, FindingKind};
 pub use joint::{

@@ -12,7 +12,7 @@ use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::model::{Score, Simulation};
 use hysteron_model::model_file::{ModelFile, typographic};
-use hysteron_model::record::{InputOutput, Run, RunPart, Unit};
+use hysteron_model::record::{InputOutput, MeasurementRun, RunPart, Unit};
 use hysteron_model::validate::{OffsetTreatment, ScoreError, Scores, Scoring, score};
 use hysteron_optimize::Bounds;
 use std::ops::Range;
@@ -171,7 +171,7 @@ pub struct RecordFit {
 
 impl RecordFit {
     /// The fit of a run as those of its parts, with the offset of the run.
-    pub(super) fn in_parts(&self, run: &Run) -> Result<Vec<Self>, ScoreError> {
+    pub(super) fn in_parts(&self, run: &MeasurementRun) -> Result<Vec<Self>, ScoreError> {
         let fixed = Scoring { offset: OffsetTreatment::Fixed, ..Scoring::default() };
         let part = |(index, part): (usize, &RunPart)| {
             let simulated: Vec<f64> =

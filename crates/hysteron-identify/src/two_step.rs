@@ -76,7 +76,7 @@ pub(super) fn identify(
     if options.demands.fixed(OFFSET).is_none() {
         settle_offset(&mut model, &step1, static_records[0])?;
     }
-    let Known { parameters, correlations, of_numbers } =
+    let EstimatedParameters { parameters, correlations, of_numbers } =
         parameters(&step1, &step2, &static_records, &outputs, options)?;
     let mut fits = Vec::new();
     for (facts, role) in facts.iter().zip(roles) {
@@ -280,7 +280,7 @@ fn fit_arx(outputs: &[HysteresisOutput<'_>], delay_s: f64) -> Result<Arx, Identi
 }
 
 /// Parameters with their uncertainty.
-struct Known {
+struct EstimatedParameters {
     /// Every parameter with its standard error.
     parameters: Vec<Parameter>,
     /// Correlations of those of each step.
@@ -295,7 +295,7 @@ fn parameters(
     static_records: &[&RecordFacts],
     outputs: &[HysteresisOutput<'_>],
     options: &Options,
-) -> Result<Known, IdentifyError> {
+) -> Result<EstimatedParameters, IdentifyError> {
     let (problem, x) = static_step::in_article_symbols(step1, static_records, options)?;
     // Slow drive does not tell a lag from the width of the loop: it is left out of the model, but not of the
     // errors.
@@ -387,5 +387,5 @@ fn parameters(
         values: x,
         matrix,
     });
-    Ok(Known { parameters: list, correlations, of_numbers })
+    Ok(EstimatedParameters { parameters: list, correlations, of_numbers })
 }

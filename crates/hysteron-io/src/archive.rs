@@ -5,7 +5,7 @@ use std::io::Cursor;
 use zip::ZipArchive;
 
 use crate::columns::Columns;
-use crate::place::{Part, Place};
+use crate::place::{FilePart, Place};
 use crate::reader::{Input, Reader};
 use crate::{IoError, jpk, npz, xlsx};
 
@@ -19,7 +19,7 @@ pub(crate) const READER: Reader = Reader {
 fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
     let bytes = input.read_to_end()?;
     let archive = ZipArchive::new(Cursor::new(bytes.as_slice())).map_err(|e| IoError::Malformed {
-        place: Place::new(input.file, Part::Whole),
+        place: Place::new(input.file, FilePart::Whole),
         format: "NPZ",
         problem: format!("not a zip archive ({e})"),
     })?;

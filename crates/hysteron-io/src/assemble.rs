@@ -7,7 +7,7 @@ use hysteron_model::record::{Channel, Record, RecordError, Source, TimeBase};
 
 use crate::columns::{Columns, Rate};
 use crate::one_record::left_out;
-use crate::place::{Part, Place, shown};
+use crate::place::{FilePart, Place, shown};
 use crate::rename::renamed;
 use crate::roles::{Chosen, Role, Roles};
 use crate::{IoError, ReadOptions};
@@ -69,7 +69,7 @@ pub(crate) fn assemble(mut columns: Columns, options: &ReadOptions) -> Result<As
                 && let Err(contradiction @ RecordError::RateContradictsTime { .. }) =
                     TimeBase::from_times_at_rate(&name, &times, rate.hz)
             {
-                let place = Place::new(&file, Part::Array(rate.path.into()));
+                let place = Place::new(&file, FilePart::Array(rate.path.into()));
                 return Err(IoError::RateContradictsTime { place, source: Box::new(contradiction) });
             }
             TimeBase::from_times(&name, times).map_err(failed)?
@@ -135,9 +135,9 @@ fn check_lengths(columns: &Columns, roles: &[Role]) -> Result<usize, IoError> {
         return Ok(0);
     };
     match columns.check_lengths(first, read())? {
-        0 => Err(IoError::NoSamples { place: Place::new(file, Part::Whole) }),
+        0 => Err(IoError::NoSamples { place: Place::new(file, FilePart::Whole) }),
         1 => {
-            let part = columns.lines.line(0).map_or(Part::Whole, Part::Line);
+            let part = columns.lines.line(0).map_or(FilePart::Whole, FilePart::Line);
             Err(IoError::OneSample { place: Place::new(file, part) })
         }
         samples => Ok(samples),

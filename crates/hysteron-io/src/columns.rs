@@ -4,7 +4,7 @@ use hysteron_model::record::{Quantity, Unit, header_of, split_header};
 
 use crate::IoError;
 use crate::options::MAX_COLUMNS;
-use crate::place::{Part, Place};
+use crate::place::{FilePart, Place};
 
 /// Characters between the components of a path.
 pub(crate) const SEPARATORS: [char; 3] = ['.', '/', '!'];
@@ -81,7 +81,7 @@ pub(crate) struct Rate {
 
 /// Form in which a column is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Wanted {
+pub(crate) enum ColumnForm {
     Nothing,
     Numbers,
     /// Texts, as numbers of different ones.
@@ -107,7 +107,7 @@ impl Headings {
             if unnamed || header.chars().any(char::is_control) {
                 let place = match line {
                     Some(line) => Place::cell(file, line, i + 1, ""),
-                    None => Place::new(file, Part::Array(header.into())),
+                    None => Place::new(file, FilePart::Array(header.into())),
                 };
                 return Err(IoError::UnnamedColumn { place });
             }
@@ -127,7 +127,7 @@ impl Headings {
 
     /// The place of the headers.
     pub fn place(&self) -> Place {
-        Place::new(&self.file, self.line.map_or(Part::Whole, Part::Line))
+        Place::new(&self.file, self.line.map_or(FilePart::Whole, FilePart::Line))
     }
 
     /// Header of a column.
@@ -207,7 +207,7 @@ impl Columns {
         let expected = length(reference);
         let Some(other) = others.find(|&column| length(column) != expected) else { return Ok(expected) };
         Err(IoError::LengthMismatch {
-            place: Place::new(&self.headings.file, Part::Array(self.headings.header(other).into())),
+            place: Place::new(&self.headings.file, FilePart::Array(self.headings.header(other).into())),
             found: length(other),
             expected,
             reference: self.headings.header(reference).to_owned(),
@@ -234,7 +234,7 @@ impl Columns {
         let (file, name) = (&self.headings.file, self.headings.header(column));
         match self.lines.line(sample) {
             Some(line) => Place::cell(file, line, column + 1, name),
-            None => Place::new(file, Part::Element { array: name.into(), index: sample }),
+            None => Place::new(file, FilePart::Element { array: name.into(), index: sample }),
         }
     }
 }

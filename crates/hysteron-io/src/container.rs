@@ -6,8 +6,10 @@ use std::ops::Range;
 use hysteron_model::record::{Unit, split_header};
 
 use crate::IoError;
-use crate::columns::{ArrayHeading, Columns, Heading, Headings, Kind, Rate, SampleLines, Wanted, shape_text};
-use crate::place::{Part, Place};
+use crate::columns::{
+    ArrayHeading, ColumnForm, Columns, Heading, Headings, Kind, Rate, SampleLines, shape_text,
+};
+use crate::place::{FilePart, Place};
 use crate::reader::Input;
 
 /// Most arrays of a file that are looked at.
@@ -21,7 +23,7 @@ const RATE_TOLERANCE: f64 = 1e-6;
 
 /// One array of a file.
 #[derive(Clone, Debug)]
-pub(crate) struct Held {
+pub(crate) struct HeldArray {
     /// Where it stands: `rec.u`, `signals(2).values`, `group/channel`, `sheet!B`.
     pub path: String,
     /// Bytes of the path in front of its last component, to which the rules for names and units apply.
@@ -56,13 +58,13 @@ enum Slice {
     Row(usize),
 }
 
-impl Held {
+impl HeldArray {
     /// An array without anything but name and shape; `group` with the separator behind it.
     pub fn new(group: &str, name: &str, shape: Vec<usize>, kind: Kind) -> Self {
         // Paths stand in messages.
         let path = format!("{group}{name}").replace(char::is_control, "\u{FFFD}");
         let group_bytes = group.replace(char::is_control, "\u{FFFD}").len();
-        Held {
+        HeldArray {
             path,
             group_bytes,
             unit: None,
@@ -193,21 +195,21 @@ pub(crate) fn shape_of_texts(letters: &[usize]) -> Vec<usize> {
 /// rate.
 pub(crate) fn columns(
     input: Input<'_>,
-    held: &[Held],
+    held: &[HeldArray],
     sha256: String,
     mut values: impl FnMut(usize) -> Result<Vec<f64>, IoError>,
 ) -> Result<Columns, IoError> {
     let Input { file, options, file_bytes, wanted, .. } = input;
-    let place = |path: &str| Place::new(file, Part::Array(path.into()));
+    let place = |path: &str| Place::new(file, FilePart::Array(path.into()));
     if held.len() > MAX_ARRAYS {
-        let place = Place::new(file, Part::Whole);
+        let place = Place::new(file, FilePart::Whole);
         return Err(IoError::TooManyColumns { place, found: held.len(), limit: MAX_ARRAYS });
     }
     let (columns, headings) = headings(file, held);
     let wanted = wanted(&headings)?;
     let most = options.most_values(file_bytes);
     let mut left = most;
-    let mut read = |array: &Held, index| {
+    let mut read = |array: &HeldArray, index| {
         let count = array.values().filter(|&count| count <= options.max_values);
         let place = || place(&array.path);
         let count =
@@ -223,7 +225,7 @@ pub(crate) fn columns(
     let mut last: Option<(usize, Vec<f64>)> = None;
     for (column, wanted) in columns.iter().zip(&wanted) {
         let array = &held[column.array];
-        if *wanted == Wanted::Nothing {
+        if *wanted == ColumnForm::Nothing {
             numbers.push(Vec::new());
             continue;
         }
@@ -240,7 +242,7 @@ pub(crate) fn columns(
         }
     }
     drop(last);
-    let is_wanted = |wanted: &Wanted| *wanted != Wanted::Nothing;
+    let is_wanted = |wanted: &ColumnForm| *wanted != ColumnForm::Nothing;
     let used: Vec<&Column> = columns
         .iter()
         .zip(&wanted)
@@ -271,7 +273,7 @@ pub(crate) fn columns(
 }
 
 /// The columns and behind them whatever else the file holds.
-fn headings(file: &str, held: &[Held]) -> (Vec<Column>, Headings) {
+fn headings(file: &str, held: &[HeldArray]) -> (Vec<Column>, Headings) {
     let has_lists = held.iter().any(|array| array.kind == Kind::Numbers && array.values() != Some(1));
     let (mut columns, mut apart) = (Vec::new(), Vec::new());
     for (index, array) in held.iter().enumerate() {
@@ -287,7 +289,7 @@ fn headings(file: &str, held: &[Held]) -> (Vec<Column>, Headings) {
 }
 
 /// Refuses what is no column of numbers.
-fn check(array: &Held, column: &Column, place: Place) -> Result<(), IoError> {
+fn check(array: &HeldArray, column: &Column, place: Place) -> Result<(), IoError> {
     if let Kind::Other(found) = &array.kind {
         return Err(IoError::ArrayType { place, found: found.clone() });
     }
@@ -298,7 +300,7 @@ fn check(array: &Held, column: &Column, place: Place) -> Result<(), IoError> {
     Ok(())
 }
 
-impl Held {
+impl HeldArray {
     fn is_one_number(&self) -> bool {
         self.kind == Kind::Numbers && self.values() == Some(1)
     }
@@ -315,7 +317,7 @@ fn nearest(rates: Vec<(usize, Rate)>, file: &str, is_given: bool) -> Result<Opti
         .and_then(|first| rates.find(|other| differs(first, other)).map(|other| (first, other)))
     {
         Some((first, other)) if !is_given => Err(IoError::ChooseRate {
-            place: Place::new(file, Part::Array(other.path.as_str().into())),
+            place: Place::new(file, FilePart::Array(other.path.as_str().into())),
             hz: other.hz,
             other: first.path.clone(),
             other_hz: first.hz,
@@ -354,16 +356,16 @@ mod tests {
     use super::*;
     use crate::ReadOptions;
 
-    fn channel(name: &str, sample_rate_hz: f64) -> Held {
-        let array = Held::new("run/", name, vec![3], Kind::Numbers);
-        Held { sample_rate_hz: Some(sample_rate_hz), ..array }
+    fn channel(name: &str, sample_rate_hz: f64) -> HeldArray {
+        let array = HeldArray::new("run/", name, vec![3], Kind::Numbers);
+        HeldArray { sample_rate_hz: Some(sample_rate_hz), ..array }
     }
 
     /// The rate of a file of these channels where the last ones are read.
-    fn rate(held: &[Held], read: usize) -> Result<Option<f64>, IoError> {
+    fn rate(held: &[HeldArray], read: usize) -> Result<Option<f64>, IoError> {
         let wanted = &mut |headings: &Headings| {
             let first = headings.columns.len() - read;
-            let of = |i| if i < first { Wanted::Nothing } else { Wanted::Numbers };
+            let of = |i| if i < first { ColumnForm::Nothing } else { ColumnForm::Numbers };
             Ok((0..headings.columns.len()).map(of).collect())
         };
         let options = &ReadOptions::default();

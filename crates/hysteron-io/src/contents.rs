@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::columns::{Headings, Kind, Wanted};
+use crate::columns::{ColumnForm, Headings, Kind};
 use crate::read::{open, read_columns};
 use crate::{IoError, ReadOptions};
 
@@ -44,7 +44,7 @@ fn list(file: &str, source: impl Read, options: &ReadOptions) -> Result<Vec<Cont
     let wanted = |headings: &Headings| {
         contents =
             headings.columns.iter().filter(|column| !column.header.is_empty()).map(Content::of).collect();
-        Ok(vec![Wanted::Nothing; headings.columns.len()])
+        Ok(vec![ColumnForm::Nothing; headings.columns.len()])
     };
     read_columns(file, source, options, wanted)?;
     Ok(contents)

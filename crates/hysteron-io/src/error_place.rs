@@ -4,7 +4,7 @@ use hysteron_model::Advice;
 use hysteron_model::advice::ColumnRole;
 
 use crate::IoError;
-use crate::place::{Part, Place};
+use crate::place::{FilePart, Place};
 
 impl IoError {
     /// Where in which file, but for model files and for what is written.
@@ -48,7 +48,7 @@ impl IoError {
             | Self::TextCondition { place, .. }
             | Self::RenamedUnit { place, .. } => Some(place.clone()),
             Self::Open { file, .. } | Self::Empty { file, .. } | Self::Record { file, .. } => {
-                Some(Place::new(file, Part::Whole))
+                Some(Place::new(file, FilePart::Whole))
             }
             Self::ResponseFile(error) => Some(error.place()),
             _ => None,

@@ -9,7 +9,7 @@ use hysteron_model::record::FrequencyResponse;
 use hysteron_model::record::{Source, Unit, split_header};
 use hysteron_numeric::Complex64;
 
-use crate::columns::{Columns, Heading, Headings, SEPARATORS, Wanted};
+use crate::columns::{ColumnForm, Columns, Heading, Headings, SEPARATORS};
 use crate::read::{open, read_columns};
 use crate::{IoError, ReadOptions, ResponseFileError};
 
@@ -85,7 +85,7 @@ fn to_hertz(columns: &mut Columns, (column, factor): (usize, f64)) -> Result<(),
 
 /// The part of a complex number that a column holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Part {
+enum ComplexPart {
     Real,
     Imaginary,
     Magnitude,
@@ -100,7 +100,7 @@ enum Part {
 struct Group {
     name: String,
     unit: String,
-    parts: Vec<(Part, usize)>,
+    parts: Vec<(ComplexPart, usize)>,
 }
 
 /// Where frequency and the wanted responses stand.
@@ -181,29 +181,30 @@ impl Layout {
     }
 
     /// Which of the file's columns are read.
-    fn wanted(&self, columns: usize) -> Vec<Wanted> {
+    fn wanted(&self, columns: usize) -> Vec<ColumnForm> {
         let is_read = |i| i == self.frequency.0 || self.parts().any(|part| part == i);
-        (0..columns).map(|i| if is_read(i) { Wanted::Numbers } else { Wanted::Nothing }).collect()
+        (0..columns).map(|i| if is_read(i) { ColumnForm::Numbers } else { ColumnForm::Nothing }).collect()
     }
 }
 
 impl Group {
     /// Column of a part.
-    fn column(&self, is: impl Fn(Part) -> bool) -> Option<(Part, usize)> {
+    fn column(&self, is: impl Fn(ComplexPart) -> bool) -> Option<(ComplexPart, usize)> {
         self.parts.iter().find(|(part, _)| is(*part)).copied()
     }
 
-    fn magnitude(&self) -> Option<(Part, usize)> {
-        self.column(|p| matches!(p, Part::Magnitude | Part::Decibels))
+    fn magnitude(&self) -> Option<(ComplexPart, usize)> {
+        self.column(|p| matches!(p, ComplexPart::Magnitude | ComplexPart::Decibels))
     }
 
-    fn phase(&self) -> Option<(Part, usize)> {
-        self.column(|p| matches!(p, Part::Phase(_)))
+    fn phase(&self) -> Option<(ComplexPart, usize)> {
+        self.column(|p| matches!(p, ComplexPart::Phase(_)))
     }
 
     fn is_complete(&self) -> bool {
         let has = |part| self.column(|p| p == part).is_some();
-        has(Part::Real) && has(Part::Imaginary) || self.magnitude().is_some() && self.phase().is_some()
+        has(ComplexPart::Real) && has(ComplexPart::Imaginary)
+            || self.magnitude().is_some() && self.phase().is_some()
     }
 
     fn shown_name(&self) -> &str {
@@ -218,11 +219,11 @@ impl Group {
     ) -> Result<FrequencyResponse, ResponseFileError> {
         let column = |i: usize| columns.get(i).map_or(&[][..], Vec::as_slice);
         let of = |part| self.column(|p| p == part).map(|(_, i)| column(i));
-        let values: Vec<Complex64> = match (of(Part::Real), of(Part::Imaginary)) {
+        let values: Vec<Complex64> = match (of(ComplexPart::Real), of(ComplexPart::Imaginary)) {
             (Some(re), Some(im)) => re.iter().zip(im).map(|(&re, &im)| Complex64::new(re, im)).collect(),
             _ => match (self.magnitude(), self.phase()) {
-                (Some((kind, magnitude)), Some((Part::Phase(factor), phase))) => {
-                    let size = |x: f64| if kind == Part::Decibels { 10f64.powf(x / 20.0) } else { x };
+                (Some((kind, magnitude)), Some((ComplexPart::Phase(factor), phase))) => {
+                    let size = |x: f64| if kind == ComplexPart::Decibels { 10f64.powf(x / 20.0) } else { x };
                     let pairs = column(magnitude).iter().zip(column(phase));
                     pairs.map(|(&m, &p)| Complex64::from_polar(size(m), factor * p)).collect()
                 }
@@ -240,7 +241,7 @@ impl Group {
             name: self.shown_name().to_string(),
             frequency_hz: order.iter().map(|&i| frequencies[i]).collect(),
             values: order.iter().filter_map(|&i| values.get(i).copied()).collect(),
-            std_dev: of(Part::Deviation).map(|s| order.iter().map(|&i| s[i]).collect()),
+            std_dev: of(ComplexPart::Deviation).map(|s| order.iter().map(|&i| s[i]).collect()),
             unit: self.unit.clone(),
             source: None,
         };
@@ -281,7 +282,7 @@ fn hertz(column: &Heading) -> Option<f64> {
 }
 
 /// Response that a column belongs to, the part it holds, and the unit it gives.
-fn part_of(column: &Heading) -> Option<(String, Part, String)> {
+fn part_of(column: &Heading) -> Option<(String, ComplexPart, String)> {
     let unit = column.unit.symbol();
     let lower = column.name.to_lowercase();
     let (text, decibels) = match lower.strip_suffix("_db") {
@@ -290,17 +291,17 @@ fn part_of(column: &Heading) -> Option<(String, Part, String)> {
     };
     let last = text.rsplit('_').next().unwrap_or(text);
     let part = match last {
-        "re" | "real" => Part::Real,
-        "im" | "imag" | "imaginary" => Part::Imaginary,
-        "magnitude" | "mag" | "abs" | "gain" | "amplitude" if decibels => Part::Decibels,
-        "magnitude" | "mag" | "abs" | "gain" | "amplitude" => Part::Magnitude,
+        "re" | "real" => ComplexPart::Real,
+        "im" | "imag" | "imaginary" => ComplexPart::Imaginary,
+        "magnitude" | "mag" | "abs" | "gain" | "amplitude" if decibels => ComplexPart::Decibels,
+        "magnitude" | "mag" | "abs" | "gain" | "amplitude" => ComplexPart::Magnitude,
         "phase" | "arg" | "angle" => match unit {
-            "" | "deg" | "°" => Part::Phase(1f64.to_radians()),
-            "rad" => Part::Phase(1.0),
-            "mrad" => Part::Phase(1e-3),
+            "" | "deg" | "°" => ComplexPart::Phase(1f64.to_radians()),
+            "rad" => ComplexPart::Phase(1.0),
+            "mrad" => ComplexPart::Phase(1e-3),
             _ => return None,
         },
-        "std" | "sigma" | "stddev" | "uncertainty" => Part::Deviation,
+        "std" | "sigma" | "stddev" | "uncertainty" => ComplexPart::Deviation,
         _ => return None,
     };
     // The text before the part is the response's name, in the letters of the file.
@@ -308,7 +309,7 @@ fn part_of(column: &Heading) -> Option<(String, Part, String)> {
     let name = column.name.get(..before)?.trim_end_matches('_');
     let (name, unit_before) =
         if name.is_empty() { (String::new(), Unit::new("")) } else { split_header(name) };
-    let own = if decibels || matches!(part, Part::Phase(_)) { "" } else { unit };
+    let own = if decibels || matches!(part, ComplexPart::Phase(_)) { "" } else { unit };
     let unit = if unit_before.symbol().is_empty() { own } else { unit_before.symbol() };
     Some((name, part, unit.to_string()))
 }

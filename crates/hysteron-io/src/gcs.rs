@@ -4,11 +4,11 @@ use std::collections::HashMap;
 
 use crate::IoError;
 use crate::columns::{Columns, Kind};
-use crate::container::{self, Held};
+use crate::container::{self, HeldArray};
 use crate::hash::sha256;
-use crate::laboratory_text::{Kept, Text};
+use crate::laboratory_text::{KeptNumbers, Text};
 use crate::options::MAX_COLUMNS;
-use crate::place::{Part, Place};
+use crate::place::{FilePart, Place};
 use crate::reader::{Input, Reader};
 
 /// Arrays of the General Command Set.
@@ -32,7 +32,7 @@ fn entry(line: &[u8]) -> Option<(&str, &str)> {
 fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
     let bytes = input.read_to_end()?;
     let text = Text::new(input.file, &bytes);
-    let mut kept = Kept::new(&input);
+    let mut kept = KeptNumbers::new(&input);
     let mut header = HashMap::new();
     let mut columns: Vec<Vec<f64>> = Vec::new();
     let mut separator = ' ';
@@ -52,7 +52,7 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
             separator = u8::try_from(code).map_or(' ', char::from);
             let count = number(&text, &header, "DIM", line)?.unwrap_or(1);
             if count == 0 || count > MAX_COLUMNS {
-                let place = Place::new(input.file, Part::Line(line));
+                let place = Place::new(input.file, FilePart::Line(line));
                 return Err(IoError::TooManyColumns { place, found: count, limit: MAX_COLUMNS });
             }
             columns = vec![Vec::new(); count];
@@ -78,12 +78,12 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
     let held = (0..columns.len()).map(|i| {
         let name = header.get(format!("NAME{i}").as_str()).filter(|name| !name.is_empty());
         let name = name.map_or_else(|| format!("column{}", i + 1), |name| (*name).to_owned());
-        let mut held = Held::new("", &name, vec![samples], Kind::Numbers);
+        let mut held = HeldArray::new("", &name, vec![samples], Kind::Numbers);
         held.unit = header.get(format!("UNIT{i}").as_str()).map(|unit| (*unit).to_owned());
         held.sample_rate_hz = sample_time.map(f64::recip);
         held
     });
-    let held: Vec<Held> = held.collect();
+    let held: Vec<HeldArray> = held.collect();
     container::columns(input, &held, sha256(&bytes), |index| Ok(std::mem::take(&mut columns[index])))
 }
 

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 
 use crate::IoError;
 use crate::options::MAX_NUMBER_BYTES;
-use crate::place::{Part, Place, shown};
+use crate::place::{FilePart, Place, shown};
 use crate::reader::Input;
 
 /// A text and its lines.
@@ -47,23 +47,24 @@ impl<'a> Text<'a> {
     }
 
     pub fn malformed(&self, format: &'static str, line: u64, problem: String) -> IoError {
-        IoError::Malformed { place: Place::new(self.file, Part::Line(line)), format, problem }
+        IoError::Malformed { place: Place::new(self.file, FilePart::Line(line)), format, problem }
     }
 }
 
 /// Counts the numbers kept against the limit.
-pub(crate) struct Kept {
+pub(crate) struct KeptNumbers {
     left: usize,
     limit: usize,
 }
 
-impl Kept {
+impl KeptNumbers {
     pub fn new(input: &Input<'_>) -> Self {
-        Kept { left: input.options.max_values, limit: input.options.max_values }
+        KeptNumbers { left: input.options.max_values, limit: input.options.max_values }
     }
 
     pub fn add(&mut self, file: &str) -> Result<(), IoError> {
-        let too_many = || IoError::TooManyValues { place: Place::new(file, Part::Whole), limit: self.limit };
+        let too_many =
+            || IoError::TooManyValues { place: Place::new(file, FilePart::Whole), limit: self.limit };
         self.left = self.left.checked_sub(1).ok_or_else(too_many)?;
         Ok(())
     }

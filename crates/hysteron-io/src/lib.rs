@@ -102,7 +102,7 @@ pub use mat_write::write_mat;
 pub use model_file::{load_model, load_model_and_source, save_model};
 pub use npz_write::write_npz;
 pub use options::ReadOptions;
-pub use place::{Part, Place};
+pub use place::{FilePart, Place};
 pub use read::{
     PartRead, ReadOutcome, holds_named_arrays, read_drive, read_input_output, read_input_output_bytes,
     read_part, read_record, read_record_bytes, read_reference,

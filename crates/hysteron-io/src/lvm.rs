@@ -5,11 +5,11 @@ use std::collections::HashMap;
 
 use crate::IoError;
 use crate::columns::{Columns, Kind};
-use crate::container::{self, Held};
+use crate::container::{self, HeldArray};
 use crate::hash::sha256;
-use crate::laboratory_text::{Kept, Text};
+use crate::laboratory_text::{KeptNumbers, Text};
 use crate::options::MAX_COLUMNS;
-use crate::place::{Part, Place};
+use crate::place::{FilePart, Place};
 use crate::reader::{Input, Reader};
 
 /// Measurement files of LabVIEW.
@@ -53,7 +53,7 @@ struct Channel {
 fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
     let bytes = input.read_to_end()?;
     let text = Text::new(input.file, &bytes);
-    let segments = join(segments(&text, &mut Kept::new(&input))?);
+    let segments = join(segments(&text, &mut KeptNumbers::new(&input))?);
     if segments.is_empty() {
         return Err(text.malformed(FORMAT, 1, "it has no columns below its header".to_owned()));
     }
@@ -66,7 +66,7 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
             let is_uniform = channel.follows_its_step();
             let group = if one_x { group.clone() } else { format!("{group}{}/", channel.name) };
             if channel.x_field.is_some() && !is_uniform && (place == 0 || !one_x) {
-                let mut x = Held::new(
+                let mut x = HeldArray::new(
                     &group,
                     if channel.is_time { "time" } else { "x" },
                     vec![channel.x.len()],
@@ -76,7 +76,7 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
                 held.push(x);
                 values.push(channel.x);
             }
-            let mut array = Held::new(&group, &channel.name, vec![channel.values.len()], Kind::Numbers);
+            let mut array = HeldArray::new(&group, &channel.name, vec![channel.values.len()], Kind::Numbers);
             array.unit = Some(channel.unit).filter(|unit| !unit.is_empty());
             if is_uniform && channel.is_time {
                 array.sample_rate_hz = Some(channel.step.recip());
@@ -105,7 +105,7 @@ impl Channel {
 }
 
 /// All segments of a file.
-fn segments(text: &Text<'_>, kept: &mut Kept) -> Result<Vec<Segment>, IoError> {
+fn segments(text: &Text<'_>, kept: &mut KeptNumbers) -> Result<Vec<Segment>, IoError> {
     let mut segments: Vec<Segment> = Vec::new();
     let mut layout: Option<Layout> = None;
     let mut header: HashMap<&str, Vec<&str>> = HashMap::new();
@@ -152,7 +152,7 @@ fn segments(text: &Text<'_>, kept: &mut Kept) -> Result<Vec<Segment>, IoError> {
         } else if let Some(segment) = segments.last_mut() {
             segment.push_row(text, content, separator, decimal_comma, line, kept)?;
         } else {
-            let place = Place::new(text.file, Part::Line(line));
+            let place = Place::new(text.file, FilePart::Line(line));
             return Err(IoError::NoHeader {
                 place,
                 columns: 1 + fields.count(),
@@ -242,7 +242,7 @@ impl Segment {
                 }
             }
             if segment.channels.len() > MAX_COLUMNS {
-                let (place, found) = (Place::new(text.file, Part::Line(line)), segment.channels.len());
+                let (place, found) = (Place::new(text.file, FilePart::Line(line)), segment.channels.len());
                 return Err(IoError::TooManyColumns { place, found, limit: MAX_COLUMNS });
             }
         }
@@ -263,7 +263,7 @@ impl Segment {
         separator: char,
         decimal_comma: bool,
         line: u64,
-        kept: &mut Kept,
+        kept: &mut KeptNumbers,
     ) -> Result<(), IoError> {
         let fields: Vec<&str> = row.split(separator).collect();
         let field = |i: usize| fields.get(i).map_or("", |field| field.trim());

@@ -6,7 +6,7 @@ use hysteron_model::record::{Record, TimeBase};
 
 use crate::IoError;
 use crate::atomic_file::write_atomically;
-use crate::place::{Part, Place};
+use crate::place::{FilePart, Place};
 use crate::write::{check, headers};
 
 /// Longest name of a variable in MATLAB.
@@ -34,7 +34,7 @@ pub fn write_mat(path: &Path, record: &Record) -> Result<(), IoError> {
     check(path, record)?;
     let headers = headers(record);
     let refused = |header: &str, problem: &str| IoError::Malformed {
-        place: Place::new(&path.display().to_string(), Part::Array(header.into())),
+        place: Place::new(&path.display().to_string(), FilePart::Array(header.into())),
         format: "MAT",
         problem: problem.to_owned(),
     };

@@ -2,10 +2,10 @@
 
 use std::io::Read;
 
-use crate::columns::{Columns, Headings, SampleLines, Wanted};
+use crate::columns::{ColumnForm, Columns, Headings, SampleLines};
 use crate::hash::sha256;
 use crate::options::MAX_LINE_BYTES;
-use crate::place::{Part, Place, shown};
+use crate::place::{FilePart, Place, shown};
 use crate::reader::{Input, Reader};
 use crate::{IoError, ReadOptions};
 
@@ -24,7 +24,7 @@ const MAX_DEPTH: usize = 16;
 fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
     let bytes = input.read_to_end()?;
     let Input { file, options, wanted, .. } = input;
-    let whole = Place::new(file, Part::Whole);
+    let whole = Place::new(file, FilePart::Whole);
     let malformed = |problem| IoError::Malformed { place: whole.clone(), format: "NPY", problem };
     let mut data = bytes.as_slice();
     let array = Array::read_header(&mut data).map_err(malformed)?;
@@ -37,11 +37,11 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
     let headings = Headings::new(file, None, fields.iter().map(|field| field.name.clone()).collect())?;
     let wanted = wanted(&headings)?;
     let mut numbers = Vec::new();
-    for (field, _) in fields.iter().zip(&wanted).filter(|(_, wanted)| **wanted != Wanted::Nothing) {
+    for (field, _) in fields.iter().zip(&wanted).filter(|(_, wanted)| **wanted != ColumnForm::Nothing) {
         numbers.push((
             field.offset,
             field.number.ok_or_else(|| IoError::ArrayType {
-                place: Place::new(file, Part::Array(field.name.as_str().into())),
+                place: Place::new(file, FilePart::Array(field.name.as_str().into())),
                 found: field.dtype.clone(),
             })?,
         ));
@@ -50,7 +50,7 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
     let mut read = array.read_values(data, &numbers).map_err(malformed)?.into_iter();
     let values = wanted
         .iter()
-        .map(|&wanted| if wanted == Wanted::Nothing { None } else { read.next() }.unwrap_or_default())
+        .map(|&wanted| if wanted == ColumnForm::Nothing { None } else { read.next() }.unwrap_or_default())
         .collect();
     let texts = vec![Vec::new(); headings.columns.len()];
     let lines = SampleLines::default();

@@ -6,10 +6,10 @@ use zip::read::ZipFile;
 
 use crate::IoError;
 use crate::columns::{Columns, Kind};
-use crate::container::{self, Held, MAX_ARRAYS};
+use crate::container::{self, HeldArray, MAX_ARRAYS};
 use crate::hash::sha256;
 use crate::npy::{Array, Budget, Type};
-use crate::place::{Part, Place, shown};
+use crate::place::{FilePart, Place, shown};
 use crate::reader::{Archive, Input};
 
 /// An array of the archive.
@@ -23,7 +23,7 @@ struct Entry {
 /// Reads the arrays of an archive.
 pub(crate) fn read(input: Input<'_>, bytes: &[u8], mut archive: Archive<'_>) -> Result<Columns, IoError> {
     let (file, options) = (input.file, input.options);
-    let whole = || Place::new(file, Part::Whole);
+    let whole = || Place::new(file, FilePart::Whole);
     if archive.len() > MAX_ARRAYS {
         return Err(IoError::TooManyColumns { place: whole(), found: archive.len(), limit: MAX_ARRAYS });
     }
@@ -36,29 +36,29 @@ pub(crate) fn read(input: Input<'_>, bytes: &[u8], mut archive: Archive<'_>) -> 
         };
         let array = open(&mut archive, index)
             .and_then(|mut entry| Array::read_header(&mut entry))
-            .map_err(|problem| malformed(Place::new(file, Part::Array(name.as_str().into())), problem))?;
+            .map_err(|problem| malformed(Place::new(file, FilePart::Array(name.as_str().into())), problem))?;
         entries.push(Entry { index, name, array });
     }
     if entries.is_empty() {
         return Err(malformed(whole(), "it holds no arrays (`NAME.npy`)".to_owned()));
     }
-    let held: Vec<Held> = entries.iter().map(Entry::held).collect();
+    let held: Vec<HeldArray> = entries.iter().map(Entry::held).collect();
     let mut budget = Budget::new(options);
     container::columns(input, &held, sha256(bytes), |index| {
-        let place = Place::new(file, Part::Array(entries[index].name.as_str().into()));
+        let place = Place::new(file, FilePart::Array(entries[index].name.as_str().into()));
         column(&mut archive, &entries[index], &place, &mut budget)
     })
 }
 
 impl Entry {
-    fn held(&self) -> Held {
+    fn held(&self) -> HeldArray {
         let kind = match &self.array.values {
             Type::Number(_) => Kind::Numbers,
             Type::Fields(_) => Kind::Other("structure".to_owned()),
             Type::Other(dtype) => Kind::Other(shown(dtype.as_bytes())),
         };
         let row_major = !self.array.is_column_major;
-        Held { row_major, ..Held::new("", &self.name, self.array.shape(), kind) }
+        HeldArray { row_major, ..HeldArray::new("", &self.name, self.array.shape(), kind) }
     }
 }
 

@@ -9,7 +9,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use crate::IoError;
 use crate::atomic_file::write_atomically;
-use crate::place::{Part, Place};
+use crate::place::{FilePart, Place};
 use crate::write::{check, headers};
 
 /// Writes a record as numpy's `savez` does, one array a column, that [`read_record`](crate::read_record)
@@ -21,7 +21,7 @@ use crate::write::{check, headers};
 pub fn write_npz(path: &Path, record: &Record) -> Result<(), IoError> {
     check(path, record)?;
     let bytes = archive(record).map_err(|problem| IoError::Malformed {
-        place: Place::new(&path.display().to_string(), Part::Whole),
+        place: Place::new(&path.display().to_string(), FilePart::Whole),
         format: "NPZ",
         problem: problem.to_string(),
     })?;

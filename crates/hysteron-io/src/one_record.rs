@@ -8,7 +8,7 @@ use hysteron_model::{Finding, FindingKind};
 
 use crate::IoError;
 use crate::columns::{Heading, Headings, list_arrays};
-use crate::place::{Part, Place};
+use crate::place::{FilePart, Place};
 
 /// For each column, whether it is outside of the record that the chosen ones make: of another length, of
 /// another group although the record has a column of this name, or not readable. Without a choice, all
@@ -162,7 +162,7 @@ pub(crate) fn no_channels(headings: &Headings) -> IoError {
 
 fn choose(headings: &Headings, column: &Heading, problem: String) -> IoError {
     IoError::ChooseArrays {
-        place: Place::new(&headings.file, Part::Array(column.header.as_str().into())),
+        place: Place::new(&headings.file, FilePart::Array(column.header.as_str().into())),
         problem,
         held: list_arrays(&headings.columns),
     }

@@ -8,14 +8,14 @@ pub struct Place {
     /// The file, as the caller named it.
     pub file: Box<str>,
     /// Line, cell or array within it.
-    pub part: Part,
+    pub part: FilePart,
 }
 
 /// Line, cell or array of a file. Lines and columns count from 1, as editors do; samples of an array from 0,
 /// as numpy does.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Part {
+pub enum FilePart {
     /// The file as a whole.
     Whole,
     /// A line of text.
@@ -41,19 +41,19 @@ pub enum Part {
 }
 
 impl Place {
-    pub(crate) fn new(file: &str, part: Part) -> Self {
+    pub(crate) fn new(file: &str, part: FilePart) -> Self {
         Place { file: file.into(), part }
     }
 
     pub(crate) fn cell(file: &str, line: u64, column: usize, name: &str) -> Self {
         let column = u32::try_from(column).unwrap_or(u32::MAX);
-        Place::new(file, Part::Cell { line, column, name: name.into() })
+        Place::new(file, FilePart::Cell { line, column, name: name.into() })
     }
 
     /// The part in brackets, behind the words in front of it; nothing for the whole file.
     pub(crate) fn in_brackets(&self, before: &str) -> String {
         match &self.part {
-            Part::Whole => String::new(),
+            FilePart::Whole => String::new(),
             part => format!(" ({before}{part})"),
         }
     }
@@ -62,21 +62,25 @@ impl Place {
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.part {
-            Part::Whole => write!(f, "`{}`", self.file),
+            FilePart::Whole => write!(f, "`{}`", self.file),
             part => write!(f, "`{}`, {part}", self.file),
         }
     }
 }
 
-impl fmt::Display for Part {
+impl fmt::Display for FilePart {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Part::Whole => f.write_str("the file"),
-            Part::Line(line) => write!(f, "line {line}"),
-            Part::Cell { line, column, name } if name.is_empty() => write!(f, "line {line}, column {column}"),
-            Part::Cell { line, column, name } => write!(f, "line {line}, column {column} (`{name}`)"),
-            Part::Array(name) => write!(f, "array `{}`", shown(name.as_bytes())),
-            Part::Element { array, index } => write!(f, "array `{}`, index {index}", shown(array.as_bytes())),
+            FilePart::Whole => f.write_str("the file"),
+            FilePart::Line(line) => write!(f, "line {line}"),
+            FilePart::Cell { line, column, name } if name.is_empty() => {
+                write!(f, "line {line}, column {column}")
+            }
+            FilePart::Cell { line, column, name } => write!(f, "line {line}, column {column} (`{name}`)"),
+            FilePart::Array(name) => write!(f, "array `{}`", shown(name.as_bytes())),
+            FilePart::Element { array, index } => {
+                write!(f, "array `{}`, index {index}", shown(array.as_bytes()))
+            }
         }
     }
 }

@@ -8,8 +8,8 @@ use hysteron_model::Finding;
 use hysteron_model::record::{ChannelChoice, Driven, InputOutput, Record, RecordError, Signal};
 
 use crate::assemble::{Assembled, assemble};
-use crate::columns::{Columns, Headings, Wanted};
-use crate::place::{Part, Place};
+use crate::columns::{ColumnForm, Columns, Headings};
+use crate::place::{FilePart, Place};
 use crate::reader::{Input, ReadColumns, Reader};
 use crate::rename::renamed;
 use crate::roles::{Chosen, Roles};
@@ -158,7 +158,7 @@ pub fn holds_named_arrays(path: &Path) -> Result<bool, IoError> {
 fn head_of(file: &str, source: &mut impl Read) -> Result<Vec<u8>, IoError> {
     let mut head = Vec::new();
     let read = source.take(HEAD_BYTES).read_to_end(&mut head);
-    read.map_err(|source| IoError::Read { place: Place::new(file, Part::Whole), source })?;
+    read.map_err(|source| IoError::Read { place: Place::new(file, FilePart::Whole), source })?;
     Ok(head)
 }
 
@@ -167,7 +167,7 @@ pub(crate) fn read_columns(
     file: &str,
     mut source: impl Read,
     options: &ReadOptions,
-    mut wanted: impl FnMut(&Headings) -> Result<Vec<Wanted>, IoError>,
+    mut wanted: impl FnMut(&Headings) -> Result<Vec<ColumnForm>, IoError>,
 ) -> Result<Columns, IoError> {
     let head = head_of(file, &mut source)?;
     let read = reader_of(file, &head).map_or(csv::read as ReadColumns, |reader| reader.read);

@@ -4,8 +4,8 @@ use std::io::{Cursor, Read};
 
 use zip::ZipArchive;
 
-use crate::columns::{Columns, Headings, Wanted};
-use crate::place::{Part, Place};
+use crate::columns::{ColumnForm, Columns, Headings};
+use crate::place::{FilePart, Place};
 use crate::{IoError, ReadOptions};
 
 /// A format.
@@ -33,13 +33,13 @@ pub(crate) struct Input<'a> {
     /// Size of the file, once it is read to its end.
     pub file_bytes: u64,
     /// Says which of the columns are to be read.
-    pub wanted: &'a mut dyn FnMut(&Headings) -> Result<Vec<Wanted>, IoError>,
+    pub wanted: &'a mut dyn FnMut(&Headings) -> Result<Vec<ColumnForm>, IoError>,
 }
 
 impl Input<'_> {
     /// All bytes of the file.
     pub fn read_to_end(&mut self) -> Result<Vec<u8>, IoError> {
-        let (place, limit_bytes) = (Place::new(self.file, Part::Whole), self.options.max_bytes);
+        let (place, limit_bytes) = (Place::new(self.file, FilePart::Whole), self.options.max_bytes);
         let mut bytes = Vec::new();
         match self.bytes.take(limit_bytes.saturating_add(1)).read_to_end(&mut bytes) {
             Err(source) => Err(IoError::Read { place, source }),

@@ -3,7 +3,7 @@
 use hysteron_model::Advice;
 use hysteron_model::record::RecordError;
 
-use crate::place::{Part, Place};
+use crate::place::{FilePart, Place};
 
 /// Why a file holds no usable frequency response.
 #[derive(Debug, thiserror::Error)]
@@ -78,7 +78,7 @@ impl ResponseFileError {
             | Self::Choose { place, .. }
             | Self::BadFrequency { place, .. } => place.clone(),
             Self::RepeatedFrequency { file, .. } | Self::Unusable { file, .. } => {
-                Place::new(file, Part::Whole)
+                Place::new(file, FilePart::Whole)
             }
         }
     }

@@ -5,9 +5,9 @@ use std::collections::HashMap;
 use hysteron_model::advice::ColumnRole;
 use hysteron_model::record::{Admitted, Condition, Cut, Quantity, header_of};
 
-use crate::columns::{Heading, Headings, Wanted, list_arrays};
+use crate::columns::{ColumnForm, Heading, Headings, list_arrays};
 use crate::one_record::{no_channels, set_apart};
-use crate::place::{Part, Place};
+use crate::place::{FilePart, Place};
 use crate::{IoError, ReadOptions};
 
 /// Role of a column.
@@ -102,11 +102,11 @@ impl Roles {
     }
 
     /// Form in which a reader has to read each column.
-    pub fn wanted(&self) -> Vec<Wanted> {
+    pub fn wanted(&self) -> Vec<ColumnForm> {
         let wanted = |role: &Role| match role {
-            Role::Skipped => Wanted::Nothing,
-            Role::Texts => Wanted::Texts,
-            _ => Wanted::Numbers,
+            Role::Skipped => ColumnForm::Nothing,
+            Role::Texts => ColumnForm::Texts,
+            _ => ColumnForm::Numbers,
         };
         self.roles.iter().map(wanted).collect()
     }
@@ -130,7 +130,7 @@ impl Conditions {
             let column = position(&condition.column, ColumnRole::Condition)?;
             let text = match &condition.is {
                 Admitted::Text(text) if headings.line.is_none() => {
-                    let array = Part::Array(headings.header(column).into());
+                    let array = FilePart::Array(headings.header(column).into());
                     let place = Place::new(&headings.file, array);
                     return Err(IoError::TextCondition { place, text: text.clone() });
                 }

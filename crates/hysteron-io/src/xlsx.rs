@@ -10,11 +10,11 @@ use hysteron_model::record::split_header;
 
 use crate::IoError;
 use crate::columns::{Columns, Kind};
-use crate::container::{self, Held};
+use crate::container::{self, HeldArray};
 use crate::hash::sha256;
-use crate::laboratory_text::Kept;
+use crate::laboratory_text::KeptNumbers;
 use crate::options::MAX_COLUMNS;
-use crate::place::{Part, Place, shown};
+use crate::place::{FilePart, Place, shown};
 use crate::reader::{Archive, Input};
 
 /// Most bytes of all that is not the cells: texts, styles, relations.
@@ -67,14 +67,14 @@ pub(crate) fn read(input: Input<'_>, bytes: &[u8], mut archive: Archive<'_>) -> 
         format: "XLSX",
         problem,
     };
-    let whole = |error: XlsxError| malformed(Part::Whole, error.to_string());
+    let whole = |error: XlsxError| malformed(FilePart::Whole, error.to_string());
     let mut workbook = Xlsx::new(Cursor::new(bytes)).map_err(whole)?;
     let sheets = workbook.sheets_metadata().iter().filter(|sheet| sheet.typ == SheetType::WorkSheet);
     let names: Vec<String> = sheets.map(|sheet| sheet.name.clone()).collect();
-    let mut kept = Kept::new(&input);
+    let mut kept = KeptNumbers::new(&input);
     let (mut held, mut values) = (Vec::new(), Vec::new());
     for name in names {
-        let part = || Part::Array(name.as_str().into());
+        let part = || FilePart::Array(name.as_str().into());
         let sheet = Sheet::read(&mut workbook, &name, &mut || kept.add(&file))
             .map_err(|problem: Problem| problem.unwrap_or_else(|problem| malformed(part(), problem)))?;
         if sheet.columns.len() > MAX_COLUMNS {
@@ -95,21 +95,21 @@ pub(crate) fn read(input: Input<'_>, bytes: &[u8], mut archive: Archive<'_>) -> 
                 }
                 None => Kind::Numbers,
             };
-            let mut array = Held::new(&format!("{name}!"), &header, vec![column.values.len()], kind);
+            let mut array = HeldArray::new(&format!("{name}!"), &header, vec![column.values.len()], kind);
             array.unit = in_seconds.then(|| "s".to_owned());
             held.push(array);
             values.push(column.values);
         }
     }
     if held.is_empty() {
-        return Err(malformed(Part::Whole, "its sheets have no columns".to_owned()));
+        return Err(malformed(FilePart::Whole, "its sheets have no columns".to_owned()));
     }
     container::columns(input, &held, sha256(bytes), |index| Ok(std::mem::take(&mut values[index])))
 }
 
 /// Unpacks all parts of the file once, so that nothing that it holds is larger than allowed.
 fn check_size(archive: &mut Archive<'_>, file: &str, max_bytes: u64) -> Result<(), IoError> {
-    let place = || Place::new(file, Part::Whole);
+    let place = || Place::new(file, FilePart::Whole);
     let malformed = |problem| IoError::Malformed { place: place(), format: "XLSX", problem };
     let (mut left, mut left_texts) = (max_bytes, MAX_TEXT_BYTES.min(max_bytes));
     for index in 0..archive.len() {

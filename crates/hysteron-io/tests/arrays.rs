@@ -6,7 +6,7 @@ mod numpy;
 mod damage;
 
 use hysteron_io::{
-    IoError, Part, Place, ReadOptions, ResponseOptions, read_frequency_response_bytes,
+    FilePart, IoError, Place, ReadOptions, ResponseOptions, read_frequency_response_bytes,
     read_input_output_bytes, read_record_bytes,
 };
 use hysteron_model::record::{Record, TimeBase};
@@ -50,11 +50,11 @@ fn says(bytes: &[u8], parts: &[&str]) {
 }
 
 fn array(name: &str) -> Place {
-    Place { file: "loop.npz".into(), part: Part::Array(name.into()) }
+    Place { file: "loop.npz".into(), part: FilePart::Array(name.into()) }
 }
 
 fn element(name: &str, index: usize) -> Place {
-    Place { file: "loop.npz".into(), part: Part::Element { array: name.into(), index } }
+    Place { file: "loop.npz".into(), part: FilePart::Element { array: name.into(), index } }
 }
 
 #[test]

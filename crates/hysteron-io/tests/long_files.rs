@@ -1,7 +1,7 @@
 //! Long files, read in blocks of lines: the numbers and the messages are those of reading line by line.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use hysteron_io::{IoError, Part, Place, ReadOptions, read_record_bytes};
+use hysteron_io::{FilePart, IoError, Place, ReadOptions, read_record_bytes};
 
 /// Rows of a file of about 4 MiB.
 const ROWS: usize = 100_000;
@@ -32,7 +32,7 @@ fn read(text: &str) -> Result<(Vec<f64>, Vec<f64>), IoError> {
 }
 
 fn cell(line: u64, column: u32, name: &str) -> Place {
-    Place { file: "long.csv".into(), part: Part::Cell { line, column, name: name.into() } }
+    Place { file: "long.csv".into(), part: FilePart::Cell { line, column, name: name.into() } }
 }
 
 #[test]
@@ -75,7 +75,7 @@ fn an_error_is_named_by_its_line_wherever_it_is() {
         assert!(matches!(refused(&format!("{time},1,inf")),
             IoError::NotFinite { place, .. } if place == cell(line, 3, "y_um")));
         assert!(
-            matches!(refused(&format!("{time},1")), IoError::Ragged { place, found: 2, .. } if place.part == Part::Line(line))
+            matches!(refused(&format!("{time},1")), IoError::Ragged { place, found: 2, .. } if place.part == FilePart::Line(line))
         );
         assert!(
             matches!(refused("-1,1,1"), IoError::TimeDecreases { place, after: -1.0, .. } if place == cell(line, 1, "t_s"))
@@ -89,7 +89,7 @@ fn limits_hold_within_a_block() {
     let with = |options: ReadOptions| read_record_bytes("long.csv", text.as_bytes(), &options).unwrap_err();
     let few = with(ReadOptions { max_values: 3 * 40_000 + 1, ..ReadOptions::default() });
     assert!(
-        matches!(&few, IoError::TooManyValues { place, limit: 120_001, .. } if place.part == Part::Line(40_002)),
+        matches!(&few, IoError::TooManyValues { place, limit: 120_001, .. } if place.part == FilePart::Line(40_002)),
         "{few}"
     );
     let short = with(ReadOptions { max_bytes: text.len() as u64 - 1, ..ReadOptions::default() });

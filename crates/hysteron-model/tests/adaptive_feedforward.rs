@@ -131,7 +131,7 @@ fn made(strategy: Strategy) -> Loop {
         sample_rate_hz: RATE_HZ,
         range_v: [0.0, 10.0],
         slew_v_per_s: f64::INFINITY,
-        wanted: Wanted::default(),
+        wanted: RequiredMargins::default(),
         realise: RealiseOptions::default(),
     };
     Loop::new(&model(), &settings, &strategy).unwrap()

@@ -45,7 +45,7 @@ fn settings() -> LoopSettings {
         sample_rate_hz: RATE_HZ,
         range_v: RANGE_V,
         slew_v_per_s: f64::INFINITY,
-        wanted: Wanted::default(),
+        wanted: RequiredMargins::default(),
         realise: RealiseOptions::default(),
     }
 }
@@ -137,7 +137,7 @@ fn the_controller_does_what_its_response_says() {
         let mut feedback = parts.feedback().unwrap();
         let f = 50.0;
         let own: Vec<f64> = (0..20_000)
-            .map(|k| feedback.step((TAU * f * f64::from(k) / RATE_HZ).cos(), hysteron_rt::Held::No))
+            .map(|k| feedback.step((TAU * f * f64::from(k) / RATE_HZ).cos(), hysteron_rt::HeldBack::No))
             .collect();
         // Over whole periods at the end; what a slow pole still remembers is a level and a slope.
         let periods = &own[10_000..20_000];
@@ -154,7 +154,7 @@ fn the_controller_does_what_its_response_says() {
 
 #[test]
 fn tuned_loops_keep_their_margins_and_use_them_up() {
-    let (model, wanted) = (model(0.0), Wanted::default());
+    let (model, wanted) = (model(0.0), RequiredMargins::default());
     let line = Strategy::new("line", Forward::Line);
     let dynamics = Loop::new(&model, &settings(), &line).unwrap().dynamics;
     let late = |f: f64| Complex64::from_polar(1.0, -TAU * f / RATE_HZ);

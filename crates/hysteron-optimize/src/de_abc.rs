@@ -12,7 +12,7 @@
 //!    K points of a chaotic search (Eqs. 10–12), counter back to 0.
 //!
 //! A phase proposes all, evaluates all, then accepts in index order. So a generation costs 2·SN evaluations,
-//! and K more where the scout fires. The article moves one random component; that fails ([`Moved`]).
+//! and K more where the scout fires. The article moves one random component; that fails ([`MovedComponents`]).
 
 use super::algorithm::{check_option, check_population};
 use super::colony::{Colony, Owners};
@@ -28,7 +28,7 @@ pub struct DeAbcOptions {
     /// Food sources SN, at least 2.
     pub population: usize,
     /// Components that Eq. 8 moves.
-    pub moved: Moved,
+    pub moved: MovedComponents,
     /// Failures L that a source may have before the scout is sent; `None`: SN·D.
     pub limit: Option<usize>,
     /// Action of the scout.
@@ -38,7 +38,7 @@ pub struct DeAbcOptions {
 /// Components that Eq. 8 moves; the others stay those of x_i.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Moved {
+pub enum MovedComponents {
     /// One random component: the article's wording (j selected randomly). Correlated parameters cannot be
     /// found so.
     One,
@@ -97,14 +97,14 @@ impl Default for DeAbcOptions {
     /// SN = 25, all components moved, L = SN·D, ten chaotic points wrapped into the box, the best kept.
     fn default() -> Self {
         let scout = Scout::Chaotic { iterates: 10, chaos: Chaos::Wrap, keeps: ScoutKeeps::Best };
-        Self { population: 25, moved: Moved::All, limit: None, scout }
+        Self { population: 25, moved: MovedComponents::All, limit: None, scout }
     }
 }
 
 impl DeAbcOptions {
     pub(super) fn validate(&self) -> Result<(), OptimizeError> {
         check_population(self.population, 2, "at least 2 sources, for a partner")?;
-        if let Moved::Binomial { rate } = self.moved {
+        if let MovedComponents::Binomial { rate } = self.moved {
             check_option("moved.binomial.rate", rate, rate > 0.0 && rate <= 1.0, "0 < rate ≤ 1")?;
         }
         if let Scout::Chaotic { iterates, .. } = self.scout {
@@ -126,14 +126,14 @@ pub(super) fn generation(
         let k = random.index_except(colony.costs.len(), &[i]);
         let (own, partner) = (colony.sources.get(i), colony.sources.get(k));
         let forced = match options.moved {
-            Moved::All => 0,
-            Moved::One | Moved::Binomial { .. } => random.index(candidate.len()),
+            MovedComponents::All => 0,
+            MovedComponents::One | MovedComponents::Binomial { .. } => random.index(candidate.len()),
         };
         for j in 0..candidate.len() {
             let moves = match options.moved {
-                Moved::All => true,
-                Moved::One => j == forced,
-                Moved::Binomial { rate } => random.unit() < rate || j == forced,
+                MovedComponents::All => true,
+                MovedComponents::One => j == forced,
+                MovedComponents::Binomial { rate } => random.unit() < rate || j == forced,
             };
             if moves {
                 candidate[j] = (best[j] + factor * (own[j] - partner[j])).clamp(0.0, 1.0);

@@ -87,7 +87,7 @@ pub use bounds::{Bounds, Range};
 pub use checkpoint::Checkpoint;
 pub use cma_es::CmaEsOptions;
 pub use de::DeOptions;
-pub use de_abc::{Chaos, DeAbcOptions, Moved, Scout, ScoutKeeps};
+pub use de_abc::{Chaos, DeAbcOptions, MovedComponents, Scout, ScoutKeeps};
 pub use error::OptimizeError;
 pub use hysteron_numeric::{Stop, root_mean_square};
 pub use jacobian::{Differences, residual_jacobian};

@@ -3,7 +3,7 @@
 use std::fmt::{Debug, Display};
 
 use hysteron_identify::IdentifyError;
-use hysteron_io::{Part, Place};
+use hysteron_io::{FilePart, Place};
 use hysteron_model::Advice;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -90,8 +90,8 @@ fn described(
             if let Some(place) = &place {
                 details.set_item("file", place.file.as_ref())?;
                 match &place.part {
-                    Part::Line(line) => details.set_item("line", line)?,
-                    Part::Cell { line, column, .. } => {
+                    FilePart::Line(line) => details.set_item("line", line)?,
+                    FilePart::Cell { line, column, .. } => {
                         details.set_item("line", line)?;
                         details.set_item("column", column)?;
                     }

@@ -13,7 +13,7 @@ use crate::work;
 /// A waveform and what plays it.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Asked {
+struct WaveformRequest {
     spec: ExcitationSpec,
     limits: Option<AmplifierLimits>,
 }
@@ -21,7 +21,7 @@ struct Asked {
 /// The drive as a record, and its figures as JSON.
 #[pyfunction]
 pub fn excite(py: Python<'_>, options: &str) -> PyResult<(Record, String)> {
-    let Asked { spec, limits } = from_json(options)?;
+    let WaveformRequest { spec, limits } = from_json(options)?;
     let found = work::run(py, || {
         let excitation = spec.generate()?;
         limits.unwrap_or_default().check(&excitation)?;

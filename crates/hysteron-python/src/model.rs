@@ -10,7 +10,9 @@ use hysteron_io::{load_model, save_model, sha256};
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::model::{Capability, Remark, Score, SignalRole, Signals};
 use hysteron_model::model_file::{Maker, timestamp};
-use hysteron_model::record::{ChannelChoice, Driven, InputOutput, Record as CoreRecord, Run, Source};
+use hysteron_model::record::{
+    ChannelChoice, Driven, InputOutput, MeasurementRun, Record as CoreRecord, Source,
+};
 use hysteron_model::validate::{Scoring, residual_whiteness, scored_samples};
 use hysteron_model::{Model as Core, Start};
 use numpy::PyArray1;
@@ -257,8 +259,8 @@ impl Model {
         let scoring: Scoring = from_json(scoring)?;
         let from = start(from_start)?;
         let data = single(&records, &ChannelChoice { input, output })?;
-        let runs = Run::of(&data).map_err(raised)?;
-        let score = |run: Run| {
+        let runs = MeasurementRun::of(&data).map_err(raised)?;
+        let score = |run: MeasurementRun| {
             let score = work::run(py, || self.inner.score_run(&run, from, &scoring))?;
             let score = score.map_err(raised)?;
             let (json, whole) = (to_json(&score)?, &score.whole);
@@ -328,8 +330,8 @@ impl Model {
             Recording { data, start, start_is_known: false, beginning }
         };
         let recordings: Vec<Recording> = if continued {
-            let runs = Run::of(&data).map_err(raised)?;
-            let of_run = |run: Run| {
+            let runs = MeasurementRun::of(&data).map_err(raised)?;
+            let of_run = |run: MeasurementRun| {
                 let beginning = run.beginning();
                 recording(run.data, Some(beginning))
             };

@@ -19,7 +19,7 @@ use crate::errors::{from_json, option, raised};
 /// Options of a Hammerstein model; missing ones take the library's defaults.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Asked {
+struct HammersteinOptions {
     hysteresis: Option<String>,
     elements: Option<usize>,
     dynamics: Option<String>,
@@ -63,7 +63,7 @@ pub fn task(kind: Kind, options: &str) -> PyResult<Task> {
     })
 }
 
-fn hammerstein(asked: Asked) -> PyResult<Options> {
+fn hammerstein(asked: HammersteinOptions) -> PyResult<Options> {
     let default = Options::default();
     // `auto` is what a name left out means.
     fn of(name: &Option<String>) -> Option<&str> {

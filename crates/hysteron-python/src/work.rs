@@ -37,7 +37,7 @@ pub fn run<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult
 }
 
 /// Last progress report.
-struct Told {
+struct LastProgress {
     stage: String,
     fraction: f64,
     cost: Option<f64>,
@@ -53,15 +53,18 @@ pub fn watched<T: Send>(
 ) -> PyResult<(T, Option<PyErr>)> {
     let pool = pool(threads)?;
     let stop = Stop::new();
-    let told: Mutex<Option<Told>> = Mutex::new(None);
+    let told: Mutex<Option<LastProgress>> = Mutex::new(None);
     let mut interruption = None;
     let result = std::thread::scope(|scope| {
         let (done, mut ended) = channel();
         let (stopped, told, pool) = (stop.clone(), &told, &pool);
         scope.spawn(move || {
             let tell = |event: &Event<'_>| {
-                let event =
-                    Told { stage: event.stage.to_owned(), fraction: event.fraction, cost: event.cost };
+                let event = LastProgress {
+                    stage: event.stage.to_owned(),
+                    fraction: event.fraction,
+                    cost: event.cost,
+                };
                 *told.lock().unwrap_or_else(PoisonError::into_inner) = Some(event);
                 ControlFlow::Continue(())
             };
@@ -83,7 +86,7 @@ pub fn watched<T: Send>(
             }
             let event = told.lock().unwrap_or_else(PoisonError::into_inner).take();
             let call = || match (progress, event) {
-                (Some(progress), Some(Told { stage, fraction, cost })) => {
+                (Some(progress), Some(LastProgress { stage, fraction, cost })) => {
                     progress.call1((stage, fraction, cost)).map(|_| ())
                 }
                 _ => Ok(()),

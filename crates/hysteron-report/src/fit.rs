@@ -1,7 +1,7 @@
 //! The report of an identification of any kind.
 
 use hysteron_identify::structure::Neighbours;
-use hysteron_identify::{Fit, Found, IdentifyError};
+use hysteron_identify::{Fit, FitDetails, IdentifyError};
 use hysteron_model::Model;
 use hysteron_model::model_file::ModelFileError;
 
@@ -20,10 +20,10 @@ pub fn report(
     others: Option<&Result<Neighbours, IdentifyError>>,
 ) -> Result<Page, ModelFileError> {
     match (&fit.found, &fit.model) {
-        (Found::Hammerstein(found), Model::Hammerstein(body)) => {
+        (FitDetails::Hammerstein(found), Model::Hammerstein(body)) => {
             Ok(identification::report(name, found, body.data(), others))
         }
-        (Found::Oscillator(found), _) => {
+        (FitDetails::Oscillator(found), _) => {
             let figures = found.records.iter().flat_map(|record| {
                 RecordCurves::new(&record.data, &record.simulated, record.scores.offset, 0).figures()
             });

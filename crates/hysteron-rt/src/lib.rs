@@ -56,9 +56,9 @@ pub use bouc_wen::{BoucWen, BoucWenState, SimulateError, StepError};
 pub use branch::Branch;
 pub use dual::Dual;
 pub use model::{
-    Compensated, Compensator, Drive, Feedback, FilteredLms, Held, Hysteresis, IncrementMemory, LANES, Law,
-    Limited, Limits, Line, Linear, LmsFilter, LmsMemory, LmsSettings, MOST_LOOKS, MOST_TAPS, Means, Model,
-    ModelError, Observed, Observer, Operator, PolePair, Reached, RealPoles, Sections, SectionsMemory,
+    Compensated, Compensator, Drive, Feedback, FilteredLms, HeldBack, Hysteresis, IncrementMemory, LANES,
+    Law, Limited, Limits, Line, Linear, LmsFilter, LmsMemory, LmsSettings, MOST_LOOKS, MOST_TAPS, Means,
+    Model, ModelError, Observed, Observer, Operator, PolePair, Reached, RealPoles, Sections, SectionsMemory,
 };
 pub use online::{
     FitMonitor, Misfit, MonitorSettings, Nlms, NlmsSettings, Residual, Rls, RlsSettings, SampleError,
@@ -67,7 +67,7 @@ pub use online::{
 pub use parameter_error::ParameterError;
 pub use plane::{LEAST_TURNS, Plane, Turn, Turns, wipe_out};
 pub use play::{
-    ActivatedMove, ActivatedPlays, BrokenLine, Piece, PlayBank, PlayError, SLOPES, SidedPlays, Sides,
+    ActivatedMove, ActivatedPlays, BrokenLine, LinearPiece, PlayBank, PlayError, SLOPES, SidedPlays, Sides,
     bernstein_integrals, between, between_ramps, each_band, play, ramp,
 };
 pub use real::{Real, Scalar};

@@ -5,7 +5,7 @@
 
 use hysteron_rt::Compensated;
 use hysteron_rt::{
-    Drive, Feedback, FilteredLms, Held, LANES, Limited, Limits, Line, Linear, LmsFilter, LmsMemory,
+    Drive, Feedback, FilteredLms, HeldBack, LANES, Limited, Limits, Line, Linear, LmsFilter, LmsMemory,
     LmsSettings, ModelError, Real, RealPoles, Sections, SectionsMemory,
 };
 
@@ -25,16 +25,16 @@ fn with_feedback<T: Real>(run: impl FnOnce(&mut Feedback<'_, T>)) {
 fn a_constant_error_adds_up() {
     with_feedback::<f64>(|feedback| {
         for k in 1..=100 {
-            let c = feedback.step(2.0, Held::No);
+            let c = feedback.step(2.0, HeldBack::No);
             // The pole sees the error behind its tap, one sample later.
             let expected = 6.0 + 0.02 * f64::from(k) + (1.0 - 0.9_f64.powi(k - 1));
             assert!((c - expected).abs() < 1e-12, "{k}: {c} {expected}");
         }
         // One that is not a number leaves it where it is.
-        let before = feedback.step(0.0, Held::No);
-        assert_eq!(feedback.step(f64::NAN, Held::No), before);
+        let before = feedback.step(0.0, HeldBack::No);
+        assert_eq!(feedback.step(f64::NAN, HeldBack::No), before);
         feedback.rest();
-        assert_eq!(feedback.step(0.0, Held::No), 0.0);
+        assert_eq!(feedback.step(0.0, HeldBack::No), 0.0);
     });
 }
 
@@ -43,7 +43,7 @@ fn in_single_precision_a_slow_integral_loses_nothing() {
     with_feedback::<f32>(|feedback| {
         let mut last = 0.0;
         for _ in 0..2_000_000 {
-            last = feedback.step(1e-3, Held::No);
+            last = feedback.step(1e-3, HeldBack::No);
         }
         // 3e-3 + 0.01 · 2000 + 0.5e-3.
         assert!((last - 20.0035).abs() < 2e-5, "{last}");
@@ -53,52 +53,52 @@ fn in_single_precision_a_slow_integral_loses_nothing() {
 #[test]
 fn what_is_held_back_does_not_wind_up() {
     with_feedback::<f64>(|feedback| {
-        feedback.step(1.0, Held::No);
-        let standing = feedback.step(0.0, Held::Above);
+        feedback.step(1.0, HeldBack::No);
+        let standing = feedback.step(0.0, HeldBack::Above);
         for _ in 0..1000 {
-            feedback.step(5.0, Held::Above);
+            feedback.step(5.0, HeldBack::Above);
         }
         // 15 of the proportional part come and go.
-        let after = feedback.step(5.0, Held::Above) - 15.0;
+        let after = feedback.step(5.0, HeldBack::Above) - 15.0;
         assert!((after - standing).abs() < 1e-12, "{after} {standing}");
         // Away from the limit it moves at once.
-        let away = feedback.step(-1.0, Held::Above);
+        let away = feedback.step(-1.0, HeldBack::Above);
         assert!(away + 3.0 < after + 0.1, "{away}");
-        let below = feedback.step(-5.0, Held::Below);
-        assert!((feedback.step(-5.0, Held::Below) - below).abs() < 1e-15);
+        let below = feedback.step(-5.0, HeldBack::Below);
+        assert!((feedback.step(-5.0, HeldBack::Below) - below).abs() < 1e-15);
     });
 }
 
 #[test]
 fn a_drive_that_cannot_move_winds_nothing_up() {
     with_feedback::<f64>(|feedback| {
-        let standing = feedback.step(0.0, Held::No);
+        let standing = feedback.step(0.0, HeldBack::No);
         for error in [0.3, -0.3].into_iter().cycle().take(1001) {
-            feedback.step(error, Held::Both);
+            feedback.step(error, HeldBack::Both);
         }
-        assert_eq!(feedback.step(0.0, Held::Both), standing);
+        assert_eq!(feedback.step(0.0, HeldBack::Both), standing);
     });
     let limits = Limits { low: 0.0, high: 10.0, step: 1.0 };
-    let held = |voltage, limited, before| Held::of(Drive { voltage, limited }, before, limits);
-    assert_eq!(held(5.0, Limited::Overflow, 5.0), Held::Both);
-    assert_eq!(held(5.0, Limited::No, 4.0), Held::No);
-    assert_eq!([held(5.0, Limited::Step, 4.0), held(10.0, Limited::Range, 10.0)], [Held::Above; 2]);
-    assert_eq!([held(3.0, Limited::Step, 4.0), held(0.0, Limited::Range, 0.0)], [Held::Below; 2]);
+    let held = |voltage, limited, before| HeldBack::of(Drive { voltage, limited }, before, limits);
+    assert_eq!(held(5.0, Limited::Overflow, 5.0), HeldBack::Both);
+    assert_eq!(held(5.0, Limited::No, 4.0), HeldBack::No);
+    assert_eq!([held(5.0, Limited::Step, 4.0), held(10.0, Limited::Range, 10.0)], [HeldBack::Above; 2]);
+    assert_eq!([held(3.0, Limited::Step, 4.0), held(0.0, Limited::Range, 0.0)], [HeldBack::Below; 2]);
 }
 
 #[test]
 fn errors_out_of_all_reason_are_left_out() {
     with_feedback::<f64>(|feedback| {
         for error in [1.7e308, -1.7e308, 1.7e308] {
-            feedback.step(error, Held::No);
+            feedback.step(error, HeldBack::No);
         }
-        assert_eq!(feedback.step(0.0, Held::No), 0.0);
+        assert_eq!(feedback.step(0.0, HeldBack::No), 0.0);
     });
     with_feedback::<f32>(|feedback| {
         (0..10).for_each(|_| {
-            feedback.step(f32::MAX, Held::No);
+            feedback.step(f32::MAX, HeldBack::No);
         });
-        assert_eq!(feedback.step(0.0, Held::No), 0.0);
+        assert_eq!(feedback.step(0.0, HeldBack::No), 0.0);
     });
 }
 
@@ -130,14 +130,14 @@ fn a_line_keeps_to_its_limits_and_says_so() {
     assert_eq!((drive.voltage, drive.limited), (6.0, Limited::No));
     let drive = line.step(21.0);
     assert_eq!((drive.voltage, drive.limited), (8.0, Limited::Step));
-    assert_eq!(Held::of(drive, 6.0, limits), Held::Above);
+    assert_eq!(HeldBack::of(drive, 6.0, limits), HeldBack::Above);
     line.step(21.0);
     let drive = line.step(99.0);
     assert_eq!((drive.voltage, drive.limited), (10.0, Limited::Range));
-    assert_eq!(Held::of(drive, 10.0, limits), Held::Above);
+    assert_eq!(HeldBack::of(drive, 10.0, limits), HeldBack::Above);
     let drive = line.step(0.0);
     assert_eq!((drive.voltage, drive.limited), (8.0, Limited::Step));
-    assert_eq!(Held::of(drive, 10.0, limits), Held::Below);
+    assert_eq!(HeldBack::of(drive, 10.0, limits), HeldBack::Below);
     assert_eq!(line.step(f64::NAN).limited, Limited::Reference);
     for (offset, slope, limits) in [
         (f64::NAN, 1.0, limits),

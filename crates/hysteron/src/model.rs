@@ -10,7 +10,7 @@ use hysteron_model::invert::InverseOptions;
 use hysteron_model::model::{Capability, RunScore, Score, Signals};
 use hysteron_model::model_file::Kind;
 use hysteron_model::realise::RealiseOptions;
-use hysteron_model::record::{ChannelChoice, Record, Run, Signal, TimeBase, Unit};
+use hysteron_model::record::{ChannelChoice, MeasurementRun, Record, Signal, TimeBase, Unit};
 use hysteron_model::tracking::{PlantDescription, TrackOptions, Tracking, track};
 use hysteron_model::validate::Scoring;
 use hysteron_model::{Model as Core, Start};
@@ -86,8 +86,8 @@ impl Model {
     pub fn score_continued(&self, records: &[Record], scoring: Scoring) -> Result<Vec<RunScore>, Error> {
         self.0.hammerstein(Capability::Runs)?;
         let single = |record: &Record| Ok(record.input_output(&ChannelChoice::default())?);
-        let runs = Run::of(&records.iter().map(single).collect::<Result<Vec<_>, Error>>()?)?;
-        let score = |run: &Run| Ok(self.0.score_run(run, Start::AsIdentified, &scoring)?);
+        let runs = MeasurementRun::of(&records.iter().map(single).collect::<Result<Vec<_>, Error>>()?)?;
+        let score = |run: &MeasurementRun| Ok(self.0.score_run(run, Start::AsIdentified, &scoring)?);
         runs.iter().map(score).collect()
     }
 

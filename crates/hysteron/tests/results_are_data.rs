@@ -36,7 +36,7 @@ fn what_a_fit_finds_comes_back() {
     let text = serde_json::to_string(&found).unwrap();
     is_kept::<FitSummary>(&text);
     assert_eq!(serde_json::from_str::<FitSummary>(&text).unwrap(), found.summary());
-    let hysteron_identify::Found::Hammerstein(found) = &found.found else { panic!("another kind") };
+    let hysteron_identify::FitDetails::Hammerstein(found) = &found.found else { panic!("another kind") };
     found.searches.iter().for_each(|search| comes_back::<Outcome>(&search.outcome));
 }
 

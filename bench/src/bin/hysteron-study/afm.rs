@@ -13,7 +13,7 @@ use hysteron_model::dynamics::Creep;
 use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::model::{RunScore, Simulation};
 use hysteron_model::model_file::Maker;
-use hysteron_model::record::{ChannelChoice, InputOutput, Run, Segment};
+use hysteron_model::record::{ChannelChoice, InputOutput, MeasurementRun, Segment};
 use hysteron_model::validate::Scoring;
 use hysteron_model::{Model, Start};
 
@@ -46,7 +46,7 @@ fn identified(records: &[InputOutput], options: &Options) -> Outcome<Model> {
 
 /// Free run over the records as parts of one run, with one offset.
 fn free_run(model: &Model, records: &[InputOutput]) -> Outcome<RunScore> {
-    let runs = Run::of(records)?;
+    let runs = MeasurementRun::of(records)?;
     let run = runs.first().ok_or("no run")?;
     Ok(model.score_run(run, Start::AsIdentified, &Scoring::default())?)
 }

@@ -32,14 +32,14 @@ const NAMES: [&str; 10] = [
 type Estimate = (f64, f64);
 
 /// What one campaign came to.
-struct Found {
+struct CampaignEstimates {
     /// Those of [`NAMES`].
     estimates: Vec<Estimate>,
     /// Rule between samples.
     rule: InterSample,
 }
 
-fn identified(records: &[CampaignRecord], scheme: Scheme) -> Outcome<Found> {
+fn identified(records: &[CampaignRecord], scheme: Scheme) -> Outcome<CampaignEstimates> {
     let options = Options { scheme: Choice::Given(scheme), degree: Choice::Given(2), ..cold() };
     let found = identify(records, &options, &Watch::silent(), None)?;
     let estimates = NAMES
@@ -50,11 +50,16 @@ fn identified(records: &[CampaignRecord], scheme: Scheme) -> Outcome<Found> {
             estimate.ok_or_else(|| format!("{name} was not determined").into())
         })
         .collect::<Outcome<_>>()?;
-    Ok(Found { estimates, rule: found.model.inter_sample })
+    Ok(CampaignEstimates { estimates, rule: found.model.inter_sample })
 }
 
 /// `campaigns` of each rate, those of a rate beside each other.
-fn all(device: &Device, rule: InterSample, campaigns: usize, scheme: Scheme) -> Outcome<Vec<Vec<Found>>> {
+fn all(
+    device: &Device,
+    rule: InterSample,
+    campaigns: usize,
+    scheme: Scheme,
+) -> Outcome<Vec<Vec<CampaignEstimates>>> {
     RATES_HZ
         .iter()
         .enumerate()
@@ -76,7 +81,7 @@ fn all(device: &Device, rule: InterSample, campaigns: usize, scheme: Scheme) -> 
 }
 
 /// Values of the first campaign of each rate, and the mean error of all.
-fn print(device: &Device, rule: InterSample, found: &[Vec<Found>]) -> Outcome<()> {
+fn print(device: &Device, rule: InterSample, found: &[Vec<CampaignEstimates>]) -> Outcome<()> {
     let truth = device.values()?;
     let mut values = Vec::new();
     let mut biases = Vec::new();

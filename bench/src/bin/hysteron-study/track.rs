@@ -9,8 +9,8 @@ use std::f64::consts::TAU;
 use hysteron_identify::{CampaignRecord, Choice, Options, Watch, identify};
 use hysteron_model::compensator::{CompensatorOptions, Prediction};
 use hysteron_model::control::{
-    Adaptive, Edge, FeedbackKind, Forward, LawFamily, Loop, LoopSettings, Plant, Sines, Strategy,
-    TrackingScore, Wanted, play, reach, slew_of_current,
+    Adaptive, Edge, FeedbackKind, Forward, LawFamily, Loop, LoopSettings, Plant, RequiredMargins, Sines,
+    Strategy, TrackingScore, play, reach, slew_of_current,
 };
 use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::HysteresisForm;
@@ -161,7 +161,7 @@ pub fn study(seed: usize) -> Outcome<()> {
         range_v: RANGE_V,
         slew_v_per_s: f64::INFINITY,
         // The sweep ends there.
-        wanted: Wanted { trusted_to_hz: Some(100.0), ..Wanted::default() },
+        wanted: RequiredMargins { trusted_to_hz: Some(100.0), ..RequiredMargins::default() },
         realise: RealiseOptions { lowest_frequency_hz: Some(LOWEST_HZ), ..RealiseOptions::default() },
     };
     let sines = [1.0, 10.0, 20.0, 50.0, 100.0];

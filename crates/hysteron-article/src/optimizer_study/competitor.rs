@@ -1,8 +1,8 @@
 //! Who competes.
 
 use hysteron_optimize::{
-    AbcOptions, Algorithm, CmaEsOptions, DeAbcOptions, DeOptions, LeastSquaresOptions, Moved, Observer,
-    OptimizeError, Outcome, PsoOptions, Scout, Settings, minimize,
+    AbcOptions, Algorithm, CmaEsOptions, DeAbcOptions, DeOptions, LeastSquaresOptions, MovedComponents,
+    Observer, OptimizeError, Outcome, PsoOptions, Scout, Settings, minimize,
 };
 use hysteron_optimize::{LeastSquaresProblem, StopReason};
 use serde::{Deserialize, Serialize};
@@ -80,7 +80,9 @@ impl Competitor {
         let eager = Some(EAGER_LIMIT);
         match self {
             Self::DeAbc | Self::DeAbcThenLeastSquares => Algorithm::DeAbc(de_abc),
-            Self::DeAbcOneDimension => Algorithm::DeAbc(DeAbcOptions { moved: Moved::One, ..de_abc }),
+            Self::DeAbcOneDimension => {
+                Algorithm::DeAbc(DeAbcOptions { moved: MovedComponents::One, ..de_abc })
+            }
             Self::DeAbcNoScout => Algorithm::DeAbc(DeAbcOptions { scout: Scout::Off, ..de_abc }),
             Self::DeAbcEagerScout => Algorithm::DeAbc(DeAbcOptions { limit: eager, ..de_abc }),
             Self::DeAbcEagerRandomScout => {

@@ -57,7 +57,7 @@ pub use fractional_block::FractionalBlock;
 pub use options::{StudyOptions, StudyProblem};
 pub use run::run_study;
 pub use static_block::StaticBlock;
-pub use study::{Curve, Parameter, ProblemResult, Row, Run, Study};
+pub use study::{Curve, Parameter, ProblemResult, Row, Study, StudyRun};
 pub use summary::{Quartiles, quartiles};
 
 #[cfg(test)]

@@ -73,7 +73,7 @@ pub struct Row {
     /// Best RMSE against evaluations.
     pub curve: Curve,
     /// The runs, in the order of their seeds.
-    pub runs: Vec<Run>,
+    pub runs: Vec<StudyRun>,
 }
 
 /// Best RMSE so far against evaluations, over the runs, every 50 evaluations (a generation of the population
@@ -95,7 +95,7 @@ pub struct Curve {
 
 /// One run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Run {
+pub struct StudyRun {
     /// Seed.
     pub seed: u64,
     /// Best RMSE \[µm\].
@@ -121,7 +121,7 @@ impl Row {
         target: f64,
         budget: usize,
     ) -> Self {
-        let run = |(seed, outcome): &(u64, Outcome)| Run {
+        let run = |(seed, outcome): &(u64, Outcome)| StudyRun {
             seed: *seed,
             best_rmse: outcome.cost,
             best: outcome.best.clone(),
@@ -130,7 +130,7 @@ impl Row {
             scouts_fired: outcome.scouts_fired,
             stopped: outcome.stopped,
         };
-        let runs: Vec<Run> = outcomes.iter().map(run).collect();
+        let runs: Vec<StudyRun> = outcomes.iter().map(run).collect();
         let successes: Vec<f64> =
             runs.iter().filter_map(|run| run.evaluations_to_target).map(|n| n as f64).collect();
         let median = |values: Vec<f64>| quartiles(&values).map_or(f64::NAN, |q| q.median);

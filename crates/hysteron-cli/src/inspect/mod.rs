@@ -110,7 +110,7 @@ impl Inspect {
 
     fn list(&self, path: &Path, held: &[Content]) -> Result<(), Failure> {
         if self.json {
-            return console::json(&Held { file: path.display().to_string(), contents: held });
+            return console::json(&FileListing { file: path.display().to_string(), contents: held });
         }
         console::result(&text::contents(path, held))
     }
@@ -118,7 +118,7 @@ impl Inspect {
 
 /// Listing of a file whose record is still to be chosen, as JSON.
 #[derive(Serialize)]
-struct Held<'a> {
+struct FileListing<'a> {
     file: String,
     contents: &'a [Content],
 }

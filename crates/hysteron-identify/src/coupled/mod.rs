@@ -24,7 +24,7 @@ use hysteron_model::validate::Scoring;
 use hysteron_optimize::{
     Algorithm, Differences, LeastSquaresOptions, Problem, Settings, Stop, residual_jacobian,
 };
-use problem::{CoupledProblem, OF_ACTUATOR, OF_PATH, Piece};
+use problem::{CoupledProblem, OF_ACTUATOR, OF_PATH, SettledRecord};
 use serde::{Deserialize, Serialize};
 
 /// Damping ratios and shares of the sample rate that natural frequencies start from.
@@ -86,11 +86,11 @@ pub fn identify(
 ) -> Result<CoupledIdentification, IdentifyError> {
     let first = records.first().filter(|r| !r.y.is_empty()).ok_or(IdentifyError::NoOutputs)?;
     same(first, records)?;
-    let pieces: Vec<Piece> = records
+    let pieces: Vec<SettledRecord> = records
         .iter()
         .map(|record| {
             let period = SteadyPeriod::find(record, false).ok().filter(|p| p.settling == 0);
-            Piece { record, settled: period.map(|p| p.samples()) }
+            SettledRecord { record, settled: period.map(|p| p.samples()) }
         })
         .collect();
     let problem = CoupledProblem::new(&pieces, None).ok_or(IdentifyError::NoOutputs)?;
@@ -199,7 +199,7 @@ fn start(problem: &CoupledProblem<'_>, (alpha, beta): (f64, f64), stop: &Stop) -
 /// Standard errors from the derivatives with respect to everything but the offsets, which every residual has
 /// off.
 fn errors(
-    pieces: &[Piece<'_>],
+    pieces: &[SettledRecord<'_>],
     problem: &CoupledProblem<'_>,
     model: &CoupledHammerstein,
     best: &[f64],

@@ -14,7 +14,7 @@ pub(super) const OF_PATH: usize = 3;
 
 /// A record and where its settled period ends.
 #[derive(Clone, Debug)]
-pub(super) struct Piece<'a> {
+pub(super) struct SettledRecord<'a> {
     pub record: &'a AxesRecord,
     pub settled: Option<usize>,
 }
@@ -23,7 +23,7 @@ pub(super) struct Piece<'a> {
 /// errors of all.
 #[derive(Debug)]
 pub(super) struct CoupledProblem<'a> {
-    pub pieces: &'a [Piece<'a>],
+    pub pieces: &'a [SettledRecord<'a>],
     pub inputs: usize,
     pub outputs: usize,
     pub gains_free: bool,
@@ -40,7 +40,7 @@ pub(super) struct Point {
 }
 
 impl<'a> CoupledProblem<'a> {
-    pub(super) fn new(pieces: &'a [Piece<'a>], gains_free: Option<&[f64]>) -> Option<Self> {
+    pub(super) fn new(pieces: &'a [SettledRecord<'a>], gains_free: Option<&[f64]>) -> Option<Self> {
         let first = pieces.first()?.record;
         let (inputs, outputs, rate) = (first.u.len(), first.y.len(), first.sample_rate_hz);
         let longest = pieces.iter().map(|p| p.record.len()).max()? as f64;

@@ -6,7 +6,7 @@ use hysteron_model::model::{Score, ScoreSummary};
 use hysteron_model::model_file::{DynamicsBlock, HysteresisBlock, InfluenceEntry, Quantity};
 use serde::{Deserialize, Serialize, Serializer};
 
-use super::{Fit, FitParameter, Found};
+use super::{Fit, FitDetails, FitParameter};
 use crate::modes::ModeShift;
 use crate::{Finding, RecordFit, RecordSines};
 
@@ -109,10 +109,10 @@ impl Fit {
     /// The identification in numbers.
     pub fn summary(&self) -> FitSummary {
         let structure = match &self.found {
-            Found::Hammerstein(_) => None,
-            Found::Oscillator(_) => Some("oscillator"),
-            Found::Modes(_) => Some("modes"),
-            Found::Branches(_) => Some("hammerstein"),
+            FitDetails::Hammerstein(_) => None,
+            FitDetails::Oscillator(_) => Some("oscillator"),
+            FitDetails::Modes(_) => Some("modes"),
+            FitDetails::Branches(_) => Some("hammerstein"),
         };
         let runs: Vec<ScoreSummary> = self.runs().iter().map(|run| run.score().summary()).collect();
         let mut summary = FitSummary {
@@ -128,7 +128,7 @@ impl Fit {
             Err(runs) => summary.runs = runs,
         }
         match (&self.found, &self.model) {
-            (Found::Hammerstein(found), Model::Hammerstein(body)) => {
+            (FitDetails::Hammerstein(found), Model::Hammerstein(body)) => {
                 let file = body.data();
                 summary.hysteresis = Some(file.hysteresis.clone());
                 summary.dynamics = Some(file.dynamics.clone());
@@ -148,13 +148,13 @@ impl Fit {
                     moved_std_errors: r.moved,
                 });
             }
-            (Found::Oscillator(found), _) => {
+            (FitDetails::Oscillator(found), _) => {
                 let shapes = found.shapes.iter().map(|s| ("shape", s));
                 let all = shapes.chain([("output error", &found.search)]);
                 let all = all.map(|(step, outcome)| SearchSummary::new(step, "least-squares", outcome));
                 summary.searches = Some(all.collect());
             }
-            (Found::Modes(found), Model::Modes(body)) => {
+            (FitDetails::Modes(found), Model::Modes(body)) => {
                 let mode = |m: &ModeShift| ModeSummary { lowest_level: m.low, highest_level: m.high };
                 summary.parameters = None;
                 summary.parameter_count = Some(found.parameters);

@@ -9,7 +9,7 @@ use super::super::{IdentifyError, RecordFacts, findings};
 use super::band::{self, OutputUncertainty};
 use super::between;
 use super::campaign::JointMember;
-use super::fitted::{ALL_SAMPLES, Fitted};
+use super::fitted::{ALL_SAMPLES, FittedOptimum};
 use super::intervals::intervals;
 use super::knowledge::{self, Covariance};
 use super::model::assemble;
@@ -91,14 +91,14 @@ pub(in super::super) fn identify(
     let reduced = members.iter().any(|member| member.factor > 1);
     let optimum = search(setup, reduced, &mut engine)?;
     let others = between::others(&optimum.setup, options);
-    let fitted = Fitted::on_all_samples(optimum, reduced, &others, &mut engine)?;
+    let fitted = FittedOptimum::on_all_samples(optimum, reduced, &others, &mut engine)?;
     let options = fitted.setup.options();
     let searched = fitted.problem.bounds().clone();
     let asked = Options { delay_s: Choice::Auto, ..options.clone() };
     let is_untold = !shows_delay && asked_delay == Choice::Auto;
     let fitted = if is_untold && !engine.is_stopped() { fitted.with_free_delay(&asked)? } else { fitted };
     let form = fitted.setup.form;
-    let Fitted { problem, x, thinned, search, degree, degrees, between, mut reduction, .. } = fitted;
+    let FittedOptimum { problem, x, thinned, search, degree, degrees, between, mut reduction, .. } = fitted;
     let certain = engine.enter(ERRORS);
     let smoothed = if certain { smoothed(&problem, &x) } else { None };
     let (linearisation, known_thinned) = rayon::join(

@@ -15,7 +15,7 @@ use hysteron_optimize::{LeastSquaresProblem, Problem};
 pub(super) const ALL_SAMPLES: &str = "all samples";
 
 /// The optimum of a joint fit.
-pub(super) struct Fitted<'a> {
+pub(super) struct FittedOptimum<'a> {
     pub(super) setup: JointSetup<'a>,
     /// All samples; those of the search where a stop left no fit of all.
     pub(super) problem: JointProblem,
@@ -31,7 +31,7 @@ pub(super) struct Fitted<'a> {
     pub(super) reduction: Option<Reduction>,
 }
 
-impl<'a> Fitted<'a> {
+impl<'a> FittedOptimum<'a> {
     /// Fits all samples from the optimum of a search on `reduced` records, also under the `other` rules
     /// between samples.
     pub(super) fn on_all_samples(

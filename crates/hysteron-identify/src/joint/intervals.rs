@@ -112,7 +112,7 @@ pub(in super::super) fn intervals(
         (unit > 0.0).then_some(Profiled { parameter: j, std_error, unit, direction: &directions[j] })
     };
     let whole_fit =
-        || Whole { problem, eliminated: &known.linearisation.eliminated, ws: problem.workspace() };
+        || WholeProblem { problem, eliminated: &known.linearisation.eliminated, ws: problem.workspace() };
     let a_row = if problem.records().iter().any(JointRecord::is_on_stamps) { ON_STAMPS } else { 1 };
     let linearisation = problem.residual_count() * at.len() * a_row;
     let left = WORK as f64 / linearisation.max(1) as f64;
@@ -169,13 +169,13 @@ pub(in super::super) fn intervals(
 }
 
 /// A joint problem in all of its parameters: the eliminated coefficients, then what is searched.
-struct Whole<'a> {
+struct WholeProblem<'a> {
     problem: &'a JointProblem,
     eliminated: &'a [usize],
     ws: JointWorkspace,
 }
 
-impl Whole<'_> {
+impl WholeProblem<'_> {
     /// Search vector, and all coefficients of u, u², … and α.
     fn split<'p>(&self, p: &'p [f64]) -> (&'p [f64], Vec<f64>) {
         let (eliminated, x) = p.split_at(self.eliminated.len());
@@ -189,7 +189,7 @@ impl Whole<'_> {
     }
 }
 
-impl Fit for Whole<'_> {
+impl Fit for WholeProblem<'_> {
     fn linearise(&mut self, p: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
         let (x, coefficients) = self.split(p);
         let linearisation = self.problem.linearise_at(x, &coefficients)?;

@@ -29,7 +29,7 @@ use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, Range,
 
 /// Meaning of one searched number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Searched {
+enum SearchedNumber {
     /// Something that changes every record.
     Everywhere(Direction),
     /// The memory of one record.
@@ -45,7 +45,7 @@ pub(in super::super) struct JointProblem {
     hysteresis: HysteresisForm,
     form: DynamicForm,
     layout: JointLayout,
-    searched: Vec<Searched>,
+    searched: Vec<SearchedNumber>,
     /// Shape numbers that are searched.
     shaped: Vec<bool>,
     bounds: Bounds,
@@ -102,23 +102,23 @@ impl JointProblem {
             *sum += record.samples();
             Some(*sum)
         }));
-        let mut searched = vec![Searched::Everywhere(Direction::Column(0)); bounds.dimension()];
-        let mut place = |role: Role, what: Searched| {
+        let mut searched = vec![SearchedNumber::Everywhere(Direction::Column(0)); bounds.dimension()];
+        let mut place = |role: Role, what: SearchedNumber| {
             if let Role::Searched(index) = role {
                 searched[index] = what;
             }
         };
         for (index, role) in layout.linear().enumerate() {
-            place(*role, Searched::Everywhere(Direction::Column(index)));
+            place(*role, SearchedNumber::Everywhere(Direction::Column(index)));
         }
         for (index, role) in layout.shape.iter().enumerate() {
-            place(*role, Searched::Everywhere(Direction::Shape(index)));
+            place(*role, SearchedNumber::Everywhere(Direction::Shape(index)));
         }
         for (index, role) in layout.form.iter().chain([&layout.delay]).enumerate() {
-            place(*role, Searched::Everywhere(Direction::Dynamics(index)));
+            place(*role, SearchedNumber::Everywhere(Direction::Dynamics(index)));
         }
         for (record, role) in layout.memory.iter().enumerate() {
-            place(*role, Searched::Memory(record));
+            place(*role, SearchedNumber::Memory(record));
         }
         let shaped = layout.shape.iter().map(|role| matches!(role, Role::Searched(_))).collect();
         let (inside_hz, stop, best) = (1.0, Stop::new(), Mutex::default());
@@ -343,8 +343,8 @@ impl JointProblem {
         self.records.par_iter().zip(records).zip(slices).enumerate().for_each(
             |(r, ((record, ws), slices))| {
                 let directions = self.searched.iter().map(|what| match *what {
-                    Searched::Everywhere(direction) => Some(direction),
-                    Searched::Memory(owner) => (owner == r).then_some(Direction::Memory),
+                    SearchedNumber::Everywhere(direction) => Some(direction),
+                    SearchedNumber::Memory(owner) => (owner == r).then_some(Direction::Memory),
                 });
                 record.combine(coefficients, ws);
                 record.differentiate(directions.zip(slices).collect(), &weights, ws);

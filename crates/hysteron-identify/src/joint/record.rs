@@ -30,7 +30,7 @@ mod derivatives;
 mod operators;
 mod preparation;
 
-use operators::{Lent, Operators, Spare};
+use operators::{LentOperators, Operators, Spare};
 
 pub(in super::super) use derivatives::Direction;
 pub(in super::super) use preparation::{Clock, Ingredients};
@@ -85,7 +85,7 @@ const LANES: usize = 8;
 /// Scratch of one record.
 #[derive(Debug)]
 pub(in super::super) struct RecordWorkspace {
-    hysteresis: Lent,
+    hysteresis: LentOperators,
     response: PlanResponse,
     total: PlanInput,
     /// Nuisance, and the transients of the candidate.
@@ -172,7 +172,7 @@ impl JointRecord {
         };
         let lanes = if samples < SHARED { 1 } else { rayon::current_num_threads().min(LANES) };
         RecordWorkspace {
-            hysteresis: Lent::new(&self.spare),
+            hysteresis: LentOperators::new(&self.spare),
             response: self.plan.empty_response(parameters),
             total: self.plan.empty_input(),
             local: self.nuisance.with_capacity(self.nuisance.capacity() + transients),
@@ -217,7 +217,7 @@ impl JointRecord {
         form: HysteresisForm,
         (shape, memory): (&[f64], f64),
         derivatives: Derivatives<'_>,
-        lent: &mut Lent,
+        lent: &mut LentOperators,
         lanes: &mut [Lane],
     ) -> bool {
         let wanted = derivatives.is_some();

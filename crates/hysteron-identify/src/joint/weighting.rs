@@ -8,7 +8,7 @@
 
 use std::ops::Range;
 
-use hysteron_model::record::{InputOutput, Piece, oscillation_hz, span, turning_points};
+use hysteron_model::record::{InputOutput, UniformSegment, oscillation_hz, span, turning_points};
 
 /// Error of a model outside its class, as a share of the swing.
 const MISFIT: f64 = 0.002;
@@ -139,7 +139,7 @@ pub(super) fn thinned(data: &InputOutput) -> Vec<usize> {
 }
 
 /// The pieces of a record, each with the samples of a period of its oscillation where it has one.
-fn oscillations(data: &InputOutput) -> impl Iterator<Item = (Piece, Option<f64>)> {
+fn oscillations(data: &InputOutput) -> impl Iterator<Item = (UniformSegment, Option<f64>)> {
     // Once: there may be as many pieces as samples.
     let least_range = OSCILLATES * span(&data.u);
     data.time.pieces(data.len()).into_iter().map(move |piece| {

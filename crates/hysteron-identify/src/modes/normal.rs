@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DMatrixView, DVector};
 use rayon::prelude::*;
 
 use super::columns::Freedom;
-use super::records::Piece;
+use super::records::RecordPeriod;
 use hysteron_model::axes::{ScheduledModes, Trajectory, simulate_steady};
 use hysteron_numeric::{FeedbackTangent, InstructionSet, LANES, Lanes, TangentState};
 use hysteron_optimize::Stop;
@@ -32,22 +32,22 @@ fn preroll(model: &ScheduledModes, s: f64, count: usize) -> (usize, usize) {
 }
 
 /// Mean-free residual of a record, interleaved; `None` where the simulation leaves the range of numbers.
-pub(super) fn residual(model: &ScheduledModes, piece: &Piece) -> Option<Vec<f64>> {
+pub(super) fn residual(model: &ScheduledModes, piece: &RecordPeriod) -> Option<Vec<f64>> {
     let s = model.state_of(&piece.period);
     let (compared, _) = preroll(model, s, piece.fine.len() / model.inputs);
     let y = simulate_steady(model, s, &piece.fine, compared)?;
     Some(difference(piece, &y))
 }
 
-fn difference(piece: &Piece, y: &[f64]) -> Vec<f64> {
+fn difference(piece: &RecordPeriod, y: &[f64]) -> Vec<f64> {
     let mut e: Vec<f64> = piece.period.y.iter().zip(y).map(|(measured, y)| measured - y).collect();
     hysteron_model::axes::remove_means(&mut e, piece.period.outputs);
     e
 }
 
 /// Weighted sum of squares over the records; infinite where one cannot be simulated.
-pub(super) fn cost(model: &ScheduledModes, pieces: &[&Piece]) -> f64 {
-    let of = |piece: &&Piece| -> f64 {
+pub(super) fn cost(model: &ScheduledModes, pieces: &[&RecordPeriod]) -> f64 {
+    let of = |piece: &&RecordPeriod| -> f64 {
         match residual(model, piece) {
             Some(e) => piece.weight * e.iter().map(|e| e * e).sum::<f64>(),
             None => f64::INFINITY,
@@ -61,7 +61,7 @@ pub(super) fn cost(model: &ScheduledModes, pieces: &[&Piece]) -> f64 {
 pub(super) fn normal_equations(
     model: &ScheduledModes,
     freedom: &Freedom,
-    pieces: &[&Piece],
+    pieces: &[&RecordPeriod],
     stop: &Stop,
 ) -> Option<NormalEquations> {
     let count = freedom.columns.len();
@@ -85,7 +85,7 @@ pub(super) fn normal_equations(
 fn of_record(
     model: &ScheduledModes,
     freedom: &Freedom,
-    piece: &Piece,
+    piece: &RecordPeriod,
     s: f64,
     stop: &Stop,
 ) -> Option<(DMatrix<f64>, DVector<f64>)> {

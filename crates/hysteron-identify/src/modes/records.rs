@@ -12,7 +12,7 @@ const ONE_LEVEL: f64 = 0.05;
 
 /// One period of a record.
 #[derive(Clone, Debug)]
-pub(super) struct Piece {
+pub(super) struct RecordPeriod {
     pub period: SteadyPeriod,
     /// Inputs at every step, interleaved.
     pub fine: Vec<f64>,
@@ -23,7 +23,7 @@ pub(super) struct Piece {
 }
 
 /// rms error that, the same in all these records, has this cost.
-pub(super) fn error_of(cost: f64, pieces: &[&Piece]) -> Option<f64> {
+pub(super) fn error_of(cost: f64, pieces: &[&RecordPeriod]) -> Option<f64> {
     let weight: f64 = pieces.iter().map(|p| p.weight * p.period.y.len() as f64).sum();
     Some((cost / weight).sqrt()).filter(|error| error.is_finite())
 }
@@ -31,7 +31,7 @@ pub(super) fn error_of(cost: f64, pieces: &[&Piece]) -> Option<f64> {
 /// All records.
 #[derive(Clone, Debug)]
 pub(super) struct Campaign {
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<RecordPeriod>,
     /// Mean rms of each level, ascending \[V\].
     pub levels: Vec<f64>,
     /// Unit of the inputs.
@@ -58,7 +58,7 @@ impl Campaign {
             let fine = (0..period.samples() * steps)
                 .flat_map(|k| channels.iter().map(move |channel| channel[k]))
                 .collect();
-            pieces.push(Piece { period, fine, level: 0, weight: 0.0 });
+            pieces.push(RecordPeriod { period, fine, level: 0, weight: 0.0 });
         }
         let mut campaign = Self {
             unit: first.u_unit.clone(),
@@ -74,11 +74,11 @@ impl Campaign {
     }
 
     /// Records of the highest level.
-    pub(super) fn top(&self) -> Vec<&Piece> {
+    pub(super) fn top(&self) -> Vec<&RecordPeriod> {
         self.of_level(self.levels.len().saturating_sub(1))
     }
 
-    pub(super) fn of_level(&self, level: usize) -> Vec<&Piece> {
+    pub(super) fn of_level(&self, level: usize) -> Vec<&RecordPeriod> {
         self.pieces.iter().filter(|p| p.level == level).collect()
     }
 

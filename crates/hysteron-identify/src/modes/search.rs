@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::columns::{Freedom, Group};
 use super::normal::{cost, normal_equations};
-use super::records::{Campaign, Piece, error_of};
+use super::records::{Campaign, RecordPeriod, error_of};
 use crate::watch::{Event, State};
 use crate::{ModesCheckpoint, Searches, Watch};
 use hysteron_model::Model;
@@ -79,7 +79,7 @@ pub(super) fn search(
     start: ScheduledModes,
     stage: &Stage,
     from: From,
-    (campaign, pieces): (&Campaign, &[&Piece]),
+    (campaign, pieces): (&Campaign, &[&RecordPeriod]),
     ledger: &mut Ledger<'_, '_>,
 ) -> (ScheduledModes, usize) {
     let freedom = Freedom::new(&start, stage.groups);

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::Options;
-use super::records::{Campaign, Piece};
+use super::records::{Campaign, RecordPeriod};
 use crate::IdentifyError;
 use hysteron_model::axes::{
     CommonPoles, FeedbackStrain, FrequencyMatrix, InfluenceMatrix, LevelLaw, ScheduledModes, StrainLaw,
@@ -200,7 +200,7 @@ fn level_law(campaign: &Campaign, options: &Options) -> LevelLaw {
 }
 
 /// C and D anew by least squares on the spectra of the outputs, the states held: what rank one has lost.
-fn refit_outputs(model: &mut ScheduledModes, pieces: &[&Piece]) {
+fn refit_outputs(model: &mut ScheduledModes, pieces: &[&RecordPeriod]) {
     let (n, m, states) = (model.inputs, model.outputs, model.states());
     let (mut rows, mut targets): (Vec<Vec<Complex64>>, Vec<Vec<Complex64>>) = (Vec::new(), Vec::new());
     for piece in pieces {
@@ -288,7 +288,12 @@ fn advance(
 /// A strain acts where the drive does, behind the lag: h_k = b_k (1 + i f_k/f_lag). The extension e = G₀⁻¹ y
 /// of each actuator is read from the outputs' rows, ahead by the time the sensors are behind; v = (1 − 0.07)
 /// a + 0.07 e, σ = e − u.
-pub(super) fn add_feedback(start: &Start, model: &mut ScheduledModes, pieces: &[&Piece], plays: usize) {
+pub(super) fn add_feedback(
+    start: &Start,
+    model: &mut ScheduledModes,
+    pieces: &[&RecordPeriod],
+    plays: usize,
+) {
     let Some(inverse) = start.influence.inverse() else { return };
     let (n, m, modes, states) = (model.inputs, model.outputs, model.modes, model.states());
     let rate = model.step_rate_hz();
@@ -343,7 +348,7 @@ pub(super) fn add_feedback(start: &Start, model: &mut ScheduledModes, pieces: &[
 /// v and σ of every actuator over the periods, under the linear model.
 fn signals(
     model: &ScheduledModes,
-    pieces: &[&Piece],
+    pieces: &[&RecordPeriod],
     drive_rows: &[f64],
     stress_rows: &[f64],
 ) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {

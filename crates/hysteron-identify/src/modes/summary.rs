@@ -2,7 +2,7 @@
 
 use super::columns::Group;
 use super::normal::residual;
-use super::records::{Campaign, Piece};
+use super::records::{Campaign, RecordPeriod};
 use super::search::{From, Ledger, Stage, search};
 use super::start::{add_feedback, linear_start};
 use super::{ModesIdentification, Options};
@@ -133,7 +133,7 @@ pub(super) fn identify(
     if !scheduled {
         model.transition_slopes.iter_mut().for_each(|slope| *slope = 0.0);
     }
-    let all: Vec<&Piece> = campaign.pieces.iter().collect();
+    let all: Vec<&RecordPeriod> = campaign.pieces.iter().collect();
     let top = campaign.top();
     let mut parameters = 0;
     for (index, stage) in stages.iter().enumerate() {
@@ -244,7 +244,7 @@ fn check(options: &Options) -> Result<(), IdentifyError> {
 }
 
 fn fits(model: &ScheduledModes, campaign: &Campaign, records: &[AxesRecord]) -> Vec<ModesRecordFit> {
-    let fit = |(piece, record): (&Piece, &AxesRecord)| {
+    let fit = |(piece, record): (&RecordPeriod, &AxesRecord)| {
         let outputs = piece.period.outputs;
         let e = residual(model, piece).unwrap_or_else(|| vec![f64::NAN; piece.period.y.len()]);
         let rms = |e: &mut dyn Iterator<Item = f64>| {

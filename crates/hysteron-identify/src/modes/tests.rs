@@ -5,7 +5,7 @@ use nalgebra::DVector;
 
 use super::columns::Freedom;
 use super::normal::{cost, derivatives, normal_equations};
-use super::records::Piece;
+use super::records::RecordPeriod;
 use super::summary::ALL;
 use hysteron_model::axes::{
     FeedbackStrain, LevelLaw, Mode, ScheduledModes, SteadyPeriod, StrainLaw, Trajectory, pole,
@@ -66,7 +66,7 @@ fn model() -> ScheduledModes {
 }
 
 /// A period of noise, its outputs noise as well.
-fn piece(seed: u64, size: f64, model: &ScheduledModes) -> Piece {
+fn piece(seed: u64, size: f64, model: &ScheduledModes) -> RecordPeriod {
     let samples = 200;
     let mut numbers = Numbers(seed);
     let fine = numbers.list(samples * model.steps * model.inputs, size);
@@ -82,7 +82,7 @@ fn piece(seed: u64, size: f64, model: &ScheduledModes) -> Piece {
         settling: 0,
         level: size / 3f64.sqrt(),
     };
-    Piece { period, fine, level: 0, weight: 0.7 }
+    RecordPeriod { period, fine, level: 0, weight: 0.7 }
 }
 
 /// Column of every free parameter by central differences: outputs at every sample, interleaved.
@@ -144,7 +144,7 @@ fn every_derivative_is_that_of_central_differences() {
 fn the_normal_equations_are_those_of_the_columns_and_lower_the_cost() {
     let model = model();
     let pieces = [piece(7, 0.8, &model), piece(8, 1.5, &model)];
-    let all: Vec<&Piece> = pieces.iter().collect();
+    let all: Vec<&RecordPeriod> = pieces.iter().collect();
     let freedom = Freedom::new(&model, &ALL);
     let found = normal_equations(&model, &freedom, &all, &Stop::new()).unwrap();
     let count = freedom.columns.len();

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use rustfft::num_complex::Complex64;
 
 use super::Options;
-use super::preparation::Piece;
+use super::preparation::PreparedRecord;
 use crate::IdentifyError;
 use hysteron_model::Start;
 use hysteron_model::hysteresis::{RecordEnds, UnitShape};
@@ -36,7 +36,7 @@ pub(super) struct Coefficients {
 /// The regression, prepared for any shape.
 #[derive(Debug)]
 pub(super) struct EquationError {
-    parts: Vec<Part>,
+    parts: Vec<RecordSpectra>,
     /// Weighted spectra of ÿ, ẏ and y, line by line, and of the force without what held parameters take of
     /// it.
     columns: [Vec<f64>; 3],
@@ -51,7 +51,7 @@ pub(super) struct EquationError {
 }
 
 /// One piece.
-struct Part {
+struct RecordSpectra {
     path: Vec<f64>,
     start: Start<f64>,
     window: Option<Vec<f64>>,
@@ -62,7 +62,7 @@ struct Part {
     samples: usize,
 }
 
-impl std::fmt::Debug for Part {
+impl std::fmt::Debug for RecordSpectra {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "Part({} samples, {} lines)", self.samples, self.weights.len())
     }
@@ -83,7 +83,7 @@ struct Motion {
 }
 
 impl EquationError {
-    pub(super) fn new(pieces: &[Piece], options: &Options) -> Result<Self, IdentifyError> {
+    pub(super) fn new(pieces: &[PreparedRecord], options: &Options) -> Result<Self, IdentifyError> {
         let fixed = |name: &str| options.fixed.iter().find(|(n, _)| n == name).map(|(_, value)| *value);
         let held = [fixed("mass"), fixed("damping")];
         let mut parts = Vec::new();
@@ -120,7 +120,7 @@ impl EquationError {
                 Start::Settled { .. } => Start::PERIODIC,
                 _ => Start::AsIdentified,
             };
-            parts.push(Part {
+            parts.push(RecordSpectra {
                 path,
                 start,
                 window,
@@ -245,7 +245,7 @@ impl EquationError {
     }
 }
 
-impl Part {
+impl RecordSpectra {
     /// Real and imaginary parts of the weighted lines, onto the end of `column`; their squares add up to the
     /// sum over the samples.
     fn weigh(&self, lines: &[Complex64], column: &mut Vec<f64>) {

@@ -1,7 +1,7 @@
 //! Simulated against measured output: the problem that is finally solved.
 
 use super::coordinates::{COUNT, Coordinates};
-use super::preparation::Piece;
+use super::preparation::PreparedRecord;
 use hysteron_model::Start;
 use hysteron_model::oscillator::{Drive, Oscillator, OscillatorState, Response};
 use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, Range, root_mean_square};
@@ -10,7 +10,7 @@ use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, Range,
 /// free start.
 #[derive(Debug)]
 pub(super) struct OutputError<'a> {
-    pieces: &'a [Piece],
+    pieces: &'a [PreparedRecord],
     drives: &'a [Drive],
     /// Coordinates that are held, at their values; the others are searched.
     held: [Option<f64>; COUNT],
@@ -31,7 +31,7 @@ const FREE_START: f64 = 3.0;
 
 impl<'a> OutputError<'a> {
     pub(super) fn new(
-        (pieces, drives): (&'a [Piece], &'a [Drive]),
+        (pieces, drives): (&'a [PreparedRecord], &'a [Drive]),
         held: [Option<f64>; COUNT],
         ranges: &[Range; COUNT],
         size: f64,
@@ -84,7 +84,7 @@ impl<'a> OutputError<'a> {
             next += 3;
             at
         };
-        let start = |piece: &Piece| match piece.start {
+        let start = |piece: &PreparedRecord| match piece.start {
             Start::AsIdentified | Start::Rest { .. } => (Start::AsIdentified, None),
             Start::Settled { .. } => (Start::PERIODIC, None),
             Start::Remembering { .. } => {

@@ -14,7 +14,7 @@ const WHOLE: f64 = 0.1;
 
 /// A record as the fit uses it.
 #[derive(Clone, Debug)]
-pub(super) struct Piece {
+pub(super) struct PreparedRecord {
     pub name: String,
     pub u: Vec<f64>,
     /// Measured output; of a periodic piece the mean over the settled periods.
@@ -28,7 +28,7 @@ pub(super) struct Piece {
     pub periods: usize,
 }
 
-impl Piece {
+impl PreparedRecord {
     pub(super) fn start_is_free(&self) -> bool {
         matches!(self.start, Start::Remembering { .. })
     }
@@ -42,18 +42,21 @@ impl Piece {
 }
 
 /// The records as pieces, in their order.
-pub(super) fn pieces(records: &[InputOutput], options: &Options) -> Result<Vec<Piece>, IdentifyError> {
+pub(super) fn pieces(
+    records: &[InputOutput],
+    options: &Options,
+) -> Result<Vec<PreparedRecord>, IdentifyError> {
     let campaign: Vec<CampaignRecord> =
         records.iter().map(|data| CampaignRecord { data: data.clone(), role: None }).collect();
     usable(&campaign)?.iter().map(|facts| piece(facts, options.initial)).collect()
 }
 
-fn piece(facts: &RecordFacts, initial: Initial) -> Result<Piece, IdentifyError> {
+fn piece(facts: &RecordFacts, initial: Initial) -> Result<PreparedRecord, IdentifyError> {
     let data = &facts.data;
     let rate = data
         .sample_rate_hz()
         .ok_or_else(|| IdentifyError::OscillatorNotUniform { record: data.name.clone() })?;
-    let whole = |start: Start<()>| Piece {
+    let whole = |start: Start<()>| PreparedRecord {
         name: data.name.clone(),
         u: data.u.clone(),
         y: data.y.clone(),
@@ -81,9 +84,15 @@ fn repeating(periods: Option<Periods>) -> Option<(usize, usize, usize)> {
 }
 
 /// The mean over the settled periods: for a steady state under white noise it holds all that they know.
-fn mean_period(data: &InputOutput, rate: f64, samples: usize, settling: usize, count: usize) -> Piece {
+fn mean_period(
+    data: &InputOutput,
+    rate: f64,
+    samples: usize,
+    settling: usize,
+    count: usize,
+) -> PreparedRecord {
     let valid = |k: usize| data.is_valid(k);
-    let mut piece = Piece {
+    let mut piece = PreparedRecord {
         name: data.name.clone(),
         u: data.u.iter().take(samples).copied().collect(),
         y: Vec::with_capacity(samples),

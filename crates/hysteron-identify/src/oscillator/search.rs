@@ -6,7 +6,7 @@ use super::coordinates::{COUNT, LARGEST_N, N, ranges};
 use super::equation_error::EquationError;
 use super::knowledge::{Estimate, estimates};
 use super::output_error::OutputError;
-use super::preparation::{Piece, pieces};
+use super::preparation::{PreparedRecord, pieces};
 use super::shapes::candidates;
 use super::{Identification, Options, RecordFit};
 use crate::engine::Engine;
@@ -135,7 +135,7 @@ fn held(options: &Options) -> Result<[Option<f64>; COUNT], IdentifyError> {
 fn record_fit(
     oscillator: &Oscillator,
     data: &InputOutput,
-    (piece, drive): (&Piece, &Drive),
+    (piece, drive): (&PreparedRecord, &Drive),
     start: Start<OscillatorState>,
 ) -> Result<RecordFit, IdentifyError> {
     let mut one = vec![0.0; drive.len()];
@@ -147,7 +147,7 @@ fn record_fit(
     Ok(RecordFit { data: data.clone(), start, period_samples, simulated, scores })
 }
 
-fn treatment(piece: &Piece) -> String {
+fn treatment(piece: &PreparedRecord) -> String {
     let name = &piece.name;
     match piece.start {
         Start::Settled { .. } if piece.periods > 1 => format!(

@@ -149,7 +149,7 @@ pub fn recalibrate(
         starts = again;
         found = fit(model, prior, recordings, &mut starts)?;
     }
-    let Fitted { model: mut new, gain, delay, correlation } = found;
+    let RecalibratedModel { model: mut new, gain, delay, correlation } = found;
     let after = scores(&new, recordings, &starts)?;
     for (scores, recording) in after.iter().zip(recordings) {
         let fit_percent = scores.fit_percent.unwrap_or(0.0);
@@ -221,7 +221,7 @@ fn scores(model: &Model, recordings: &[Recording], starts: &[Start]) -> Result<V
 }
 
 /// The new model (with the old offset), gain and delay.
-struct Fitted {
+struct RecalibratedModel {
     model: Model,
     gain: Change,
     delay: Change,
@@ -234,7 +234,7 @@ fn fit(
     prior: Prior,
     recordings: &[Recording],
     starts: &mut [Start],
-) -> Result<Fitted, IdentifyError> {
+) -> Result<RecalibratedModel, IdentifyError> {
     let facts: Vec<RecordFacts> = recordings.iter().map(|r| RecordFacts::new(r.data.clone())).collect();
     let timed = facts.iter().all(|facts| facts.require_timing().is_ok());
     let longest_s = timed.then(|| longest(model, &facts));
@@ -294,7 +294,7 @@ fn fit(
         }
         _ => 0.0,
     };
-    Ok(Fitted { model, gain, delay, correlation })
+    Ok(RecalibratedModel { model, gain, delay, correlation })
 }
 
 /// Longest delay searched \[s\]: twice the old one, ten samples, a tenth of the fastest period.

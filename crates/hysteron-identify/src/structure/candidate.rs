@@ -58,7 +58,7 @@ pub struct Block {
 
 /// Part of a structure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum StructurePart {
     /// The dynamic block.
     Block,
     /// The kind of creep.
@@ -69,7 +69,7 @@ pub enum Part {
     Shape,
 }
 
-impl Part {
+impl StructurePart {
     /// All, in the order in which a search goes through them.
     pub const ALL: [Self; 4] = [Self::Block, Self::Creep, Self::Family, Self::Shape];
 }
@@ -163,20 +163,20 @@ impl Candidate {
 
     /// Every structure that differs from this one in that part alone, of those that are compared unasked, and
     /// this one. Blocks that are identified in two steps go with Bouc–Wen and without creep only.
-    pub fn alternatives(self, part: Part) -> Vec<Self> {
+    pub fn alternatives(self, part: StructurePart) -> Vec<Self> {
         let list: Vec<Self> = match part {
-            Part::Block => Block::USUAL.map(|block| Self { block, ..self }).into(),
-            Part::Creep => [Creep::None]
+            StructurePart::Block => Block::USUAL.map(|block| Self { block, ..self }).into(),
+            StructurePart::Creep => [Creep::None]
                 .into_iter()
                 .chain(CREEPS.map(|(_, creep)| creep))
                 .map(|creep| Self { creep, ..self })
                 .collect(),
-            Part::Family => HysteresisForm::usual()
+            StructurePart::Family => HysteresisForm::usual()
                 .into_iter()
                 .filter(|form| form.description().is_compared_unasked())
                 .map(|hysteresis| Self { hysteresis, n_free: false, ..self })
                 .collect(),
-            Part::Shape => {
+            StructurePart::Shape => {
                 let degrees = (1..=HIGHEST_USUAL_DEGREE).map(|degree| Self { degree, ..self });
                 let free =
                     (self.hysteresis == HysteresisForm::BoucWen).then_some(Self { n_free: true, ..self });
@@ -259,7 +259,7 @@ mod tests {
     fn a_name_and_its_structure_are_one_to_one() {
         for block in Block::all() {
             let base = Candidate::of(block);
-            for candidate in Part::ALL.into_iter().flat_map(|part| base.alternatives(part)) {
+            for candidate in StructurePart::ALL.into_iter().flat_map(|part| base.alternatives(part)) {
                 assert_eq!(candidate.to_string().parse(), Ok(candidate));
             }
         }
@@ -297,18 +297,18 @@ mod tests {
             )
             .collect();
         assert!(families.len() > 1 && families[0] == behind(""), "{families:?}");
-        assert_eq!(names(own, Part::Family), families);
+        assert_eq!(names(own, StructurePart::Family), families);
         let plays: Candidate = families[1].replace("+degree2", "").parse().unwrap();
-        assert!(names(plays, Part::Block).iter().all(|name| !name.starts_with("arx")));
-        assert_eq!(names(plays, Part::Block).len(), Block::USUAL.len() - 1);
-        assert_eq!(names(plays, Part::Shape).len(), 5);
-        assert_eq!(names(own, Part::Creep).len(), 4);
+        assert!(names(plays, StructurePart::Block).iter().all(|name| !name.starts_with("arx")));
+        assert_eq!(names(plays, StructurePart::Block).len(), Block::USUAL.len() - 1);
+        assert_eq!(names(plays, StructurePart::Shape).len(), 5);
+        assert_eq!(names(own, StructurePart::Creep).len(), 4);
         let arx = Candidate::of(Block::of(DynamicsChoice::Arx));
         assert_eq!(
-            (names(arx, Part::Family), names(arx, Part::Creep)),
+            (names(arx, StructurePart::Family), names(arx, StructurePart::Creep)),
             (vec!["arx".to_owned()], vec!["arx".to_owned()])
         );
-        assert_eq!(names(arx, Part::Shape).len(), 6);
+        assert_eq!(names(arx, StructurePart::Shape).len(), 6);
     }
 
     #[test]

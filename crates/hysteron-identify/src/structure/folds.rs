@@ -6,7 +6,7 @@ use super::super::RecordFacts;
 use super::content::{Content, near, same};
 use super::prospect;
 use crate::IdentifyError;
-use hysteron_model::record::{Run, RunPart};
+use hysteron_model::record::{MeasurementRun, RunPart};
 
 /// Groups of records from which on whole records are left out.
 const ENOUGH_RECORDS: usize = 3;
@@ -73,8 +73,8 @@ pub(super) fn plan(facts: &[RecordFacts], contents: &[Content]) -> Result<Vec<Fo
 
 /// Each part of a run of several: the drive of all parts is known, so that memory and creep carry over what
 /// is left out. `None` where there are fewer than two parts.
-pub(super) fn of_parts(runs: &[Run]) -> Option<Vec<Fold>> {
-    let of_run = |(index, run): (usize, &Run)| -> Vec<Fold> {
+pub(super) fn of_parts(runs: &[MeasurementRun]) -> Option<Vec<Fold>> {
+    let of_run = |(index, run): (usize, &MeasurementRun)| -> Vec<Fold> {
         let fold = |part: &RunPart| Fold {
             label: part.data.name.clone(),
             content: Content::of(&RecordFacts::new(part.data.clone()))

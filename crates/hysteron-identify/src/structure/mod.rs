@@ -20,7 +20,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-pub use candidate::{Block, Candidate, Part, UnknownCandidate};
+pub use candidate::{Block, Candidate, StructurePart, UnknownCandidate};
 pub use content::Content;
 pub use folds::Fold;
 pub use neighbours::{Neighbour, Neighbours, neighbours};
@@ -97,7 +97,7 @@ impl Entry {
 }
 
 /// Compares `candidates` on a campaign. `None`: a search through dynamic blocks, kinds of creep, families of
-/// hysteresis, polynomial degrees and n, one [`Part`] after the other about the best so far, until none is
+/// hysteresis, polynomial degrees and n, one [`StructurePart`] after the other about the best so far, until none is
 /// better. Of `options`, structure, algorithm and demands are each candidate's own.
 ///
 /// # Errors
@@ -124,7 +124,14 @@ pub fn compare(
         facts.iter().map(|f| JointMember::new(f, options, &mut engine)).collect::<Result<Vec<_>, _>>()?;
     let campaign = Campaign { facts: &facts, members: &members, options, stop: watch.stop() };
 
-    let mut run = Run { campaign, folds, watch, done: AtomicUsize::new(0), planned: 0, finished: Vec::new() };
+    let mut run = RunningComparison {
+        campaign,
+        folds,
+        watch,
+        done: AtomicUsize::new(0),
+        planned: 0,
+        finished: Vec::new(),
+    };
     match candidates {
         Some(candidates) => run.add(candidates),
         None => run.search(),
@@ -137,7 +144,7 @@ pub fn compare(
 }
 
 /// A comparison under way.
-struct Run<'a, 'w> {
+struct RunningComparison<'a, 'w> {
     campaign: Campaign<'a>,
     folds: Vec<Fold>,
     watch: &'a Watch<'w>,
@@ -152,14 +159,14 @@ struct Finished {
     training: Option<Training>,
 }
 
-impl Run<'_, '_> {
+impl RunningComparison<'_, '_> {
     /// One part of the structure after the other, the rest as in the best so far, until a pass changes
     /// nothing: which dynamics predict best depends on the hysteresis before them, and the other way round.
     fn search(&mut self) {
         let mut best = Candidate::of(Block::NONE);
         for pass in 1..=PASSES {
             let before = best;
-            for (parts_left, part) in (0..Part::ALL.len()).rev().zip(Part::ALL) {
+            for (parts_left, part) in (0..StructurePart::ALL.len()).rev().zip(StructurePart::ALL) {
                 let alternatives = best.alternatives(part);
                 // An honest guess: as much again as this part for every one to come.
                 let to_come = parts_left * alternatives.len() + if pass == 1 { SECOND_PASS } else { 0 };

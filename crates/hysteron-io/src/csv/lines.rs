@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 
 use crate::IoError;
 use crate::options::MAX_LINE_BYTES;
-use crate::place::{Part, Place};
+use crate::place::{FilePart, Place};
 
 /// Reader that hashes what passes and stops one byte after a limit.
 struct Hashed<R> {
@@ -123,7 +123,7 @@ impl<R: Read> Lines<R> {
     }
 
     fn place(&self, line: u64) -> Place {
-        Place::new(&self.file, Part::Line(line))
+        Place::new(&self.file, FilePart::Line(line))
     }
 
     /// Number of the line last read, from 1.

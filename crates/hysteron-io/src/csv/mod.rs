@@ -9,7 +9,7 @@ use std::io::Read;
 
 use crate::IoError;
 use crate::columns::{Columns, Headings};
-use crate::place::{Part, Place};
+use crate::place::{FilePart, Place};
 use crate::reader::Input;
 
 use dialect::{declared_delimiter, detect_delimiter, loosely_number, split_fields};
@@ -17,13 +17,13 @@ use lines::{Line, Lines, is_skipped};
 use table::Table;
 
 /// A line kept until the next one explains it.
-struct Kept {
+struct KeptLine {
     number: u64,
     ended: bool,
     bytes: Vec<u8>,
 }
 
-impl Kept {
+impl KeptLine {
     fn line(&self) -> Line<'_> {
         Line { number: self.number, bytes: &self.bytes, ended: self.ended }
     }
@@ -50,7 +50,7 @@ pub(crate) fn read(input: Input<'_>) -> Result<Columns, IoError> {
         .map_err(|column| IoError::UnclosedQuote { place: Place::cell(file, line, column, "") })?;
     if fields.iter().all(|f| loosely_number(f).is_some()) {
         return Err(IoError::NoHeader {
-            place: Place::new(file, Part::Line(line)),
+            place: Place::new(file, FilePart::Line(line)),
             columns: fields.len(),
             suggestion: suggested_header(fields.len(), delimiter),
         });
@@ -88,7 +88,7 @@ fn header_texts(file: &str, line: u64, fields: Vec<Vec<u8>>) -> Result<Vec<Strin
     let text = |(i, field): (usize, Vec<u8>)| {
         let text = utf8(&field, || Place::cell(file, line, i + 1, ""))?;
         if text.contains('\r') {
-            return Err(IoError::BareCarriageReturn { place: Place::new(file, Part::Line(line)) });
+            return Err(IoError::BareCarriageReturn { place: Place::new(file, FilePart::Line(line)) });
         }
         Ok(text.to_owned())
     };
@@ -108,10 +108,10 @@ fn utf8(field: &[u8], place: impl FnOnce() -> Place) -> Result<&str, IoError> {
 fn next_fields(
     lines: &mut Lines<impl Read>,
     delimiter: &mut Option<u8>,
-) -> Result<(Option<Kept>, Option<Kept>), IoError> {
+) -> Result<(Option<KeptLine>, Option<KeptLine>), IoError> {
     let mut comment = None;
     while let Some(line) = lines.next_line()? {
-        let kept = || Kept { number: line.number, ended: line.ended, bytes: line.bytes.to_vec() };
+        let kept = || KeptLine { number: line.number, ended: line.ended, bytes: line.bytes.to_vec() };
         if line.number == 1
             && let Some(declared) = declared_delimiter(line.bytes)
         {
@@ -126,7 +126,7 @@ fn next_fields(
 }
 
 /// The comment as header, where the line below it is all numbers and it has as many fields, not all numbers.
-fn commented_header(comment: Kept, row: &Kept, delimiter: Option<u8>) -> Option<Kept> {
+fn commented_header(comment: KeptLine, row: &KeptLine, delimiter: Option<u8>) -> Option<KeptLine> {
     let text = comment.bytes.trim_ascii_start();
     let text = text.get(1..)?.trim_ascii();
     let delimiter = delimiter.unwrap_or_else(|| detect_delimiter(text, &row.bytes));
@@ -134,7 +134,7 @@ fn commented_header(comment: Kept, row: &Kept, delimiter: Option<u8>) -> Option<
     let numbers = split_fields(&row.bytes, delimiter).ok()?;
     let all_numbers = |fields: &[Vec<u8>]| fields.iter().all(|f| loosely_number(f).is_some());
     let fits = names.len() >= 2 && names.len() == numbers.len();
-    (fits && all_numbers(&numbers) && !all_numbers(&names)).then(|| Kept {
+    (fits && all_numbers(&numbers) && !all_numbers(&names)).then(|| KeptLine {
         number: comment.number,
         ended: comment.ended,
         bytes: text.to_vec(),

@@ -6,16 +6,16 @@ use super::dialect::{loosely_number, split_fields};
 use super::lines::{Line, is_spreadsheet_error};
 use super::plain::plain_columns;
 use super::utf8;
-use crate::columns::{Columns, Headings, SampleLines, Wanted};
+use crate::columns::{ColumnForm, Columns, Headings, SampleLines};
 use crate::options::MAX_NUMBER_BYTES;
-use crate::place::{Part, Place, shown};
+use crate::place::{FilePart, Place, shown};
 use crate::{IoError, ReadOptions};
 
 /// The columns read so far.
 pub(crate) struct Table {
     headings: Headings,
     /// Form in which each column is read.
-    wanted: Vec<Wanted>,
+    wanted: Vec<ColumnForm>,
     /// Which columns are read as numbers.
     numbers: Vec<bool>,
     /// Numbers of the texts of each column, in the order in which they first stand.
@@ -34,12 +34,12 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    pub fn new(headings: Headings, wanted: Vec<Wanted>, delimiter: u8, options: &ReadOptions) -> Self {
+    pub fn new(headings: Headings, wanted: Vec<ColumnForm>, delimiter: u8, options: &ReadOptions) -> Self {
         Table {
             columns: vec![Vec::new(); headings.columns.len()],
             texts: vec![HashMap::new(); headings.columns.len()],
             headings,
-            numbers: wanted.iter().map(|wanted| *wanted == Wanted::Numbers).collect(),
+            numbers: wanted.iter().map(|wanted| *wanted == ColumnForm::Numbers).collect(),
             wanted,
             keeps_missing: !options.cut.is_whole(),
             delimiter,
@@ -55,7 +55,7 @@ impl Table {
     /// `None`: they have to go through [`Self::push_row`].
     pub fn push_block(&mut self, block: &[u8], before: u64) -> Option<u64> {
         if block.is_empty()
-            || self.wanted.contains(&Wanted::Texts)
+            || self.wanted.contains(&ColumnForm::Texts)
             || self.comma_line.is_some()
             || (self.point_line.is_none() && block.contains(&b'.'))
         {
@@ -125,9 +125,9 @@ impl Table {
 
     fn push_field(&mut self, column: usize, field: &[u8], line: Line<'_>) -> Result<(), IoError> {
         let value = match self.wanted.get(column) {
-            None | Some(Wanted::Nothing) => return Ok(()),
-            Some(Wanted::Numbers) => self.number(column, field, line)?,
-            Some(Wanted::Texts) => self.text(column, field, line)?,
+            None | Some(ColumnForm::Nothing) => return Ok(()),
+            Some(ColumnForm::Numbers) => self.number(column, field, line)?,
+            Some(ColumnForm::Texts) => self.text(column, field, line)?,
         };
         self.values_left = self.values_left.checked_sub(1).ok_or_else(|| IoError::TooManyValues {
             place: self.line(line),
@@ -222,7 +222,7 @@ impl Table {
     }
 
     fn line(&self, line: Line<'_>) -> Place {
-        Place::new(&self.headings.file, Part::Line(line.number))
+        Place::new(&self.headings.file, FilePart::Line(line.number))
     }
 
     fn cell(&self, column: usize, line: Line<'_>) -> Place {

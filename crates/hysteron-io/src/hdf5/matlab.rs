@@ -12,7 +12,7 @@ use hdf5_reader::reference::read_object_references;
 use super::number::{kind, numbers};
 use super::walk::{shape, text, unit};
 use crate::columns::Kind;
-use crate::container::{Held, MAX_ARRAYS, shape_of_texts};
+use crate::container::{HeldArray, MAX_ARRAYS, shape_of_texts};
 
 /// Classes of arrays that are read as what their datasets hold.
 const NUMBERS: [&str; 11] =
@@ -82,7 +82,7 @@ impl References {
     }
 
     /// A dataset by its class.
-    pub fn held(&self, dataset: &Dataset, path: &str, name: &str) -> Result<Held, Error> {
+    pub fn held(&self, dataset: &Dataset, path: &str, name: &str) -> Result<HeldArray, Error> {
         let attributes = dataset.attributes();
         let class = text(&attributes, "MATLAB_class");
         let mut shape = shape(dataset);
@@ -111,6 +111,6 @@ impl References {
             Some(class) if !NUMBERS.contains(&class) => Kind::Other(format!("object of class {class}")),
             _ => kind(dataset.dtype()),
         };
-        Ok(Held { unit: unit(&attributes), row_major: false, ..Held::new(path, name, shape, kind) })
+        Ok(HeldArray { unit: unit(&attributes), row_major: false, ..HeldArray::new(path, name, shape, kind) })
     }
 }

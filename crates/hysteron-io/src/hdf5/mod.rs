@@ -12,7 +12,7 @@ use crate::IoError;
 use crate::columns::Columns;
 use crate::container;
 use crate::hash::sha256;
-use crate::place::{Part, Place};
+use crate::place::{FilePart, Place};
 use crate::reader::{Input, Reader};
 use matlab::References;
 use number::numbers;
@@ -48,17 +48,21 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
         .with_max_chunk_bytes(MOST_CHUNK_BYTES)
         .with_max_read_bytes(usize::try_from(most_unpacked_bytes).unwrap_or(usize::MAX))
         .with_max_object_header_bytes(MOST_HEADER_BYTES);
-    let whole = |error| malformed(Part::Whole, error);
+    let whole = |error| malformed(FilePart::Whole, error);
     let file = Hdf5File::from_vec_with_options(bytes, limits).map_err(whole)?;
     let root = file.root_group().map_err(whole)?;
     let references = of_matlab.then(|| References::new(&root)).transpose().map_err(whole)?;
     let (held, datasets) = Walk::through(&root, references.as_ref()).map_err(whole)?;
     if held.is_empty() {
         let problem = "it holds no datasets".to_owned();
-        return Err(IoError::Malformed { place: Place::new(&name, Part::Whole), format: "HDF5", problem });
+        return Err(IoError::Malformed {
+            place: Place::new(&name, FilePart::Whole),
+            format: "HDF5",
+            problem,
+        });
     }
     container::columns(input, &held, sha, |index| {
-        let part = || Part::Array(held[index].path.as_str().into());
+        let part = || FilePart::Array(held[index].path.as_str().into());
         let Some(dataset) = &datasets[index] else { return Ok(Vec::new()) };
         let is_too_large = dataset.raw_byte_len().map_or(true, |length| length as u64 > most_unpacked_bytes);
         if is_too_large {

@@ -10,7 +10,7 @@ use hdf5_reader::group::Group;
 use super::matlab::References;
 use super::number::kind;
 use crate::columns::Kind;
-use crate::container::{Held, MAX_ARRAYS, MOST_PATH_BYTES};
+use crate::container::{HeldArray, MAX_ARRAYS, MOST_PATH_BYTES};
 
 /// Groups, structures and cells within one another.
 pub(super) const MOST_DEPTH: usize = 32;
@@ -19,7 +19,7 @@ pub(super) const MOST_DEPTH: usize = 32;
 pub(super) struct Walk<'a> {
     /// Targets of the references in cells and structures, in a file of MATLAB.
     pub references: Option<&'a References>,
-    held: Vec<Held>,
+    held: Vec<HeldArray>,
     /// One an array; `None` for what is no dataset that is read.
     datasets: Vec<Option<Dataset>>,
     /// Addresses of the datasets.
@@ -36,7 +36,7 @@ impl<'a> Walk<'a> {
     pub fn through(
         root: &Group,
         references: Option<&'a References>,
-    ) -> Result<(Vec<Held>, Vec<Option<Dataset>>), Error> {
+    ) -> Result<(Vec<HeldArray>, Vec<Option<Dataset>>), Error> {
         let mut walk = Walk {
             references,
             held: Vec::new(),
@@ -83,7 +83,7 @@ impl<'a> Walk<'a> {
         if let Some(references) = self.references
             && let Some(found) = references.other_than_structure(group)?
         {
-            return self.push(None, Held::new(path, name, Vec::new(), Kind::Other(found)));
+            return self.push(None, HeldArray::new(path, name, Vec::new(), Kind::Other(found)));
         }
         let separator = if self.references.is_some() { "." } else { "/" };
         check_length(path, name)?;
@@ -100,8 +100,8 @@ impl<'a> Walk<'a> {
             return self.push(Some(dataset.clone()), references.held(dataset, path, name)?);
         }
         let shape = shape(dataset);
-        let held = Held::new(path, name, shape, kind(dataset.dtype()));
-        self.push(Some(dataset.clone()), Held { unit: unit(&dataset.attributes()), ..held })
+        let held = HeldArray::new(path, name, shape, kind(dataset.dtype()));
+        self.push(Some(dataset.clone()), HeldArray { unit: unit(&dataset.attributes()), ..held })
     }
 
     /// Takes up what the cells of an array refer to.
@@ -140,7 +140,7 @@ impl<'a> Walk<'a> {
         let Some(references) = self.references else { return Ok(()) };
         if self.around.contains(&address) {
             let kind = Kind::Other("a reference to what it stands in".to_owned());
-            return self.push(None, Held::new(path, name, Vec::new(), kind));
+            return self.push(None, HeldArray::new(path, name, Vec::new(), kind));
         }
         if let Some(dataset) = references.datasets.get(&address) {
             self.dataset(dataset, path, name)
@@ -148,7 +148,7 @@ impl<'a> Walk<'a> {
             self.group(group, path, name)
         } else {
             let kind = Kind::Other("a reference to nothing".to_owned());
-            self.push(None, Held::new(path, name, Vec::new(), kind))
+            self.push(None, HeldArray::new(path, name, Vec::new(), kind))
         }
     }
 
@@ -158,16 +158,16 @@ impl<'a> Walk<'a> {
             return Ok(false);
         }
         let kind = Kind::Other(format!("a group deeper than the {MOST_DEPTH} levels that are read"));
-        self.push(None, Held::new(path, name, Vec::new(), kind))?;
+        self.push(None, HeldArray::new(path, name, Vec::new(), kind))?;
         Ok(true)
     }
 
-    fn push(&mut self, dataset: Option<Dataset>, held: Held) -> Result<(), Error> {
+    fn push(&mut self, dataset: Option<Dataset>, held: HeldArray) -> Result<(), Error> {
         check_length("", &held.path)?;
         // One more than a file may have is refused later.
         if self.held.len() <= MAX_ARRAYS {
             let is_alias = dataset.as_ref().is_some_and(|dataset| !self.known.insert(dataset.address()));
-            self.held.push(Held { is_alias, ..held });
+            self.held.push(HeldArray { is_alias, ..held });
             self.datasets.push(dataset);
         }
         Ok(())

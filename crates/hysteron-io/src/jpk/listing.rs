@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::Segment;
 use super::channel::{Channel, Description, Slot};
 use crate::columns::Kind;
-use crate::container::{Held, MAX_ARRAYS};
+use crate::container::{HeldArray, MAX_ARRAYS};
 
 /// Relative difference of sample rates of segments that are one.
 const SAME_RATE: f64 = 1e-9;
@@ -32,7 +32,7 @@ pub(super) struct Array {
 /// Columns and where their numbers are.
 #[derive(Default)]
 pub(super) struct Listing {
-    pub held: Vec<Held>,
+    pub held: Vec<HeldArray>,
     pub sources: Vec<Source>,
     /// Whether segments are listed beside the curve that they make, and other units beside the default one.
     pub parts_too: bool,
@@ -77,8 +77,8 @@ impl Listing {
             segments.values().map(|segment| Some((segment.samples, segment.duration_s?))).collect();
         if let (None, Some(durations)) = (one_rate, durations) {
             let samples = durations.iter().fold(0usize, |sum, (samples, _)| sum.saturating_add(*samples));
-            let time = Held::new(group, "time", vec![samples], Kind::Numbers);
-            self.held.push(Held { unit: Some("s".to_owned()), ..time });
+            let time = HeldArray::new(group, "time", vec![samples], Kind::Numbers);
+            self.held.push(HeldArray { unit: Some("s".to_owned()), ..time });
             self.sources.push(Source::Time(durations));
         }
         let Some(first) = segments.values().next() else { return };
@@ -120,7 +120,7 @@ impl Listing {
             Err(found) => Kind::Other(found.clone()),
         };
         let samples = arrays.iter().fold(0usize, |sum, array| sum.saturating_add(array.samples));
-        let mut held = Held::new(group, &slot.name_of(&channel.name), vec![samples], kind);
+        let mut held = HeldArray::new(group, &slot.name_of(&channel.name), vec![samples], kind);
         held.unit = Some(slot.unit.clone()).filter(|unit| !unit.is_empty());
         if let Some((hz, start_s)) = rate {
             (held.sample_rate_hz, held.start_s) = (Some(hz), start_s);

@@ -16,7 +16,7 @@ use crate::IoError;
 use crate::columns::Columns;
 use crate::container::{self, MAX_ARRAYS, MOST_PATH_BYTES};
 use crate::hash::sha256;
-use crate::place::{Part, Place};
+use crate::place::{FilePart, Place};
 use crate::reader::{Archive, Input};
 use channel::{Channel, Description};
 use listing::{Listing, Source};
@@ -57,7 +57,7 @@ pub(crate) fn read(input: Input<'_>, bytes: &[u8], mut archive: Archive<'_>) -> 
     let malformed =
         |part, problem| IoError::Malformed { place: Place::new(&file, part), format: "JPK", problem };
     let curves = curves(&mut archive, bytes.len() as u64, max_bytes)
-        .map_err(|problem| malformed(Part::Whole, problem))?;
+        .map_err(|problem| malformed(FilePart::Whole, problem))?;
     let mut listing = Listing::default();
     // A map of very many curves is listed by its curves only.
     for parts_too in [true, false] {
@@ -74,7 +74,7 @@ pub(crate) fn read(input: Input<'_>, bytes: &[u8], mut archive: Archive<'_>) -> 
     drop(curves);
     let Listing { held, sources, .. } = listing;
     if held.is_empty() {
-        return Err(malformed(Part::Whole, "it holds no channels of a force curve".to_owned()));
+        return Err(malformed(FilePart::Whole, "it holds no channels of a force curve".to_owned()));
     }
     let (mut left, mut left_arrays) = (max_bytes, MAX_READ);
     container::columns(input, &held, sha256(bytes), |index| match &sources[index] {
@@ -82,10 +82,10 @@ pub(crate) fn read(input: Input<'_>, bytes: &[u8], mut archive: Archive<'_>) -> 
         Source::Arrays(arrays) => {
             let mut values = Vec::new();
             left_arrays = left_arrays.checked_sub(arrays.len()).ok_or_else(|| {
-                malformed(Part::Whole, format!("the columns to read are of more than {MAX_READ} arrays"))
+                malformed(FilePart::Whole, format!("the columns to read are of more than {MAX_READ} arrays"))
             })?;
             for array in arrays {
-                let part = || Part::Array(held[index].path.as_str().into());
+                let part = || FilePart::Array(held[index].path.as_str().into());
                 let (Ok(encoding), Some(slot)) =
                     (&array.description.encoding, array.description.slots.get(array.slot))
                 else {

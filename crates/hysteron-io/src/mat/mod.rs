@@ -9,9 +9,9 @@ mod v5;
 
 use crate::IoError;
 use crate::columns::Columns;
-use crate::container::{self, Held};
+use crate::container::{self, HeldArray};
 use crate::hash::sha256;
-use crate::place::{Part, Place};
+use crate::place::{FilePart, Place};
 use crate::reader::{Input, Reader};
 use element::Numbers;
 
@@ -22,7 +22,7 @@ pub(crate) const READER: Reader =
 /// Arrays of a file, and where the numbers of each stand.
 #[derive(Default)]
 struct Variables {
-    held: Vec<Held>,
+    held: Vec<HeldArray>,
     /// One an array; `None` for what is no array of numbers.
     numbers: Vec<Option<Numbers>>,
     /// Variables as they stand in the file or unpacked.
@@ -32,7 +32,7 @@ struct Variables {
 fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
     let file = input.read_to_end()?;
     let (name, options) = (input.file.to_owned(), input.options);
-    let place = || Place::new(&name, Part::Whole);
+    let place = || Place::new(&name, FilePart::Whole);
     let malformed = |problem| IoError::Malformed { place: place(), format: "MAT", problem };
     let sha = sha256(&file);
     let variables = match v5::is_little_endian(&file) {
@@ -52,7 +52,7 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
     let Variables { held, numbers, buffers } = variables;
     container::columns(input, &held, sha, |index| match &numbers[index] {
         Some(numbers) => numbers.read(&buffers).map_err(|problem| IoError::Malformed {
-            place: Place::new(&name, Part::Array(held[index].path.as_str().into())),
+            place: Place::new(&name, FilePart::Array(held[index].path.as_str().into())),
             format: "MAT",
             problem,
         }),

@@ -4,7 +4,7 @@ use super::Variables;
 use super::element::{Numbers, Type};
 use crate::bytes::Bytes;
 use crate::columns::Kind;
-use crate::container::{Held, MAX_ARRAYS, shape_of_texts};
+use crate::container::{HeldArray, MAX_ARRAYS, shape_of_texts};
 
 /// Longest name of a variable, its zero included.
 const MOST_NAME_BYTES: usize = 1024;
@@ -61,7 +61,7 @@ pub(super) fn variables(file: Vec<u8>) -> Result<Variables, String> {
         let numbers = Numbers { buffer: 0, range: start..start + size, kind: number, big_endian, count };
         found.numbers.push((kind == Kind::Numbers).then_some(numbers));
         let shape = if form == 1 { shape_of_texts(&[rows, columns]) } else { vec![rows, columns] };
-        let held = Held { row_major: false, ..Held::new("", &name, shape, kind) };
+        let held = HeldArray { row_major: false, ..HeldArray::new("", &name, shape, kind) };
         found.held.push(held);
         if found.held.len() > MAX_ARRAYS {
             return Err(format!("it holds more than {MAX_ARRAYS} variables"));

@@ -8,7 +8,7 @@ use super::Variables;
 use super::element::{COMPRESSED, Element, MATRIX, Numbers, Type};
 use crate::bytes::Bytes;
 use crate::columns::Kind;
-use crate::container::{Held, MAX_ARRAYS, MOST_PATH_BYTES, shape_of_texts};
+use crate::container::{HeldArray, MAX_ARRAYS, MOST_PATH_BYTES, shape_of_texts};
 
 /// Bytes in front of the first variable.
 const HEADER_BYTES: usize = 128;
@@ -267,7 +267,7 @@ impl Walk<'_> {
         if group.len() + name.len() > MOST_PATH_BYTES {
             return Err(format!("it has a path of more than {MOST_PATH_BYTES} bytes").into());
         }
-        self.found.held.push(Held { row_major: false, ..Held::new(group, name, shape, kind) });
+        self.found.held.push(HeldArray { row_major: false, ..HeldArray::new(group, name, shape, kind) });
         self.found.numbers.push(numbers);
         Ok(())
     }

@@ -10,9 +10,9 @@ use std::collections::HashMap;
 
 use crate::IoError;
 use crate::columns::{Columns, Kind};
-use crate::container::{self, Held};
+use crate::container::{self, HeldArray};
 use crate::hash::sha256;
-use crate::place::{Part, Place};
+use crate::place::{FilePart, Place};
 use crate::reader::{Input, Reader};
 use property::{Properties, Value};
 use scaling::Scaling;
@@ -26,20 +26,20 @@ pub(crate) const READER: Reader =
 struct Channel {
     /// Number of the object.
     object: usize,
-    held: Held,
+    held: HeldArray,
     scaling: Scaling,
 }
 
 fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
     let file = input.read_to_end()?;
-    let place = Place::new(input.file, Part::Whole);
+    let place = Place::new(input.file, FilePart::Whole);
     let malformed = |problem| IoError::Malformed { place: place.clone(), format: "TDMS", problem };
     let contents = Contents::read(&file).map_err(malformed)?;
     let channels = channels(&contents);
     if channels.is_empty() {
         return Err(malformed("it holds no channels".to_owned()));
     }
-    let held: Vec<Held> = channels.iter().map(|channel| channel.held.clone()).collect();
+    let held: Vec<HeldArray> = channels.iter().map(|channel| channel.held.clone()).collect();
     container::columns(input, &held, sha256(&file), |index| {
         let mut values = values::raw_values(&file, &contents, channels[index].object);
         channels[index].scaling.apply(&mut values);
@@ -63,7 +63,7 @@ fn channels(contents: &Contents) -> Vec<Channel> {
             (None, Ok(_)) => Kind::Numbers,
         };
         let samples = usize::try_from(object.values).unwrap_or(usize::MAX);
-        let mut held = Held::new(&format!("{group}/"), name, vec![samples], kind);
+        let mut held = HeldArray::new(&format!("{group}/"), name, vec![samples], kind);
         let unit = own.get("unit_string").and_then(Value::text);
         held.unit = unit.or(object.timestamps.then_some("s")).map(str::to_owned);
         let seconds = |name: &str| own.get(name).and_then(Value::number).filter(|s| s.is_finite());

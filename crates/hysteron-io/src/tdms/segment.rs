@@ -55,7 +55,7 @@ enum Index {
 
 /// Values of a channel in each chunk of a segment.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) struct Part {
+pub(super) struct ChannelValues {
     pub object: usize,
     pub data_type: DataType,
     pub values: u64,
@@ -69,7 +69,7 @@ pub(super) struct Part {
 /// Layout of the chunks of a segment, in this order.
 #[derive(Default, PartialEq)]
 pub(super) struct Layout {
-    pub parts: Vec<Part>,
+    pub parts: Vec<ChannelValues>,
     pub chunk_bytes: u64,
     /// Bytes of a row of interleaved channels.
     pub row_bytes: usize,
@@ -305,7 +305,14 @@ impl Contents {
             match index {
                 Some(Index::Values { data_type, values, bytes }) if bytes > 0 => {
                     let (offset, offset_in_row) = (layout.chunk_bytes, layout.row_bytes as u32);
-                    layout.parts.push(Part { object, data_type, values, bytes, offset, offset_in_row });
+                    layout.parts.push(ChannelValues {
+                        object,
+                        data_type,
+                        values,
+                        bytes,
+                        offset,
+                        offset_in_row,
+                    });
                     let sum = layout.chunk_bytes.checked_add(bytes);
                     layout.chunk_bytes = sum.ok_or("chunks of more bytes than a file can have")?;
                     layout.row_bytes += data_type.bytes().unwrap_or(0);
@@ -403,7 +410,7 @@ impl Layout {
     /// channels those in the file, of others, in a file that ends there, as many of each as there are of all;
     /// in a file that goes on, the chunk is a shorter one.
     fn rest(&self, left: u64, segment: &Segment) -> Vec<Rest> {
-        let bytes = |part: &Part| part.data_type.bytes().unwrap_or(1) as u64;
+        let bytes = |part: &ChannelValues| part.data_type.bytes().unwrap_or(1) as u64;
         let mut offset = 0u64;
         let mut rest = Vec::with_capacity(self.parts.len());
         for part in &self.parts {

@@ -6,7 +6,7 @@ use hysteron_rt::{FilteredLms, LmsFilter, LmsMemory, LmsSettings};
 use nalgebra::{DMatrix, DVector};
 
 use super::strategy::SLOW;
-use super::{ControlError, Wanted};
+use super::{ControlError, RequiredMargins};
 use hysteron_numeric::Complex64;
 
 /// Samples of the answer that are computed, its tail being cut off where no more than this share is left.
@@ -82,7 +82,7 @@ impl AdaptiveFilter {
         correction: &dyn Fn(f64) -> Complex64,
         sample_rate_hz: f64,
         adaptive: Adaptive,
-        wanted: &Wanted,
+        wanted: &RequiredMargins,
     ) -> Result<Self, ControlError> {
         let Adaptive { highest_hz, weights, leak_per_s } = adaptive;
         for (name, value, sound) in [

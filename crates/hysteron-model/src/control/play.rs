@@ -1,6 +1,6 @@
 //! A loop, played on a stage.
 
-use hysteron_rt::{Compensator, Held, Limited, Limits, Line, Model as RuntimeModel, Observer};
+use hysteron_rt::{Compensator, HeldBack, Limited, Limits, Line, Model as RuntimeModel, Observer};
 
 use super::{AdaptiveParts, ControlError, FeedbackParts, Loop, StageError};
 use crate::compensator::CompensatorParts;
@@ -191,7 +191,7 @@ pub fn play(
         at_range: 0,
         at_slew: 0,
     };
-    let (mut error, mut disturbance, mut held, mut voltage) = (0.0, 0.0, Held::No, rest_v);
+    let (mut error, mut disturbance, mut held, mut voltage) = (0.0, 0.0, HeldBack::No, rest_v);
     for (k, r) in reference.iter().enumerate() {
         let mut correction = feedback.as_mut().map_or(0.0, |f| f.step(error, held));
         if let Some(lms) = &mut lms {
@@ -201,7 +201,7 @@ pub fn play(
             Driver::Line(line) => line.step(r + correction),
             Driver::Inverse(inverse) => inverse.step_against(ahead(k + preview), disturbance - correction),
         };
-        held = Held::of(drive, voltage, limits);
+        held = HeldBack::of(drive, voltage, limits);
         voltage = drive.voltage;
         match drive.limited {
             Limited::Range => played.at_range += 1,

@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use super::margins::loop_frequencies;
 use super::tuning::LawFamily;
 use super::{
-    Adaptive, AdaptiveFilter, ControlError, Margins, StraightLine, Tuned, Wanted, tune, tune_observer,
+    Adaptive, AdaptiveFilter, ControlError, Margins, RequiredMargins, StraightLine, Tuned, tune,
+    tune_observer,
 };
 use crate::compensator::{Compensation, CompensatorOptions};
 use crate::hammerstein::Model;
@@ -77,7 +78,7 @@ pub struct LoopSettings {
     /// Largest rate of the drive \[V/s\]; infinite for none.
     pub slew_v_per_s: f64,
     /// Margins of the feedback.
-    pub wanted: Wanted,
+    pub wanted: RequiredMargins,
     /// Accuracy of the dynamics.
     pub realise: RealiseOptions,
 }

@@ -19,7 +19,7 @@ const GAINS: (f64, f64) = (1e-6, 1e2);
 /// Required stability margins of a loop.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Wanted {
+pub struct RequiredMargins {
     /// Least gain margin, a factor.
     pub gain: f64,
     /// Least phase margin \[degrees\].
@@ -31,7 +31,7 @@ pub struct Wanted {
     pub trusted_to_hz: Option<f64>,
 }
 
-impl Default for Wanted {
+impl Default for RequiredMargins {
     /// A factor of 2 (6 dB), 60°, sensitivity at most 2.
     fn default() -> Self {
         Self { gain: 2.0, phase_deg: 60.0, modulus: 0.5, trusted_to_hz: None }
@@ -76,7 +76,7 @@ pub fn tune(
     plant: &[(f64, Complex64)],
     dynamics: &LinearRealisation,
     sample_rate_hz: f64,
-    wanted: &Wanted,
+    wanted: &RequiredMargins,
 ) -> Result<Tuned, ControlError> {
     let decades = (0.1 / LOWEST_CORNER).log10();
     let count = (decades * CORNERS_PER_DECADE as f64).round() as usize;
@@ -135,7 +135,7 @@ fn resonance(dynamics: &LinearRealisation, sample_rate_hz: f64) -> Option<(f64, 
 }
 
 /// Largest gain up to which all margins are kept, those margins, and [`Tuned::left`].
-fn largest_gain(shape: &[(f64, Complex64)], wanted: &Wanted) -> Option<(f64, Margins, f64)> {
+fn largest_gain(shape: &[(f64, Complex64)], wanted: &RequiredMargins) -> Option<(f64, Margins, f64)> {
     // A scale: the gain at which the loop would cross 1 at a hundredth of the sample rate.
     let middle = shape.get(shape.len() / 2)?.1.norm();
     let loops = |gain: f64| shape.iter().map(move |(f, l)| (*f, gain * l)).collect::<Vec<_>>();
@@ -158,7 +158,7 @@ fn largest_gain(shape: &[(f64, Complex64)], wanted: &Wanted) -> Option<(f64, Mar
     Some((low, Margins::of(&loops(low)), left(&loops(low))))
 }
 
-fn kept(margins: &Margins, shape: &[(f64, Complex64)], gain: f64, wanted: &Wanted) -> bool {
+fn kept(margins: &Margins, shape: &[(f64, Complex64)], gain: f64, wanted: &RequiredMargins) -> bool {
     let trusted = wanted.trusted_to_hz.is_none_or(|from| {
         shape.iter().filter(|(f, _)| *f > from).all(|(_, l)| (gain * l).norm() <= 1.0 / wanted.gain)
     });
@@ -184,7 +184,7 @@ fn left(points: &[(f64, Complex64)]) -> f64 {
 pub fn tune_observer(
     correction: &[(f64, Complex64)],
     sample_rate_hz: f64,
-    wanted: &Wanted,
+    wanted: &RequiredMargins,
 ) -> Result<(f64, Margins), ControlError> {
     let margins = |gain: f64| {
         let loops: Vec<(f64, Complex64)> = correction

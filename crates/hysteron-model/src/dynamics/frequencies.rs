@@ -45,13 +45,13 @@ pub(super) struct Points {
 /// Runs of bins on which ln s is a power series in the bin.
 #[derive(Debug)]
 pub(super) struct Panel {
-    pub(super) runs: [Run; SeriesPanel::LANES],
+    pub(super) runs: [BinRange; SeriesPanel::LANES],
     pub(super) log: SeriesPanel,
 }
 
 /// `count` bins from `first` on; none where the panel is not full.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Run {
+pub(super) struct BinRange {
     pub(super) first: usize,
     pub(super) count: usize,
     /// Degree that is enough for powers of s.
@@ -76,7 +76,7 @@ impl Frequencies {
         while first < bins {
             let count = circle.run(first, bins);
             if count >= SHORTEST_RUN {
-                runs.push(Run { first, count, degree: circle.degree(first, count) });
+                runs.push(BinRange { first, count, degree: circle.degree(first, count) });
                 first += count;
             } else {
                 let count = BLOCK.min(bins - first);
@@ -134,7 +134,7 @@ impl Circle {
     }
 
     /// The series of ln s about the middle of the run, in bins.
-    fn write_log(&self, run: &Run, lane: usize, log: &mut SeriesPanel) {
+    fn write_log(&self, run: &BinRange, lane: usize, log: &mut SeriesPanel) {
         let middle = self.place(run.first as f64 + 0.5 * (run.count - 1) as f64);
         let (log_abs, angle) = self.scheme.log_delta(self.damping, middle.im);
         (log.re[0][lane], log.im[0][lane]) = (log_abs + self.sample_rate_hz.ln(), angle);

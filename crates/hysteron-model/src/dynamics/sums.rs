@@ -120,40 +120,40 @@ impl Polynomials {
 
 /// One of the two polynomials of a transfer function.
 #[derive(Clone, Copy)]
-enum Part {
+enum FractionPart {
     Numerator,
     Denominator,
 }
 
-impl Part {
-    const BOTH: [Self; 2] = [Part::Numerator, Part::Denominator];
+impl FractionPart {
+    const BOTH: [Self; 2] = [FractionPart::Numerator, FractionPart::Denominator];
 
     fn terms(self, tf: &TransferFunction) -> &[Term] {
         match self {
-            Part::Numerator => &tf.numerator,
-            Part::Denominator => &tf.denominator,
+            FractionPart::Numerator => &tf.numerator,
+            FractionPart::Denominator => &tf.denominator,
         }
     }
 
     fn tangents(self, linearised: Option<&Linearised>, term: usize) -> &[TermTangent] {
         match (self, linearised) {
-            (Part::Numerator, Some(linearised)) => linearised.numerator_term(term),
-            (Part::Denominator, Some(linearised)) => linearised.denominator_term(term),
+            (FractionPart::Numerator, Some(linearised)) => linearised.numerator_term(term),
+            (FractionPart::Denominator, Some(linearised)) => linearised.denominator_term(term),
             (_, None) => &[],
         }
     }
 
     fn of(self, polynomials: &mut Polynomials) -> &mut Block {
         match self {
-            Part::Numerator => &mut polynomials.numerator,
-            Part::Denominator => &mut polynomials.denominator,
+            FractionPart::Numerator => &mut polynomials.numerator,
+            FractionPart::Denominator => &mut polynomials.denominator,
         }
     }
 
     fn series_of(self, polynomials: &mut Polynomials) -> &mut Series {
         match self {
-            Part::Numerator => &mut polynomials.numerator_series,
-            Part::Denominator => &mut polynomials.denominator_series,
+            FractionPart::Numerator => &mut polynomials.numerator_series,
+            FractionPart::Denominator => &mut polynomials.denominator_series,
         }
     }
 }
@@ -204,18 +204,18 @@ impl Candidate<'_> {
 
     /// Calls `each` with every order in turn and the terms of this order, above and below: they share one
     /// power.
-    fn orders(&self, mut each: impl FnMut(f64, [Option<(Part, usize, Term)>; 2])) {
+    fn orders(&self, mut each: impl FnMut(f64, [Option<(FractionPart, usize, Term)>; 2])) {
         let mut next = [0, 0];
         loop {
             let heads: [Option<&Term>; 2] =
-                std::array::from_fn(|which| Part::BOTH[which].terms(self.tf).get(next[which]));
+                std::array::from_fn(|which| FractionPart::BOTH[which].terms(self.tf).get(next[which]));
             let Some(order) = heads.iter().flatten().map(|term| term.order).min_by(f64::total_cmp) else {
                 return;
             };
             let mut terms = [None, None];
             for (which, head) in heads.into_iter().enumerate() {
                 if let Some(term) = head.filter(|term| term.order == order) {
-                    terms[which] = Some((Part::BOTH[which], next[which], *term));
+                    terms[which] = Some((FractionPart::BOTH[which], next[which], *term));
                     next[which] += 1;
                 }
             }
@@ -308,13 +308,13 @@ impl Candidate<'_> {
 
     /// Derivative of the quotient b/a of the terms that rule at one end, 0 where their orders differ.
     fn limit_tangent(&self, ruling: fn(&[Term]) -> usize, which: usize) -> f64 {
-        let of = |part: Part| {
+        let of = |part: FractionPart| {
             let i = ruling(part.terms(self.tf));
             let term = part.terms(self.tf).get(i)?;
             let tangent = part.tangents(self.linearised, i).get(which)?;
             Some((*term, tangent.coefficient))
         };
-        match (of(Part::Numerator), of(Part::Denominator)) {
+        match (of(FractionPart::Numerator), of(FractionPart::Denominator)) {
             (Some((b, db)), Some((a, da))) if b.order == a.order => {
                 (db - b.coefficient / a.coefficient * da) / a.coefficient
             }
@@ -324,12 +324,12 @@ impl Candidate<'_> {
 
     /// Derivative of an order in parameter `which`, 0 where no term has it.
     pub(super) fn order_tangent(&self, order: f64, which: usize) -> f64 {
-        let of = |part: Part| {
+        let of = |part: FractionPart| {
             let i = part.terms(self.tf).iter().position(|t| t.order == order && t.coefficient != 0.0)?;
             let tangent = part.tangents(self.linearised, i).get(which)?;
             Some(tangent.weighted_order / part.terms(self.tf).get(i)?.coefficient)
         };
-        of(Part::Numerator).or_else(|| of(Part::Denominator)).unwrap_or(0.0)
+        of(FractionPart::Numerator).or_else(|| of(FractionPart::Denominator)).unwrap_or(0.0)
     }
 
     /// Derivatives of G at the ends s = 0 and s = ∞ in parameter `which`, their orders held.
@@ -429,20 +429,19 @@ mod tests {
                 let moving: Vec<usize> = (0..p.len()).filter(|&i| !linearised.is_still(i)).collect();
                 for (bin, (found, expected)) in found.iter().zip(&expected).enumerate() {
                     let ln = Complex64::new(log_abs[bin], angle[bin]);
-                    let value = |part: Part| {
+                    let value = |part: FractionPart| {
                         let terms = part.terms(tf);
                         let of =
                             |i: usize| TermTangent { coefficient: terms[i].coefficient, weighted_order: 0.0 };
                         size(terms, shift(tf), of, ln)
                     };
-                    let slope = |part: Part, which: usize| {
+                    let slope = |part: FractionPart, which: usize| {
                         let of = |i: usize| part.tangents(Some(&linearised), i)[which];
                         size(part.terms(tf), shift(tf), of, ln)
                     };
-                    let sizes = Part::BOTH
-                        .map(value)
-                        .into_iter()
-                        .chain(moving.iter().flat_map(|&which| Part::BOTH.map(|part| slope(part, which))));
+                    let sizes = FractionPart::BOTH.map(value).into_iter().chain(
+                        moving.iter().flat_map(|&which| FractionPart::BOTH.map(|part| slope(part, which))),
+                    );
                     assert_eq!(found.len(), 2 + 2 * moving.len());
                     for ((found, expected), size) in found.iter().zip(expected).zip(sizes) {
                         let error = (found - expected).norm();

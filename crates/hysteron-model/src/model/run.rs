@@ -7,7 +7,9 @@ use crate::dynamics::Dynamics;
 use crate::hammerstein;
 use crate::model_file::{ModelFile, OscillatorFile};
 use crate::oscillator::Oscillator;
-use crate::record::{InputOutput, InterSample, Run, RunPart, TimeBase, Unit, find_periods, range_of};
+use crate::record::{
+    InputOutput, InterSample, MeasurementRun, RunPart, TimeBase, Unit, find_periods, range_of,
+};
 use crate::start::Start;
 use crate::validate::{OffsetTreatment, ScoreError, Scores, Scoring, choose_start, score, unfollowed_start};
 
@@ -102,7 +104,12 @@ impl Model {
     ///
     /// # Errors
     /// Those of [`Self::score`]; [`RunError::Signals`] for models of several inputs and outputs.
-    pub fn score_run(&self, run: &Run, start: Start, scoring: &Scoring) -> Result<RunScore, RunError> {
+    pub fn score_run(
+        &self,
+        run: &MeasurementRun,
+        start: Start,
+        scoring: &Scoring,
+    ) -> Result<RunScore, RunError> {
         let first = run.beginning();
         let chosen = match start {
             Start::AsIdentified => {

@@ -17,13 +17,13 @@ pub(super) struct Point {
 
 /// taps + sections on the plane of the target.
 #[derive(Clone, Debug)]
-pub(super) struct Fitted {
+pub(super) struct FittedSections {
     pub taps: Vec<f64>,
     /// Poles with their weights, whose imaginary part is 0 for a real pole.
     pub poles: Vec<(Pole, Complex64)>,
 }
 
-impl Fitted {
+impl FittedSections {
     pub fn at(&self, target: Target<'_>, theta: f64) -> Complex64 {
         let q = Complex64::from_polar(1.0, -theta);
         let taps = self.taps.iter().rev().fold(Complex64::ZERO, |sum, &tap| sum * q + tap);
@@ -42,7 +42,7 @@ pub(super) fn weights(
     points: &[Point],
     poles: &[Pole],
     taps: usize,
-) -> Option<Fitted> {
+) -> Option<FittedSections> {
     let tied = at_rest.is_some();
     let at_rest = at_rest.unwrap_or(0.0);
     let columns: usize = poles.iter().map(|p| if p.is_pair() { 2 } else { 1 }).sum();
@@ -86,7 +86,7 @@ pub(super) fn weights(
     if tied && let Some((first, others)) = all_taps.split_first_mut() {
         *first = at_rest - others.iter().sum::<f64>() - poles.iter().map(|(_, c)| c.re).sum::<f64>();
     }
-    Some(Fitted { taps: all_taps, poles })
+    Some(FittedSections { taps: all_taps, poles })
 }
 
 /// Least squares with columns of unit length, small singular values left out.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::fit::{Fitted, Point, weights};
+use super::fit::{FittedSections, Point, weights};
 use super::poles::{Cut, about, logarithmic, of_arx, of_transfer_function, on_the_cut, upper_half};
 use super::sections::{Discrete, Section, of_continuous, of_sampled};
 use super::target::{Pole, Target};
@@ -322,7 +322,7 @@ impl<'a> Problem<'a> {
 
     /// Largest error over the band, as a share of the reference: on the s-plane of the sampled answer to
     /// straight lines or held samples, all images of which are taken to add up.
-    fn error(&self, fitted: &Fitted, check: &[Point]) -> f64 {
+    fn error(&self, fitted: &FittedSections, check: &[Point]) -> f64 {
         let error =
             |theta: f64| (fitted.at(self.target, theta) - self.target.at(theta)).norm() / self.reference;
         let within = check.iter().map(|p| p.theta).filter(|theta| *theta <= PI);
@@ -339,7 +339,7 @@ impl<'a> Problem<'a> {
 
     fn finished(
         &self,
-        fitted: &Fitted,
+        fitted: &FittedSections,
         whole: usize,
         fraction: f64,
         rule: InterSample,

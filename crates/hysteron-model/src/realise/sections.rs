@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::fit::Fitted;
+use super::fit::FittedSections;
 use super::target::real_if_close;
 use crate::record::InterSample;
 use hysteron_numeric::Complex64;
@@ -48,7 +48,7 @@ pub(super) struct Discrete {
 
 /// The sampled answer of poles on the s-plane to an input that goes along straight lines between its samples,
 /// or is held, read a `fraction` of a sample earlier: exact.
-pub(super) fn of_continuous(fitted: &Fitted, rule: InterSample, fraction: f64) -> Discrete {
+pub(super) fn of_continuous(fitted: &FittedSections, rule: InterSample, fraction: f64) -> Discrete {
     let held = rule == InterSample::Hold;
     let direct: f64 = fitted.taps.iter().sum();
     let mut taps = match (held, fraction > 0.0) {
@@ -119,7 +119,7 @@ fn mean_of_exp(x: Complex64) -> Complex64 {
 
 /// Sections fitted on the q-plane, behind a delay of a `fraction` of a sample on straight lines: (1 − f) + f
 /// q times them.
-pub(super) fn of_sampled(fitted: &Fitted, fraction: f64) -> Discrete {
+pub(super) fn of_sampled(fitted: &FittedSections, fraction: f64) -> Discrete {
     let f = fraction;
     let own = fitted.taps.len();
     let mut taps = fitted.taps.clone();

@@ -71,13 +71,13 @@ pub use keyed::{Keyed, key_in};
 pub use loop_shape::{LoopSense, LoopShape, loop_shape};
 pub use noise_floor::{NoiseFloor, NoiseMethod, noise_floor};
 pub use periods::{Periods, find_periods};
-pub use pieces::{GAP_PERIODS, Piece, even_times};
+pub use pieces::{GAP_PERIODS, UniformSegment, even_times};
 pub use plausibility::implausible_units;
 pub use prepare::{ColumnRange, Prepare, Prepared, PreparedSummary, Step};
 #[doc(hidden)]
 pub use rates::{Dependence, Pace, paces_on};
 pub use resample::low_pass;
-pub use runs::{Run, RunPart, follow_each_other};
+pub use runs::{MeasurementRun, RunPart, follow_each_other};
 pub use scale::Scale;
 pub use segments::Segment;
 pub use selection::{ChannelChoice, Driven, Selection, Signal};

@@ -14,7 +14,7 @@ pub const GAP_PERIODS: f64 = 3.0;
 
 /// Samples taken at one rate, without a gap.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Piece {
+pub struct UniformSegment {
     /// Samples of the record.
     pub samples: Range<usize>,
     /// Time of the first one \[s\].
@@ -23,7 +23,7 @@ pub struct Piece {
     pub period_s: f64,
 }
 
-impl Piece {
+impl UniformSegment {
     /// Sample rate \[Hz\]; `None` for a single stamp.
     pub fn sample_rate_hz(&self) -> Option<f64> {
         (self.period_s > 0.0).then(|| 1.0 / self.period_s)
@@ -38,10 +38,14 @@ impl Piece {
 impl TimeBase {
     /// The pieces of a base of this many samples, in their order: one where it is uniform, none where it is
     /// unknown.
-    pub fn pieces(&self, samples: usize) -> Vec<Piece> {
+    pub fn pieces(&self, samples: usize) -> Vec<UniformSegment> {
         match self {
             Self::Uniform { start_s, sample_rate_hz, .. } => {
-                vec![Piece { samples: 0..samples, start_s: *start_s, period_s: 1.0 / sample_rate_hz }]
+                vec![UniformSegment {
+                    samples: 0..samples,
+                    start_s: *start_s,
+                    period_s: 1.0 / sample_rate_hz,
+                }]
             }
             Self::NonUniform { times_s } => pieces(times_s),
             Self::Unknown => Vec::new(),
@@ -79,24 +83,24 @@ pub fn even_times(times_s: &[f64]) -> Vec<f64> {
     times_of(&pieces(times_s))
 }
 
-fn times_of(pieces: &[Piece]) -> Vec<f64> {
-    let of = |piece: &Piece| {
+fn times_of(pieces: &[UniformSegment]) -> Vec<f64> {
+    let of = |piece: &UniformSegment| {
         let (start_s, period_s) = (piece.start_s, piece.period_s);
         (0..piece.samples.len()).map(move |k| start_s + k as f64 * period_s)
     };
     pieces.iter().flat_map(of).collect()
 }
 
-fn pieces(times_s: &[f64]) -> Vec<Piece> {
+fn pieces(times_s: &[f64]) -> Vec<UniformSegment> {
     let mut pieces = Vec::new();
     let mut from = 0;
     while from < times_s.len() {
         let end = end_of_piece(times_s, from);
         if end - from >= FEWEST_SAMPLES {
             let period_s = (times_s[end - 1] - times_s[from]) / (end - 1 - from) as f64;
-            pieces.push(Piece { samples: from..end, start_s: times_s[from], period_s });
+            pieces.push(UniformSegment { samples: from..end, start_s: times_s[from], period_s });
         } else {
-            let single = |k: usize| Piece { samples: k..k + 1, start_s: times_s[k], period_s: 0.0 };
+            let single = |k: usize| UniformSegment { samples: k..k + 1, start_s: times_s[k], period_s: 0.0 };
             pieces.extend((from..end).map(single));
         }
         from = end;

@@ -6,7 +6,7 @@ use super::{InputOutput, RecordError, TimeBase};
 
 /// Consecutive records as one: the device was not reset between them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Run {
+pub struct MeasurementRun {
     /// All samples, on their common clock. Between the parts the drive is unknown and goes along a straight
     /// line; nothing is scored there, since there are no samples.
     pub data: InputOutput,
@@ -14,7 +14,7 @@ pub struct Run {
     pub parts: Vec<RunPart>,
 }
 
-/// One record of a [`Run`].
+/// One record of a [`MeasurementRun`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunPart {
     /// The record.
@@ -23,7 +23,7 @@ pub struct RunPart {
     pub samples: Range<usize>,
 }
 
-impl Run {
+impl MeasurementRun {
     /// The records as runs: one continues the record before it unless it begins before that ends, which
     /// starts a new run.
     ///
@@ -82,7 +82,7 @@ impl Run {
     }
 }
 
-impl Run {
+impl MeasurementRun {
     /// The first part, and the drive of the first sample of the next one where there is one, which does not
     /// count: it says how long the pause between parts is.
     pub fn beginning(&self) -> InputOutput {
@@ -141,7 +141,7 @@ mod tests {
             part("c", 0.0, 10.0, 20),
             part("d", 2.0, 10.0, 20),
         ];
-        let runs = Run::of(&records).unwrap();
+        let runs = MeasurementRun::of(&records).unwrap();
         assert_eq!(runs.len(), 2);
         assert_eq!(runs[0].parts.iter().map(|p| p.samples.clone()).collect::<Vec<_>>(), [0..20, 20..70]);
         assert_eq!(runs[0].data.time.time_s(20), Some(2.5));

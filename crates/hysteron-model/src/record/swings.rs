@@ -1,7 +1,7 @@
 //! Frequencies at which a drive swings, whatever its time base and its amplitudes.
 
 use super::turning_points::{shortest_swing, span, turning_points};
-use super::{Piece, TimeBase};
+use super::{TimeBase, UniformSegment};
 
 /// Reversals that count within a piece: of this share of the piece's range.
 const OWN_SHARE: f64 = 0.3;
@@ -46,7 +46,7 @@ impl Swings {
 }
 
 /// Frequency of the oscillation in a piece, where there is one.
-pub fn oscillation_hz(u: &[f64], piece: &Piece, least_range: f64) -> Option<f64> {
+pub fn oscillation_hz(u: &[f64], piece: &UniformSegment, least_range: f64) -> Option<f64> {
     let own = u.get(piece.samples.clone())?;
     let range = span(own);
     let turns = turning_points(own, OWN_SHARE * range);

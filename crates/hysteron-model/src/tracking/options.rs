@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 use super::{Controller, ReferenceKnowledge};
-use crate::control::{ControlError, Loop, LoopSettings, Sines, Wanted};
+use crate::control::{ControlError, Loop, LoopSettings, RequiredMargins, Sines};
 use crate::hammerstein;
 use crate::model::Body;
 use crate::model_file::ModelFile;
@@ -39,7 +39,7 @@ pub struct TrackOptions {
     /// it, else at rest.
     pub virgin_v: Option<f64>,
     /// Margins of the feedback. Its highest trusted frequency is that of the model's records.
-    pub margins: Wanted,
+    pub margins: RequiredMargins,
     /// Accuracy of the dynamics.
     pub realise: RealiseOptions,
     /// Time at the beginning that is not scored \[s\]; `None`: a quarter of the reference.
@@ -59,7 +59,7 @@ impl Default for TrackOptions {
             range: None,
             slew_per_s: f64::INFINITY,
             virgin_v: None,
-            margins: Wanted::default(),
+            margins: RequiredMargins::default(),
             realise: RealiseOptions::default(),
             skip_s: None,
             sines_hz: None,
@@ -80,7 +80,7 @@ impl TrackOptions {
             sample_rate_hz,
             range_v: self.range.or_else(own).ok_or(ControlError::NoRange)?,
             slew_v_per_s: self.slew_per_s,
-            wanted: Wanted { trusted_to_hz, ..self.margins },
+            wanted: RequiredMargins { trusted_to_hz, ..self.margins },
             realise: model.realise_options(sample_rate_hz, self.realise),
         })
     }

@@ -66,8 +66,12 @@ fn one_generation_is_the_one_computed_by_hand() {
 
 #[test]
 fn one_moved_component_leaves_the_other_at_the_source() {
-    let options =
-        DeAbcOptions { population: 2, scout: Scout::Off, moved: Moved::One, ..DeAbcOptions::default() };
+    let options = DeAbcOptions {
+        population: 2,
+        scout: Scout::Off,
+        moved: MovedComponents::One,
+        ..DeAbcOptions::default()
+    };
     let (colony, _) =
         one_generation(&options, |x| if x[0] > 0.24 { f64::INFINITY } else { 1.0 - x[1] + x[0] });
     // From (0.2, 0.6) a bee reaches (0.15, 0.6) or (0.2, 0.675), both better; an onlooker then moves one

@@ -8,7 +8,7 @@ use core::panic::PanicInfo;
 
 use hysteron_rt::{
     BoucWen, BoucWenState, Branch, BrokenLine, Compensated, Compensator, Drive, Dual, Feedback, FilteredLms,
-    FitMonitor, Held, Hysteresis, IncrementMemory, LANES, Law, Limits, Line, Linear, LmsFilter, LmsMemory,
+    FitMonitor, HeldBack, Hysteresis, IncrementMemory, LANES, Law, Limits, Line, Linear, LmsFilter, LmsMemory,
     LmsSettings, Model, MonitorSettings, Nlms, NlmsSettings, Observer, Operator, Plane, PlayBank, PolePair,
     Real, RealPoles, Rls, RlsSettings, Sections, SectionsMemory, SidedPlays, Sides, Turn, Turns,
 };
@@ -240,11 +240,11 @@ fn controller<T: Real>(
     let Ok(mut feedback) = Feedback::new(proportional, integral, dynamics) else { return false };
     let Ok(mut line) = Line::new(offset, slope, limits, limits.low) else { return false };
     let Ok(mut lms) = FilteredLms::new(filter, memory, settings) else { return false };
-    let mut held = Held::No;
+    let mut held = HeldBack::No;
     for (slot, &y) in out.iter_mut().zip(measured) {
         let before = line.voltage();
         let drive = line.step(feedback.step(y, held) + lms.step(y, y));
-        held = Held::of(drive, before, line.limits());
+        held = HeldBack::of(drive, before, line.limits());
         *slot = drive;
     }
     feedback.rest();

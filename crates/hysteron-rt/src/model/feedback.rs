@@ -26,7 +26,7 @@ pub struct Feedback<'a, T> {
 
 /// To which side a drive was held back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Held {
+pub enum HeldBack {
     /// It was not.
     No,
     /// It would have gone higher.
@@ -37,7 +37,7 @@ pub enum Held {
     Both,
 }
 
-impl Held {
+impl HeldBack {
     /// From a sample of the drive and the voltage before it.
     pub fn of<T: Real>(drive: Drive<T>, before: T, limits: Limits<T>) -> Self {
         match drive.limited {
@@ -85,16 +85,16 @@ impl<'a, T: Real> Feedback<'a, T> {
     /// Correction to add to the reference, from the newest error and the side to which the drive was held
     /// back since the last one.
     #[inline]
-    pub fn step(&mut self, error: T, held: Held) -> T {
+    pub fn step(&mut self, error: T, held: HeldBack) -> T {
         if !in_range(error) {
             return self.correction;
         }
         let zero = T::of(0.0);
         let outwards = match held {
-            Held::No => false,
-            Held::Above => error > zero,
-            Held::Below => error < zero,
-            Held::Both => true,
+            HeldBack::No => false,
+            HeldBack::Above => error > zero,
+            HeldBack::Below => error < zero,
+            HeldBack::Both => true,
         };
         if !outwards {
             accumulate(&mut self.sum, &mut self.carry, self.integral * error);

@@ -13,7 +13,7 @@ mod sections;
 pub use crate::increment::IncrementMemory;
 pub use compensator::{Compensator, Drive, Law, Limited, Limits};
 pub use error::ModelError;
-pub use feedback::{Feedback, Held, Line};
+pub use feedback::{Feedback, HeldBack, Line};
 pub use lms::{FilteredLms, LmsFilter, LmsMemory, LmsSettings};
 pub use means::Means;
 pub use observer::{Observed, Observer};

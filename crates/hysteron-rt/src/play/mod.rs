@@ -64,7 +64,7 @@ pub struct PlayBank<'a, T> {
 
 /// One linear piece of a move: all u with l(u) + `slope`·u = `rest`, where the sum is Σ wᵢ F_rᵢ = v − l(u).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Piece<T> {
+pub struct LinearPiece<T> {
     /// Σ wᵢ over the plays that move.
     pub slope: T,
     /// v less what the plays add to slope·u.
@@ -180,7 +180,12 @@ impl<'a, T: Real> PlayBank<'a, T> {
     /// # Errors
     /// [`PlayError`]: lengths that differ, numbers that are not finite, or states that no common history
     /// leaves behind.
-    pub fn piece(&self, states: &[T], v: T, mut l: impl FnMut(T) -> T) -> Result<Piece<T>, PlayError<T>> {
+    pub fn piece(
+        &self,
+        states: &[T],
+        v: T,
+        mut l: impl FnMut(T) -> T,
+    ) -> Result<LinearPiece<T>, PlayError<T>> {
         self.check(states)?;
         self.check_history(states)?;
         let plays = || self.thresholds.iter().zip(self.weights).zip(states);
@@ -193,14 +198,14 @@ impl<'a, T: Real> PlayBank<'a, T> {
         }
         // Upwards the plays take hold at fᵢ + rᵢ, downwards at fᵢ − rᵢ; each then adds wᵢ (u − its
         // breakpoint).
-        let mut piece = Piece { slope: T::of(0.0), rest, low: None, high: None };
+        let mut piece = LinearPiece { slope: T::of(0.0), rest, low: None, high: None };
         for ((&threshold, &weight), &state) in plays() {
             let from = state + threshold;
             if l(from) + piece.slope * from >= piece.rest {
                 piece.high = Some(from);
                 break;
             }
-            piece = Piece {
+            piece = LinearPiece {
                 slope: piece.slope + weight,
                 rest: piece.rest + weight * from,
                 low: Some(from),
@@ -216,7 +221,7 @@ impl<'a, T: Real> PlayBank<'a, T> {
                 piece.low = Some(from);
                 break;
             }
-            piece = Piece {
+            piece = LinearPiece {
                 slope: piece.slope + weight,
                 rest: piece.rest + weight * from,
                 low: None,

@@ -23,10 +23,10 @@ pub(crate) enum Direction {
 }
 
 /// A direction, where there is one, and the derivative along it.
-type Wanted<'a> = (Option<Direction>, &'a mut [f64]);
+type WantedDerivative<'a> = (Option<Direction>, &'a mut [f64]);
 
 /// Quantities of a candidate that its derivatives need.
-struct Known<'a> {
+struct CandidateQuantities<'a> {
     hysteresis: &'a Columns,
     response: &'a PlanResponse,
     total: &'a PlanInput,
@@ -35,9 +35,18 @@ struct Known<'a> {
 }
 
 impl RecordWorkspace {
-    fn split(&mut self) -> (Known<'_>, &mut [Lane]) {
+    fn split(&mut self) -> (CandidateQuantities<'_>, &mut [Lane]) {
         let Self { hysteresis, response, total, local, columns, lanes, .. } = self;
-        (Known { hysteresis: &hysteresis.operators.columns, response, total, local, columns }, lanes)
+        (
+            CandidateQuantities {
+                hysteresis: &hysteresis.operators.columns,
+                response,
+                total,
+                local,
+                columns,
+            },
+            lanes,
+        )
     }
 }
 
@@ -62,7 +71,12 @@ impl JointRecord {
     /// ∂(Σ cᵢ Φᵢ + Σ w_j Ψ_j)/∂direction at fixed coefficients, weighted and without local columns, into the
     /// slice beside each direction; zero where there is no direction or no derivative. After
     /// [`Self::respond`] with derivatives and [`Self::combine`].
-    pub(crate) fn differentiate(&self, wanted: Vec<Wanted<'_>>, weights: &[f64], ws: &mut RecordWorkspace) {
+    pub(crate) fn differentiate(
+        &self,
+        wanted: Vec<WantedDerivative<'_>>,
+        weights: &[f64],
+        ws: &mut RecordWorkspace,
+    ) {
         let (known, lanes) = ws.split();
         // Dealt out one by one, since some take three times as long as others.
         let deal = Mutex::new(self.dealt(wanted, lanes.len()).into_iter());
@@ -75,11 +89,12 @@ impl JointRecord {
 
     /// The directions in groups that are worked out together, those that take longest first: on stamps the
     /// derivatives along the dynamics take one pass, and others share one.
-    fn dealt<'a>(&self, wanted: Vec<Wanted<'a>>, lanes: usize) -> Vec<Vec<Wanted<'a>>> {
+    fn dealt<'a>(&self, wanted: Vec<WantedDerivative<'a>>, lanes: usize) -> Vec<Vec<WantedDerivative<'a>>> {
         if !self.is_on_stamps() {
             return wanted.into_iter().map(|wanted| vec![wanted]).collect();
         }
-        let is_dynamic = |(direction, _): &Wanted<'_>| matches!(direction, Some(Direction::Dynamics(_)));
+        let is_dynamic =
+            |(direction, _): &WantedDerivative<'_>| matches!(direction, Some(Direction::Dynamics(_)));
         let (dynamics, others): (Vec<_>, Vec<_>) = wanted.into_iter().partition(is_dynamic);
         let together = self.together(others.len().div_ceil(lanes.max(1)));
         let mut groups = vec![dynamics];
@@ -91,7 +106,13 @@ impl JointRecord {
     }
 
     /// The derivatives in some directions; zero where they cannot be worked out.
-    fn derivatives(&self, wanted: Vec<Wanted<'_>>, weights: &[f64], known: &Known<'_>, lane: &mut Lane) {
+    fn derivatives(
+        &self,
+        wanted: Vec<WantedDerivative<'_>>,
+        weights: &[f64],
+        known: &CandidateQuantities<'_>,
+        lane: &mut Lane,
+    ) {
         let samples = self.samples();
         let driven = known.hysteresis.values.first().map_or(0, Vec::len);
         let (mut tangents, mut outputs, mut rests) = (Vec::new(), Vec::new(), Vec::new());
@@ -175,7 +196,7 @@ impl JointRecord {
 
     /// Weights a derivative, with what it was at rest, and takes its part in the local columns off; zero
     /// where it is not `done`.
-    fn finish(&self, known: &Known<'_>, done: bool, rest: f64, out: &mut [f64]) {
+    fn finish(&self, known: &CandidateQuantities<'_>, done: bool, rest: f64, out: &mut [f64]) {
         if !done {
             out.fill(0.0);
             return;

@@ -30,12 +30,12 @@ pub(super) type Spare = Arc<Mutex<Vec<Operators>>>;
 
 /// Operators of a workspace, which are spare when it goes.
 #[derive(Debug)]
-pub(super) struct Lent {
+pub(super) struct LentOperators {
     pub(super) operators: Operators,
     spare: Spare,
 }
 
-impl Lent {
+impl LentOperators {
     pub(super) fn new(spare: &Spare) -> Self {
         Self { operators: Operators::default(), spare: Arc::clone(spare) }
     }
@@ -59,7 +59,7 @@ impl Lent {
     }
 }
 
-impl Drop for Lent {
+impl Drop for LentOperators {
     fn drop(&mut self) {
         if !self.operators.inputs.is_empty() {
             let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);

@@ -6,7 +6,7 @@ use super::HysteresisForm;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename = "HysteresisForm")]
-struct Named {
+struct NamedFamily {
     name: String,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     elements: Option<usize>,
@@ -15,13 +15,13 @@ struct Named {
 impl Serialize for HysteresisForm {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let elements = self.description().elements().map(|_| self.elements());
-        Named { name: self.name().to_owned(), elements }.serialize(serializer)
+        NamedFamily { name: self.name().to_owned(), elements }.serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for HysteresisForm {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let Named { name, elements } = Named::deserialize(deserializer)?;
+        let NamedFamily { name, elements } = NamedFamily::deserialize(deserializer)?;
         let form: Self = name.parse().map_err(de::Error::custom)?;
         elements.map_or(Ok(form), |count| form.with_elements(count)).map_err(de::Error::custom)
     }

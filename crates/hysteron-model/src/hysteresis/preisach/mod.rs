@@ -17,7 +17,7 @@ use super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_OF_A_PLANE, NumberUnit, RuntimeOperator,
     ShapeNumber, ends, on_a_plane,
 };
-use staircase::{Edge, Piece, Staircase};
+use staircase::{Edge, MovePiece, Staircase};
 
 /// Most levels of a plane.
 const MOST_LEVELS: usize = 201;
@@ -115,7 +115,7 @@ impl Preisach {
     /// Switches relays up. Rows that the piece has passed are up whatever they were.
     fn raise<S: Scalar<Real = f64>>(
         &self,
-        piece: Piece<S>,
+        piece: MovePiece<S>,
         cells: &mut [S],
         changed: &mut impl FnMut(usize, S),
     ) {
@@ -144,7 +144,7 @@ impl Preisach {
     /// Switches relays down, given the mirrored piece.
     fn lower<S: Scalar<Real = f64>>(
         &self,
-        piece: Piece<S>,
+        piece: MovePiece<S>,
         cells: &mut [S],
         changed: &mut impl FnMut(usize, S),
     ) {
@@ -199,7 +199,7 @@ fn positive_part<S: Scalar<Real = f64>>(x: S) -> S {
 
 /// Area of the relays of a cell (α in `row`, β in `column`, below all of the row) that a rising piece
 /// switches.
-fn swept<S: Scalar<Real = f64>>(piece: Piece<S>, [low, high]: [f64; 2], [c, d]: [f64; 2]) -> S {
+fn swept<S: Scalar<Real = f64>>(piece: MovePiece<S>, [low, high]: [f64; 2], [c, d]: [f64; 2]) -> S {
     let clip = |x: S| between([low, high].map(S::constant), x);
     let (from, to) = (clip(piece.from), clip(piece.to));
     match piece.edge {

@@ -28,20 +28,20 @@ pub(super) enum Edge<S> {
 
 /// A monotone part of a move between two events of memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Piece<S> {
+pub(super) struct MovePiece<S> {
     pub(super) from: S,
     pub(super) to: S,
     pub(super) edge: Edge<S>,
 }
 
-impl<S: Scalar<Real = f64>> Piece<S> {
+impl<S: Scalar<Real = f64>> MovePiece<S> {
     /// The piece in the plane mirrored at the antidiagonal through 0, where a fall is a rise.
     pub(super) fn mirrored(self) -> Self {
         let edge = match self.edge {
             Edge::Turn(turn) => Edge::Turn(-turn),
             Edge::Virgin(rest) => Edge::Virgin(-rest),
         };
-        Piece { from: -self.from, to: -self.to, edge }
+        MovePiece { from: -self.from, to: -self.to, edge }
     }
 }
 
@@ -56,7 +56,7 @@ impl<S: Scalar<Real = f64>> Staircase<S> {
     }
 
     /// Moves monotonically to `u`; `switch` is handed each piece and whether it rises.
-    pub(super) fn advance(&mut self, u: f64, mut switch: impl FnMut(bool, Piece<S>)) {
+    pub(super) fn advance(&mut self, u: f64, mut switch: impl FnMut(bool, MovePiece<S>)) {
         if u == self.u.value() {
             // Derivatives of the start end here, as in any other move.
             self.u = S::constant(u);
@@ -74,10 +74,10 @@ impl<S: Scalar<Real = f64>> Staircase<S> {
         let edge = |left: usize| last(left).map_or(Edge::Virgin(rest), Edge::Turn);
         let turn = |index: usize| last(index + 1).unwrap_or(rest);
         let left = wipe_out((rest, turns.len()), turn, (rising, u), |left, limit| {
-            switch(rising, Piece { from, to: limit, edge: edge(left) });
+            switch(rising, MovePiece { from, to: limit, edge: edge(left) });
             from = limit;
         });
-        switch(rising, Piece { from, to: target, edge: edge(left) });
+        switch(rising, MovePiece { from, to: target, edge: edge(left) });
         turns.truncate(left);
         *now = target;
     }
