@@ -1,4 +1,4 @@
-//! What is answered.
+//! Answers of the benchmarks.
 
 use std::collections::BTreeMap;
 
@@ -97,7 +97,7 @@ impl ColumnTimes {
     }
 }
 
-/// What a peer needs to solve the same problem.
+/// Problem as a peer needs it.
 #[derive(Debug, Serialize)]
 pub struct JointProblem {
     /// The box.
@@ -126,7 +126,7 @@ pub struct JointTimes {
 /// One search of an identification.
 #[derive(Debug, Serialize)]
 pub struct Search {
-    /// What was searched.
+    /// Step whose numbers were searched.
     pub step: String,
     /// Algorithm.
     pub algorithm: String,

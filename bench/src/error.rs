@@ -1,4 +1,4 @@
-//! What can go wrong.
+//! Errors of the benchmarks.
 
 use std::path::PathBuf;
 
@@ -23,7 +23,7 @@ pub enum BenchError {
     SignalFile {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Cause given by the system.
         source: std::io::Error,
     },
     /// Simulation before its plan.

@@ -34,7 +34,7 @@ impl Fractional {
         Ok(Self { plan, transfer_function, input, spectrum, workspace, output })
     }
 
-    /// What the plan is.
+    /// Description of the plan.
     pub fn answer(&self) -> Answer {
         Answer::Planned { transform_length: self.plan.transform_length() }
     }

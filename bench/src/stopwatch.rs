@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use crate::allocations;
 
-/// What repetitions of a piece of work took.
+/// Times of the repetitions of a piece of work.
 #[derive(Debug)]
 pub struct Timing {
     /// Wall-clock time of each repetition \[s\].

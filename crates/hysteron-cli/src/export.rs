@@ -42,7 +42,7 @@ pub struct Export {
     #[arg(value_name = "MODEL.json")]
     model: PathBuf,
 
-    /// What to write
+    /// Form of the export
     #[arg(long, value_name = "FORM")]
     to: Form,
 

@@ -275,7 +275,7 @@ fn tables<T: Real>(
         );
     }
     format!(
-        "{opening}{out}/* What the dynamics put out at rest, over their input. */\nstatic const real \
+        "{opening}{out}/* Gain of the dynamics at rest. */\nstatic const real \
          REST_GAIN = {};\n/* Constant of the displacement. */\nstatic const real OFFSET = {};\n",
         literal(sections.rest_gain),
         literal(coefficients.offset)

@@ -216,7 +216,7 @@ fn tables<T: Real + Into<f64>>(subject: &Subject) -> Result<String, ExportError>
         table("Pole pairs.", "PAIRS", "PolePair<Real>", sections.pairs.len(), &rows(pairs));
     }
     out.push_str(&format!(
-        "/// What the dynamics put out at rest, over their input.\nconst REST_GAIN: Real = {};\n/// Constant \
+        "/// Gain of the dynamics at rest.\nconst REST_GAIN: Real = {};\n/// Constant \
          of the displacement.\nconst OFFSET: Real = {};\n",
         literal(sections.rest_gain),
         literal(coefficients.offset)

@@ -35,7 +35,7 @@ fn true_records(device: &Device, rule: InterSample) -> Outcome<Vec<CampaignRecor
     Ok(vec![quasi_static, dynamic])
 }
 
-/// What one campaign said of one parameter.
+/// Estimate of one parameter by one campaign.
 #[derive(Clone, Copy)]
 struct Said {
     /// (estimate − truth)/standard error.

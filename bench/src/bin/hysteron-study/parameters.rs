@@ -47,7 +47,7 @@ fn devices() -> Outcome<Vec<(&'static str, Device)>> {
     ])
 }
 
-/// What one campaign came to.
+/// Estimates of one campaign.
 struct Trial {
     /// (estimate − truth)/standard error by name.
     errors: Vec<(String, f64)>,

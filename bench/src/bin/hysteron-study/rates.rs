@@ -31,7 +31,7 @@ const NAMES: [&str; 10] = [
 /// An estimate with its standard error.
 type Estimate = (f64, f64);
 
-/// What one campaign came to.
+/// Estimates of one campaign.
 struct CampaignEstimates {
     /// Those of [`NAMES`].
     estimates: Vec<Estimate>,

@@ -56,7 +56,7 @@ pub(super) fn explain(error: &IdentifyError, kind: Kind) -> Failure {
             failure.hint("add records whose inputs have other phases, at the same level")
         }
         IdentifyError::NoBranches => {
-            failure.hint("drive all inputs in the same record, each with a signal of its own")
+            failure.hint("drive all inputs in the same record, each with a signal independent of the others")
         }
         _ => failure.advised(error.advice()),
     }

@@ -253,7 +253,7 @@ impl JointProblem {
         self.layout.form.iter().map(|role| role.value(x)).collect()
     }
 
-    /// The same candidate with its modes in order ([`DynamicForm::in_order`]), where that is one of this search.
+    /// Candidate `x` with its modes in order ([`DynamicForm::in_order`]), where that is one of this search.
     pub(super) fn in_order(&self, mut x: Vec<f64>) -> Vec<f64> {
         let Some(values) = self.form_values(&x) else { return x };
         let ordered = self.form.in_order(&values);

@@ -156,7 +156,7 @@ impl ColumnKernel for ActivatedPlays {
 #[derive(Debug)]
 pub(super) struct Entry;
 
-/// Densities where nobody says how many.
+/// Default number of densities.
 const USUAL: usize = 3;
 
 impl HysteresisForm {

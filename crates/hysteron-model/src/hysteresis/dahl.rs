@@ -35,7 +35,7 @@ impl FamilyDescription for Entry {
     }
 
     fn summary(&self) -> &'static str {
-        "One relaxing state with an exponent of its own"
+        "One relaxing state with an exponent"
     }
 
     fn equation(&self) -> &'static str {

@@ -1,4 +1,4 @@
-//! How the drive goes from one sample to the next.
+//! Inter-sample behaviour of the drive.
 //!
 //! Hysteresis sees nothing but the sequence of turning points, so at the sampling instants
 //! [`InterSample::Hold`] and [`InterSample::Linear`] give it the same values; they differ for what follows
@@ -10,7 +10,7 @@ use realfft::RealFftPlanner;
 use super::HysteresisError;
 use crate::record::InterSample;
 
-/// What the drive is taken to do beyond the ends of a record.
+/// Extension of the drive beyond the ends of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RecordEnds {
     /// The record repeats: the sample after the last is the first.

@@ -11,7 +11,7 @@ use super::family::{
 /// Most states: three of two shape numbers each.
 pub const MOST_STATES: usize = 3;
 
-/// Columns ζₖ \[V\], each a Bouc–Wen state of its own in the form with slope 1 from rest, n = 1:
+/// Columns ζₖ \[V\], each a separate Bouc–Wen state in the form with slope 1 from rest, n = 1:
 ///
 /// dζₖ/du = 1 − βₖ s ζₖ − γₖ |ζₖ|,  s = sgn Δu.
 ///

@@ -44,13 +44,13 @@ pub struct CoupledFile {
     pub paths: Vec<Vec<PathEntry>>,
     /// Offset of each output's sensor, in the output unit.
     pub offsets: Vec<Quantity>,
-    /// What the records covered; outside of it the model extrapolates.
+    /// Range that the records covered; outside of it the model extrapolates.
     #[serde(default)]
     pub valid_range: Option<ValidRange>,
-    /// How the model was made.
+    /// Provenance of the model.
     #[serde(default)]
     pub provenance: Option<Provenance>,
-    /// How well the model describes its records.
+    /// Scores of the model on its records.
     #[serde(default)]
     pub scores: Vec<ModesScoreEntry>,
 }

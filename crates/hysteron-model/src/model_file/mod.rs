@@ -108,31 +108,31 @@ pub struct ModelFile {
     pub delay: Quantity,
     /// Output offset, the model's only constant term; in the output unit.
     pub offset: Quantity,
-    /// How the dynamic block is simulated on sampled data.
+    /// Discretisation of the dynamic block on sampled data.
     pub scheme: Scheme,
-    /// What the drive does between its samples.
+    /// Inter-sample behaviour of the drive.
     #[serde(default, skip_serializing_if = "is_default")]
     pub inter_sample: InterSample,
     /// Sample rate the model was identified at, in Hz; null for a static model of records without one.
     #[serde(deserialize_with = "Option::deserialize")]
     #[schemars(required)]
     pub sample_rate_hz: Option<f64>,
-    /// How the redundant gain between the blocks was fixed.
+    /// Normalisation of the gain that is redundant between the blocks.
     #[serde(default)]
     pub normalisation: Normalisation,
-    /// What the device is assumed to have done before a record's first sample, where nobody says otherwise.
+    /// Default assumption about the history of the device before a record's first sample.
     #[serde(default)]
     start: StartEntry,
-    /// What the records covered; outside of it the model extrapolates.
+    /// Range that the records covered; outside of it the model extrapolates.
     #[serde(default)]
     pub valid_range: Option<ValidRange>,
-    /// How the model was made.
+    /// Provenance of the model.
     #[serde(default)]
     pub provenance: Option<Provenance>,
-    /// How well the model describes its records.
+    /// Scores of the model on its records.
     #[serde(default)]
     pub scores: Vec<ScoreEntry>,
-    /// How the estimates of the model's numbers hang together; with their standard errors, their covariance.
+    /// Correlation matrix of the estimates; with their standard errors it gives their covariance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub correlation: Option<CorrelationEntry>,
 }
@@ -208,7 +208,7 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
-/// How the redundant gain between the two blocks was fixed.
+/// Normalisation of the gain that is redundant between the two blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Normalisation {
@@ -222,7 +222,7 @@ pub enum Normalisation {
     UnitGainAt1Hz,
 }
 
-/// What the records of the identification covered.
+/// Range that the records of the identification covered.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object with the keys `input`, `frequency` and `rate`")]
 pub struct ValidRange {

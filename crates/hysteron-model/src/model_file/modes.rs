@@ -42,7 +42,7 @@ pub struct ModesFile {
     pub steps: usize,
     /// Number of modes K; there are 2K states of modes, then one lag an input.
     pub modes: usize,
-    /// How the level of the drive sets S.
+    /// Schedule of S over the level of the drive.
     pub level: LevelEntry,
     /// Re p, Im p of every mode, then the lags.
     pub transition: Vec<f64>,
@@ -69,18 +69,18 @@ pub struct ModesFile {
     /// Influence matrices, of the levels whose records determine one.
     #[serde(default)]
     pub influence: Vec<InfluenceEntry>,
-    /// What the records covered; outside of it the model extrapolates.
+    /// Range that the records covered; outside of it the model extrapolates.
     #[serde(default)]
     pub valid_range: Option<ValidRange>,
-    /// How the model was made.
+    /// Provenance of the model.
     #[serde(default)]
     pub provenance: Option<Provenance>,
-    /// How well the model describes its records.
+    /// Scores of the model on its records.
     #[serde(default)]
     pub scores: Vec<ModesScoreEntry>,
 }
 
-/// How the level of the drive, the rms of the inputs about their means, sets S = (level/reference)^exponent −
+/// Schedule over the level of the drive, the rms of the inputs about their means: S = (level/reference)^exponent −
 /// 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object of the level's numbers")]
@@ -139,7 +139,7 @@ pub struct InfluenceEntry {
     pub condition_number: Option<f64>,
 }
 
-/// How well the model describes a record it was fitted to.
+/// Scores of the model on a record it was fitted to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object of scores")]
 pub struct ModesScoreEntry {
@@ -149,7 +149,7 @@ pub struct ModesScoreEntry {
     pub level: f64,
     /// rms error of its mean period, pooled over the outputs, in the unit of the outputs.
     pub rmse: f64,
-    /// The same of every output.
+    /// Scores of every output.
     pub output_rmse: Vec<f64>,
     /// 100 · (1 − rms error / rms output).
     pub fit_percent: f64,

@@ -39,21 +39,21 @@ pub struct OscillatorFile {
     pub parameters: OscillatorParameters,
     /// Offset of the sensor, in the output unit.
     pub offset: Quantity,
-    /// What the force does between its samples.
+    /// Inter-sample behaviour of the force.
     pub inter_sample: InterSample,
     /// Sample rate the oscillator was identified at, in Hz.
     pub sample_rate_hz: f64,
-    /// What it is assumed to have done before a record's first sample, where nobody says otherwise: `rest`
-    /// without memory, or `settled` on the record's period.
+    /// Default assumption about its history before a record's first sample: `rest` without memory, or
+    /// `settled` on the record's period.
     #[serde(default)]
     pub(super) start: StartKind,
-    /// What the records covered; outside of it the model extrapolates.
+    /// Range that the records covered; outside of it the model extrapolates.
     #[serde(default)]
     pub valid_range: Option<ValidRange>,
-    /// How the model was made.
+    /// Provenance of the model.
     #[serde(default)]
     pub provenance: Option<Provenance>,
-    /// How well the model describes its records.
+    /// Scores of the model on its records.
     #[serde(default)]
     pub scores: Vec<ScoreEntry>,
 }

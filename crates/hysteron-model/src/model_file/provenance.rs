@@ -9,7 +9,7 @@ use crate::axes::AxesRecord;
 use crate::record::{InputOutput, Source};
 use crate::validate::Scores;
 
-/// How a model was made: enough to make it again.
+/// Provenance of a model: enough to repeat its identification.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object with the key `program` and further ones")]
 pub struct Provenance {
@@ -67,7 +67,7 @@ pub struct RecordEntry {
     pub sha256: Option<String>,
     /// Number of samples.
     pub samples: u64,
-    /// What it was used for.
+    /// Role of the record in the identification.
     pub role: RecordRole,
 }
 
@@ -92,7 +92,7 @@ impl RecordEntry {
     }
 }
 
-/// What a record was used for.
+/// Role of a record in the identification.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RecordRole {

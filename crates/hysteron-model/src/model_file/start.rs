@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::{ModelFile, OscillatorFile, Quantity};
 use crate::start::Start;
 
-/// What the device is assumed to have done before a record's first sample.
+/// Assumed history of the device before a record's first sample.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object with the keys `kind` and `voltage`")]
 pub(super) struct StartEntry {

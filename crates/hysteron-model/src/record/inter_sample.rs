@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 use crate::unknown_name::UnknownName;
 
-/// What is assumed of a signal between its samples.
+/// Inter-sample behaviour of a signal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum InterSample {

@@ -29,7 +29,7 @@ pub struct ColumnSensitivities {
     pub d_start_rest: Vec<f64>,
     /// Ends the pass early.
     pub stop: Option<Stop>,
-    /// Shape parameters whose derivatives nobody asks for and `d_shape` is without.
+    /// Shape parameters whose derivatives are not wanted: `d_shape` has none for them.
     pub(in crate::hysteresis) left_out: Vec<bool>,
 }
 

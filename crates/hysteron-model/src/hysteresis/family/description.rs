@@ -10,7 +10,7 @@ use crate::record::Dependence;
 /// Number of elements (plays, states, lines, …) of a family.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Elements {
-    /// Where nobody says otherwise.
+    /// Default.
     pub usual: usize,
     /// At most.
     pub most: usize,
