@@ -194,7 +194,8 @@ fn equations(found: &Identification) -> Vec<String> {
         }
         Hysteresis::Family(model) => {
             let family = model.form.description();
-            vec![format!("v = {polynomial} + H,   H of {}:", family.name()), family.equation().to_owned()]
+            let equation = family.equation().replace("<-", "←").replace(" - ", " − ");
+            vec![format!("v = {polynomial} + H   ({})", family.name()), format!("H: {equation}")]
         }
     };
     match &found.model.dynamics {
