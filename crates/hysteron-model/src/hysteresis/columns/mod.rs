@@ -11,6 +11,7 @@ mod rows;
 pub use pass::ColumnSensitivities;
 pub(super) use pass::{differentiate, simulate};
 pub(super) use relaxing::{RelaxingState, branch_kernel};
+pub(super) use rows::Rows;
 
 use hysteron_rt::Scalar;
 

@@ -45,6 +45,17 @@ impl<S: Copy> Rows<S> {
         self.rows.iter().skip(index).step_by(self.columns).take(self.count).copied()
     }
 
+    /// Adds Σⱼ `weights`\[j\] Hⱼ at these samples.
+    pub(in crate::hysteresis) fn add_weighted(&self, weights: &[f64], out: &mut [f64])
+    where
+        S: Into<f64>,
+    {
+        let rows = self.rows.chunks_exact(self.columns.max(1)).take(self.count);
+        for (slot, row) in out.iter_mut().skip(self.first).zip(rows) {
+            *slot = row.iter().zip(weights).fold(*slot, |sum, (&value, weight)| sum + weight * value.into());
+        }
+    }
+
     /// Puts `of` the values of a column into it.
     #[inline]
     pub(in crate::hysteresis) fn put(&self, index: usize, column: &mut [f64], of: impl Fn(S) -> f64) {

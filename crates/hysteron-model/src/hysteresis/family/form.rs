@@ -108,6 +108,28 @@ impl FamilyForm {
         Ok(self.family.mover(self.elements, shape, self.interval(interval_s)?, u))
     }
 
+    /// Adds Σⱼ `weights`\[j\] Hⱼ at every sample of the grid to `out`.
+    ///
+    /// # Errors
+    /// Those of [`Self::run`].
+    pub(super) fn add_weighted(
+        self,
+        (shape, weights): (&[f64], &[f64]),
+        grid: DriveGrid<'_>,
+        u: &[f64],
+        start: Start<f64>,
+        out: &mut [f64],
+    ) -> Result<(), HysteresisError> {
+        self.check(shape)?;
+        let structure = (self.elements, shape, self.interval_of(grid)?);
+        self.family.simulate(structure, grid, u, start, &mut |rows| rows.add_weighted(weights, out))
+    }
+
+    /// Seconds between the samples of a grid; where the paces are given, they do not matter.
+    fn interval_of(self, grid: DriveGrid<'_>) -> Result<f64, HysteresisError> {
+        self.interval(grid.interval_s.or(grid.paces.map(|_| 1.0)))
+    }
+
     /// [`crate::hysteresis::HysteresisForm::run`].
     ///
     /// # Errors
@@ -124,9 +146,8 @@ impl FamilyForm {
     ) -> Result<(), HysteresisError> {
         let grid = grid.into();
         self.check(shape)?;
-        // Where the paces are given, the interval does not matter.
-        let interval_s = self.interval(grid.interval_s.or(grid.paces.map(|_| 1.0)))?;
-        self.family.run((self.elements, shape, interval_s), grid, u, start, wanted, out)
+        let structure = (self.elements, shape, self.interval_of(grid)?);
+        self.family.run(structure, grid, u, start, wanted, out)
     }
 
     /// [`crate::hysteresis::Hysteresis::follow`], beside an `anhysteretic` part.

@@ -75,14 +75,10 @@ impl Family {
         if out.len() != expected {
             return Err(HysteresisError::Lengths { expected, found: out.len() });
         }
-        let mut columns = Columns::default();
-        self.form.run(&self.shape, grid, u, start, None, &mut columns)?;
         for (slot, &u) in out.iter_mut().zip(u.iter().step_by(factor)) {
             *slot = polynomial::value(&self.polynomial, u);
         }
-        for (column, weight) in columns.values.iter().zip(&self.weights) {
-            out.iter_mut().zip(column).for_each(|(slot, value)| *slot += weight * value);
-        }
+        self.form.add_weighted((&self.shape, &self.weights), grid, u, start, out)?;
         match out.iter().position(|v| !v.is_finite()) {
             Some(index) => Err(HysteresisError::Overflow { index: index * factor }),
             None => Ok(()),

@@ -5,7 +5,7 @@ use std::fmt;
 use super::description::FamilyDescription;
 use super::number::ends;
 use super::run;
-use crate::hysteresis::columns::ColumnKernel;
+use crate::hysteresis::columns::{ColumnKernel, Rows, simulate};
 use crate::hysteresis::follow::{self, DriveLimits, Followed};
 use crate::hysteresis::outputs::Columns;
 use crate::hysteresis::{DriveGrid, HysteresisError};
@@ -43,6 +43,16 @@ pub(in crate::hysteresis) trait ColumnOperators: FamilyDescription {
         start: Start<f64>,
         wanted: Option<&[bool]>,
         out: &mut Columns,
+    ) -> Result<(), HysteresisError>;
+
+    /// Hands the columns to `put`, a few samples at a time.
+    fn simulate(
+        &self,
+        structure: (usize, &[f64], f64),
+        grid: DriveGrid<'_>,
+        u: &[f64],
+        start: Start<f64>,
+        put: &mut dyn FnMut(&Rows<f64>),
     ) -> Result<(), HysteresisError>;
 
     /// The operators, virgin at the voltage `u` \[V\], to be moved sample by sample.
@@ -84,6 +94,18 @@ impl<F: ColumnFamily> ColumnOperators for F {
     ) -> Result<(), HysteresisError> {
         let kernel = self.kernel(elements, shape, interval_s);
         run::run(&kernel, (shape, F::FIXED), grid, u, start, wanted, out)
+    }
+
+    fn simulate(
+        &self,
+        (elements, shape, interval_s): (usize, &[f64], f64),
+        grid: DriveGrid<'_>,
+        u: &[f64],
+        start: Start<f64>,
+        put: &mut dyn FnMut(&Rows<f64>),
+    ) -> Result<(), HysteresisError> {
+        let kernel = self.kernel(elements, shape, interval_s);
+        simulate(&kernel, own::<F>(shape), grid, u, start, None, put).map(|_| ())
     }
 
     fn mover(&self, elements: usize, shape: &[f64], interval_s: f64, u: f64) -> Box<dyn Mover> {

@@ -13,6 +13,7 @@ use columns::Plays;
 
 use hysteron_rt::{PlayBank, PlayError, play};
 
+use super::columns::{Rows, simulate};
 use super::family::{
     ColumnOperators, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, Mover, MovingKernel, NumberUnit,
     RuntimeOperator, Search, ShapeNumber, in_a_row,
@@ -310,6 +311,18 @@ impl ColumnOperators for Entry {
         out: &mut Columns,
     ) -> Result<(), HysteresisError> {
         columns::run(shape, grid.factor, u, start, wanted, out)
+    }
+
+    fn simulate(
+        &self,
+        (_, shape, _): (usize, &[f64], f64),
+        grid: DriveGrid<'_>,
+        u: &[f64],
+        start: Start<f64>,
+        put: &mut dyn FnMut(&Rows<f64>),
+    ) -> Result<(), HysteresisError> {
+        let kernel = Plays { thresholds: shape.to_vec() };
+        simulate(&kernel, &[], grid, u, start, None, put).map(|_| ())
     }
 
     fn mover(&self, _: usize, shape: &[f64], _: f64, u: f64) -> Box<dyn Mover> {
