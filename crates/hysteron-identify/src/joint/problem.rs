@@ -253,8 +253,9 @@ impl JointProblem {
         self.layout.form.iter().map(|role| role.value(x)).collect()
     }
 
-    /// Candidate `x` with its modes in order ([`DynamicForm::in_order`]), where that is one of this search.
-    pub(super) fn in_order(&self, mut x: Vec<f64>) -> Vec<f64> {
+    /// Candidate `x` with its modes in order ([`DynamicForm::in_order`]), where that is one of this search. The
+    /// best point so far, which is all that there is after a stop, is then this one.
+    pub(super) fn in_order(&self, x: Vec<f64>) -> Vec<f64> {
         let Some(values) = self.form_values(&x) else { return x };
         let ordered = self.form.in_order(&values);
         let moves: Option<Vec<(usize, f64)>> = self
@@ -269,8 +270,14 @@ impl JointProblem {
                 (range.low..=range.high).contains(&after).then_some((index, after))
             })
             .collect();
-        moves.unwrap_or_default().into_iter().for_each(|(index, value)| x[index] = value);
-        x
+        let mut moved = x.clone();
+        moves.unwrap_or_default().into_iter().for_each(|(index, value)| moved[index] = value);
+        if self.best_at(&x).is_some()
+            && let Some(best) = self.best.lock().unwrap_or_else(PoisonError::into_inner).as_mut()
+        {
+            best.x.clone_from(&moved);
+        }
+        moved
     }
 
     /// Columns of every record at `x`, in the records' workspaces; not after a stop.

@@ -304,6 +304,26 @@ fn a_stopped_problem_knows_its_best_point_and_evaluates_no_other() {
 }
 
 #[test]
+fn a_stopped_problem_knows_its_best_point_with_its_modes_in_order() {
+    let stop = Stop::new();
+    let records = records(Scheme::BandLimited, false, [REMEMBERING, Start::PERIODIC], 1);
+    let form = DynamicForm { modes: Modes::Integer { order: 4 }, creep: Creep::None };
+    let problem = problem(form, Some(1.0), records, [true, false]).stopped_by(&stop);
+    let x = [0.35, 0.3, 220.0, 0.4, 120.0, 0.7, 0.0034, 0.9];
+    let found = residuals(&problem, &x);
+    let ordered = problem.in_order(x.to_vec());
+    assert_eq!(ordered, [0.35, 0.3, 120.0, 0.7, 220.0, 0.4, 0.0034, 0.9]);
+    let size = found.iter().fold(0.0, |largest: f64, r| largest.max(r.abs()));
+    for (again, found) in residuals(&problem, &ordered).iter().zip(&found) {
+        assert!((again - found).abs() < 1e-10 * size, "{again} {found}");
+    }
+    stop.request();
+    assert_eq!(problem.best().as_ref(), Some(&ordered));
+    assert_eq!(residuals(&problem, &ordered), found);
+    assert!(problem.solve(&ordered).is_some());
+}
+
+#[test]
 fn gradient_is_exact_with_transients() {
     let before = [REMEMBERING, REMEMBERING];
     let records = records(Scheme::Tustin, true, before, 1);

@@ -102,7 +102,7 @@ pub trait ColumnKernel {
     /// The columns for the voltages `u` \[V\] given on a time base finer by the factor of a grid, one after
     /// the other into `out`: value k of column j is `out[j * n + k]` and belongs to `u[k * factor]`, n = ⌈len
     /// u / factor⌉. Returns the state at the last sample of u. Of the grid, factor and paces count: an
-    /// interval is the kernel's own. Allocates a state and a row of K numbers, nothing a sample.
+    /// interval is the kernel's own. Allocates a state and a few rows of K numbers, nothing a sample.
     ///
     /// # Errors
     /// [`HysteresisError::ShapeCount`] and as [`Self::check`]; [`HysteresisError::Factor`];
