@@ -86,10 +86,7 @@ impl<'a, 'w> Engine<'a, 'w> {
     }
 
     /// The search, or `None` where a stop left it without a point.
-    pub(super) fn unless_stopped(
-        &mut self,
-        search: Result<Search, OptimizeError>,
-    ) -> Result<Option<Search>, OptimizeError> {
+    pub(super) fn unless_stopped<E>(&mut self, search: Result<Search, E>) -> Result<Option<Search>, E> {
         match search {
             Err(_) if self.is_stopped() => Ok(None),
             search => search.map(Some),

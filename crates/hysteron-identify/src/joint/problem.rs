@@ -302,10 +302,12 @@ impl JointProblem {
             .reduce(|| true, |a, b| a & b)
     }
 
-    /// All parameter values at `x`, the eliminated ones by linear least squares.
+    /// All parameter values at `x`, the eliminated ones by linear least squares. After a stop those at the best
+    /// point so far, all that is known then: it may be a trial that the stop kept a search from accepting.
     pub(in super::super) fn solve(&self, x: &[f64]) -> Option<JointSolution> {
-        if let Some(known) = self.known(x) {
-            return self.solution(x, &known.coefficients);
+        if self.stop.is_requested() {
+            let best = self.best.lock().unwrap_or_else(PoisonError::into_inner).clone()?;
+            return self.solution(&best.x, &best.coefficients);
         }
         let mut ws = self.workspace();
         if !self.eliminate(x, None, &mut ws) {

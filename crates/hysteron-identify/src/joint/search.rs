@@ -74,14 +74,14 @@ pub(super) fn search<'a>(
     if let Some(longer) =
         setup.with_longer_delays(&problem, &search.outcome.best).filter(|_| !engine.is_stopped())
     {
-        setup = longer;
-        found = None;
-        problem = setup.problem(first_degree, reduced)?;
-        let grown = |x: &[f64]| shown(&problem, x, &setup);
-        let mut wider = search_globally((&problem, reduced), (&setup, None), engine, Some(&grown))?;
-        let from_edge = vec![search.outcome.best.clone()];
-        take_better(&mut wider, quick_fit(engine, "joint fit", &problem, from_edge)?);
-        search = wider;
+        let wide = longer.problem(first_degree, reduced)?;
+        let grown = |x: &[f64]| shown(&wide, x, &longer);
+        let wider = search_globally((&wide, reduced), (&longer, None), engine, Some(&grown));
+        if let Some(mut wider) = engine.unless_stopped(wider)? {
+            let from_edge = quick_fit(engine, "joint fit", &wide, vec![search.outcome.best.clone()]);
+            engine.unless_stopped(from_edge)?.into_iter().for_each(|fit| take_better(&mut wider, fit));
+            (setup, problem, search, found) = (longer, wide, wider, None);
+        }
     }
     if creep_is_open {
         let creeping = setup.with(with_creep, options);
@@ -251,18 +251,22 @@ fn search_globally(
         // Creep is small: the optimum without it lies near that with it.
         let without = setup.with(DynamicForm { creep: Creep::None, ..setup.form }, setup.options);
         let plain = without.problem(problem.degree(), reduced)?;
-        let found = search_from_places(&plain, (&without, None), engine, None)?;
+        let found = search_from_places(&plain, (&without, None), engine, None);
+        let Some(found) = engine.unless_stopped(found)? else { return Ok(search) };
         let guesses = setup.guesses(problem)?.into_iter();
         let starts = guesses.map(|guess| from_other(&plain, &found.outcome.best, problem, &guess)).collect();
-        take_better(&mut search, quick_fit(engine, "joint fit with creep", problem, starts)?);
+        let fit = quick_fit(engine, "joint fit with creep", problem, starts);
+        let Some(fit) = engine.unless_stopped(fit)? else { return Ok(search) };
+        take_better(&mut search, fit);
     }
     let population = Algorithm::DeAbc(DeAbcOptions::default());
     let generations = (setup.options.generations / 20).max(5);
     let starts = vec![search.outcome.best.clone()];
-    let wide = engine.run_for("joint fit, population", problem, &population, starts, generations, show)?;
+    let wide = engine.run_for("joint fit, population", problem, &population, starts, generations, show);
+    let Some(wide) = engine.unless_stopped(wide)? else { return Ok(search) };
     search.outcome.evaluations += wide.outcome.evaluations;
-    let starts = vec![wide.outcome.best];
-    take_better(&mut search, quick_fit(engine, "joint fit, population polished", problem, starts)?);
+    let polished = quick_fit(engine, "joint fit, population polished", problem, vec![wide.outcome.best]);
+    engine.unless_stopped(polished)?.into_iter().for_each(|fit| take_better(&mut search, fit));
     Ok(search)
 }
 
@@ -285,7 +289,8 @@ fn search_from_places(
     }
     let others = setup.fitted(problem, &places, FIRST_STARTS..usize::MAX, engine)?;
     search.outcome.evaluations += others.evaluations;
-    take_better(&mut search, engine.search("joint fit, other starts", problem, others.points, show)?);
+    let others = engine.search("joint fit, other starts", problem, others.points, show);
+    engine.unless_stopped(others)?.into_iter().for_each(|fit| take_better(&mut search, fit));
     Ok(search)
 }
 

@@ -303,6 +303,24 @@ fn a_stopped_problem_knows_its_best_point_and_evaluates_no_other() {
     assert!(problem.linearise(&x).is_none());
 }
 
+/// A stop may come between a trial and its acceptance: the search then ends at the point before it.
+#[test]
+fn a_stopped_problem_is_solved_at_its_best_point() {
+    let stop = Stop::new();
+    let records = records(Scheme::BandLimited, false, [REMEMBERING, Start::PERIODIC], 1);
+    let problem = problem(fractional(), Some(1.0), records, [true, false]).stopped_by(&stop);
+    let points =
+        [[0.35, 0.3, 120.0, 0.4, 1.9, 0.9, 0.0034, 0.9], [0.3, 0.3, 120.0, 0.4, 1.9, 0.9, 0.0034, 0.9]];
+    let costs = points.map(|x| problem.cost(&x, &mut problem.workspace()));
+    let better = if costs[0] < costs[1] { points[0] } else { points[1] };
+    let solution = problem.solve(&better);
+    assert!(costs[0] != costs[1] && solution.is_some());
+    stop.request();
+    for x in points {
+        assert_eq!(problem.solve(&x), solution);
+    }
+}
+
 #[test]
 fn a_stopped_problem_knows_its_best_point_with_its_modes_in_order() {
     let stop = Stop::new();
