@@ -8,7 +8,8 @@ use hysteron_rt::{ActivatedMove, SLOPES, Scalar, bernstein_integrals};
 
 use super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
 use super::family::{
-    ColumnFamily, DriveSpan, Elements, FamilyDescription, NumberUnit, RuntimeOperator, ShapeNumber, ends,
+    ColumnFamily, DriveSpan, Elements, FamilyDescription, GRID_ENDS, NumberUnit, RuntimeOperator,
+    ShapeNumber, ends,
 };
 use super::{FamilyForm, HysteresisError, HysteresisForm};
 use crate::record::{Dependence, Pace};
@@ -240,7 +241,7 @@ impl FamilyDescription for Entry {
 impl ColumnFamily for Entry {
     type Kernel = ActivatedPlays;
 
-    const FIXED: usize = 2;
+    const FIXED: usize = GRID_ENDS;
 
     fn kernel(&self, densities: usize, shape: &[f64], interval_s: f64) -> ActivatedPlays {
         ActivatedPlays::new(ends(shape), densities, interval_s)

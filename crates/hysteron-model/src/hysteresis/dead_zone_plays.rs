@@ -9,7 +9,7 @@ use hysteron_rt::{Scalar, Sides, each_band};
 use super::HysteresisError;
 use super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
 use super::family::{
-    ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, MeanLine, NumberUnit,
+    ColumnFamily, DriveSpan, Elements, FamilyDescription, GRID_ENDS, MOST_ELEMENTS, MeanLine, NumberUnit,
     RuntimeOperator, Search, ShapeNumber, ends, in_a_row,
 };
 use super::plays::PlayStates;
@@ -220,7 +220,7 @@ impl FamilyDescription for Entry {
 impl ColumnFamily for Entry {
     type Kernel = DeadZonePlays;
 
-    const FIXED: usize = 2;
+    const FIXED: usize = GRID_ENDS;
 
     fn kernel(&self, plays: usize, shape: &[f64], _: f64) -> DeadZonePlays {
         DeadZonePlays::regular(ends(shape), plays)

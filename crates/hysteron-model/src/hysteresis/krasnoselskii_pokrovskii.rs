@@ -10,8 +10,8 @@ use hysteron_rt::{Scalar, Sides, between_ramps, ramp};
 use super::HysteresisError;
 use super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
 use super::family::{
-    ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_OF_A_PLANE, NumberUnit, RuntimeOperator,
-    Search, ShapeNumber, ends, on_a_plane,
+    ColumnFamily, DriveSpan, Elements, FamilyDescription, GRID_ENDS, MOST_OF_A_PLANE, NumberUnit,
+    RuntimeOperator, Search, ShapeNumber, ends, on_a_plane,
 };
 
 /// Columns ξ ← max(ρ(u − p₂), min(ρ(u − p₁), ξ)), ρ(x) = max(−1, min(1, 2x/a)), for every pair p₁ ≤ p₂ of a
@@ -183,7 +183,7 @@ impl FamilyDescription for Entry {
 impl ColumnFamily for Entry {
     type Kernel = KrasnoselskiiPokrovskii;
 
-    const FIXED: usize = 2;
+    const FIXED: usize = GRID_ENDS;
 
     fn kernel(&self, lines: usize, shape: &[f64], _: f64) -> KrasnoselskiiPokrovskii {
         KrasnoselskiiPokrovskii { range: ends(shape), lines }

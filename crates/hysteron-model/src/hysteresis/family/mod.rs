@@ -22,6 +22,6 @@ pub use form::FamilyForm;
 pub use model::Family;
 pub use number::{DriveSpan, NumberUnit, Search, ShapeNumber};
 pub(super) use number::{SKEWS, ends};
-pub(super) use operators::{ColumnFamily, ColumnOperators, Mover, MovingKernel};
+pub(super) use operators::{ColumnFamily, ColumnOperators, GRID_ENDS, WHOLE_SHAPE};
 pub use runtime::{MeanLine, RuntimeOperator};
 pub use stream::FamilyStream;

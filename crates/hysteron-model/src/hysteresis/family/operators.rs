@@ -21,13 +21,33 @@ pub(in crate::hysteresis) trait ColumnFamily: FamilyDescription {
         + Sync
         + 'static;
 
-    /// Leading numbers of the shape that are structure of the kernel: none, or the two ends of its grid.
+    /// Leading numbers of the shape that are structure of the kernel: none, [`GRID_ENDS`] or [`WHOLE_SHAPE`].
     const FIXED: usize = 0;
 
     /// The kernel of this structure; `interval_s`: seconds between samples, which matter where the family
     /// sees the rate.
     fn kernel(&self, elements: usize, shape: &[f64], interval_s: f64) -> Self::Kernel;
+
+    /// [`ColumnOperators::run`]; without derivatives with respect to the structure, unless the family has a
+    /// way to them.
+    fn run_columns(
+        &self,
+        (elements, shape, interval_s): (usize, &[f64], f64),
+        grid: DriveGrid<'_>,
+        u: &[f64],
+        start: Start<f64>,
+        wanted: Option<&[bool]>,
+        out: &mut Columns,
+    ) -> Result<(), HysteresisError> {
+        let kernel = self.kernel(elements, shape, interval_s);
+        run::run(&kernel, (shape, Self::FIXED), grid, u, start, wanted, out)
+    }
 }
+
+/// The two ends of the kernel's grid are structure of it.
+pub(in crate::hysteresis) const GRID_ENDS: usize = 2;
+/// All numbers of the shape are.
+pub(in crate::hysteresis) const WHOLE_SHAPE: usize = usize::MAX;
 
 /// Operations on a family, whatever its kernel.
 pub(in crate::hysteresis) trait ColumnOperators: FamilyDescription {
@@ -77,7 +97,7 @@ fn own<F: ColumnFamily>(shape: &[f64]) -> &[f64] {
 impl<F: ColumnFamily> ColumnOperators for F {
     fn check(&self, elements: usize, shape: &[f64]) -> Result<(), HysteresisError> {
         let [low, high] = ends(shape);
-        if F::FIXED > 0 && !(low < high && (high - low).is_finite()) {
+        if F::FIXED == GRID_ENDS && !(low < high && (high - low).is_finite()) {
             return Err(HysteresisError::Range { low, high });
         }
         self.kernel(elements, shape, 1.0).check(own::<F>(shape))
@@ -85,15 +105,14 @@ impl<F: ColumnFamily> ColumnOperators for F {
 
     fn run(
         &self,
-        (elements, shape, interval_s): (usize, &[f64], f64),
+        structure: (usize, &[f64], f64),
         grid: DriveGrid<'_>,
         u: &[f64],
         start: Start<f64>,
         wanted: Option<&[bool]>,
         out: &mut Columns,
     ) -> Result<(), HysteresisError> {
-        let kernel = self.kernel(elements, shape, interval_s);
-        run::run(&kernel, (shape, F::FIXED), grid, u, start, wanted, out)
+        self.run_columns(structure, grid, u, start, wanted, out)
     }
 
     fn simulate(
@@ -109,7 +128,10 @@ impl<F: ColumnFamily> ColumnOperators for F {
     }
 
     fn mover(&self, elements: usize, shape: &[f64], interval_s: f64, u: f64) -> Box<dyn Mover> {
-        MovingKernel::virgin(self.kernel(elements, shape, interval_s), own::<F>(shape), u)
+        let kernel = self.kernel(elements, shape, interval_s);
+        let shape = own::<F>(shape).to_vec();
+        let state = kernel.virgin(&shape, u);
+        Box::new(MovingKernel { kernel, shape, state })
     }
 
     fn follow(
@@ -138,23 +160,11 @@ pub(in crate::hysteresis) trait Mover: fmt::Debug + Send + Sync {
     fn twin(&self) -> Box<dyn Mover>;
 }
 
-/// A kernel with its state.
 #[derive(Clone, Debug)]
-pub(in crate::hysteresis) struct MovingKernel<K, S> {
+struct MovingKernel<K, S> {
     kernel: K,
     shape: Vec<f64>,
     state: S,
-}
-
-impl<K> MovingKernel<K, K::State<f64>>
-where
-    K: ColumnKernel<State<f64>: fmt::Debug + Send + Sync> + Clone + fmt::Debug + Send + Sync + 'static,
-{
-    /// Virgin at the voltage `u` \[V\].
-    pub(in crate::hysteresis) fn virgin(kernel: K, shape: &[f64], u: f64) -> Box<dyn Mover> {
-        let (shape, state) = (shape.to_vec(), kernel.virgin(shape, u));
-        Box::new(Self { kernel, shape, state })
-    }
 }
 
 impl<K> Mover for MovingKernel<K, K::State<f64>>

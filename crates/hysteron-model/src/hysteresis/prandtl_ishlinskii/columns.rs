@@ -11,7 +11,7 @@ use crate::start::Start;
 
 /// Columns F_rⱼ ← max(u − rⱼ, min(u + rⱼ, F_rⱼ)) \[V\], rⱼ = `thresholds`\[j\]; without shape numbers.
 #[derive(Clone, Debug)]
-pub(super) struct Plays {
+pub(in crate::hysteresis) struct Plays {
     pub(super) thresholds: Vec<f64>,
 }
 

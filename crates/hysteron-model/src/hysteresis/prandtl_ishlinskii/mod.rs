@@ -13,15 +13,12 @@ use columns::Plays;
 
 use hysteron_rt::{PlayBank, PlayError, play};
 
-use super::columns::{Rows, simulate};
 use super::family::{
-    ColumnOperators, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, Mover, MovingKernel, NumberUnit,
-    RuntimeOperator, Search, ShapeNumber, in_a_row,
+    ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, NumberUnit, RuntimeOperator, Search,
+    ShapeNumber, WHOLE_SHAPE, in_a_row,
 };
-use super::follow::{self, DriveLimits, Followed};
 use super::outputs::Columns;
 use super::pass::{Every, at_rest};
-use super::plays::check_thresholds;
 use super::{DriveGrid, Family, FamilyForm, Hysteresis, HysteresisError, HysteresisForm, polynomial};
 use crate::start::Start;
 
@@ -295,13 +292,17 @@ impl FamilyDescription for Entry {
     }
 }
 
-/// The derivatives with respect to the thresholds, of which each moves one column, are the family's own.
-impl ColumnOperators for Entry {
-    fn check(&self, _: usize, shape: &[f64]) -> Result<(), HysteresisError> {
-        check_thresholds(shape)
+impl ColumnFamily for Entry {
+    type Kernel = Plays;
+
+    const FIXED: usize = WHOLE_SHAPE;
+
+    fn kernel(&self, _: usize, shape: &[f64], _: f64) -> Plays {
+        Plays { thresholds: shape.to_vec() }
     }
 
-    fn run(
+    /// With derivatives with respect to the thresholds, of which each moves one column.
+    fn run_columns(
         &self,
         (_, shape, _): (usize, &[f64], f64),
         grid: DriveGrid<'_>,
@@ -311,35 +312,6 @@ impl ColumnOperators for Entry {
         out: &mut Columns,
     ) -> Result<(), HysteresisError> {
         columns::run(shape, grid.factor, u, start, wanted, out)
-    }
-
-    fn simulate(
-        &self,
-        (_, shape, _): (usize, &[f64], f64),
-        grid: DriveGrid<'_>,
-        u: &[f64],
-        start: Start<f64>,
-        put: &mut dyn FnMut(&Rows<f64>),
-    ) -> Result<(), HysteresisError> {
-        let kernel = Plays { thresholds: shape.to_vec() };
-        simulate(&kernel, &[], grid, u, start, None, put).map(|_| ())
-    }
-
-    fn mover(&self, _: usize, shape: &[f64], _: f64, u: f64) -> Box<dyn Mover> {
-        MovingKernel::virgin(Plays { thresholds: shape.to_vec() }, &[], u)
-    }
-
-    fn follow(
-        &self,
-        (_, shape, _): (usize, &[f64], f64),
-        weights: &[f64],
-        anhysteretic: &dyn Fn(f64) -> f64,
-        wanted: &[f64],
-        start: (f64, Option<f64>),
-        limits: &DriveLimits,
-    ) -> Result<Followed, HysteresisError> {
-        let kernel = Plays { thresholds: shape.to_vec() };
-        follow::columns(&kernel, &[], weights, anhysteretic, wanted, start, limits)
     }
 }
 

@@ -4,7 +4,8 @@ use hysteron_rt::{Scalar, between};
 
 use super::super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
 use super::super::family::{
-    ColumnFamily, DriveSpan, FamilyDescription, NumberUnit, RuntimeOperator, Search, ShapeNumber, ends,
+    ColumnFamily, DriveSpan, FamilyDescription, GRID_ENDS, NumberUnit, RuntimeOperator, Search, ShapeNumber,
+    ends,
 };
 use super::{HysteresisError, Preisach, PreisachState};
 
@@ -282,7 +283,7 @@ impl FamilyDescription for Entry {
 impl ColumnFamily for Entry {
     type Kernel = PreisachDensity;
 
-    const FIXED: usize = 2;
+    const FIXED: usize = GRID_ENDS;
 
     fn kernel(&self, _: usize, shape: &[f64], _: f64) -> PreisachDensity {
         let plane = Preisach::regular(ends(shape), INTERVALS + 1);

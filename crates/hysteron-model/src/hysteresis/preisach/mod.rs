@@ -14,8 +14,8 @@ use hysteron_rt::{Scalar, between};
 use super::HysteresisError;
 use super::columns::{ColumnKernel, simulate_with_sensitivities};
 use super::family::{
-    ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_OF_A_PLANE, NumberUnit, RuntimeOperator,
-    ShapeNumber, ends, on_a_plane,
+    ColumnFamily, DriveSpan, Elements, FamilyDescription, GRID_ENDS, MOST_OF_A_PLANE, NumberUnit,
+    RuntimeOperator, ShapeNumber, ends, on_a_plane,
 };
 use staircase::{Edge, MovePiece, Staircase};
 
@@ -328,7 +328,7 @@ impl FamilyDescription for Entry {
 impl ColumnFamily for Entry {
     type Kernel = Preisach;
 
-    const FIXED: usize = 2;
+    const FIXED: usize = GRID_ENDS;
 
     fn kernel(&self, intervals: usize, shape: &[f64], _: f64) -> Preisach {
         Preisach::regular(ends(shape), intervals + 1)
