@@ -2,7 +2,7 @@
 
 use super::defaults::beside_wide_moves;
 use super::facts::amplitudes;
-use super::joint::Smoothing;
+use super::joint::{Smoothing, interval_if_held};
 use super::options::{Choice, Method, Options, RecordRole};
 use super::precision::{precision, still_improving};
 use super::result::{Identification, RecordFit};
@@ -10,12 +10,11 @@ use super::treatment::treatment;
 use super::{Finding, FindingKind};
 use super::{IdentifyError, RecordFacts, identifiability};
 use hysteron_model::Advice;
-use hysteron_model::dynamics::{Dynamics, Scheme, Stability, TransferFunction, stability};
+use hysteron_model::dynamics::{Dynamics, Stability, TransferFunction, stability};
 use hysteron_model::hysteresis::{Hysteresis, Invertibility, TimedDrive};
 use hysteron_model::model::FAR_FROM_REST;
 use hysteron_model::record::{
-    InterSample, LoopSense, Timing, follow_each_other, implausible_units, loop_shape, range_of,
-    turning_points,
+    LoopSense, Timing, follow_each_other, implausible_units, loop_shape, range_of, turning_points,
 };
 use hysteron_numeric::display::short;
 
@@ -90,20 +89,17 @@ fn delay_of_a_held_drive(
     options: &Options,
     result: &Identification,
 ) -> Option<String> {
-    let assumed = result.model.inter_sample;
-    let asked = options.inter_sample != Choice::Auto || result.cancelled;
-    let looks = result.method == Method::Joint && result.model.scheme == Scheme::BandLimited;
-    if asked || !looks || assumed == InterSample::Hold {
+    if result.method != Method::Joint || result.cancelled {
         return None;
     }
+    let half_s = 0.5 * interval_if_held(facts, options, None, result.model.scheme)?;
     let delay = result.parameters.iter().find(|p| p.name == "delay")?;
-    let rates = facts.iter().map(|f| f.data.sample_rate_hz()).collect::<Option<Vec<f64>>>()?;
-    let half_s = 0.5 / rates.into_iter().fold(0.0, f64::max);
-    (half_s > delay.std_error? && half_s.is_finite()).then(|| {
+    (half_s > delay.std_error?).then(|| {
         format!(
-            "What the drive does between its samples was not asked: records sampled this finely do not tell. \
-             Their rule is taken to be {assumed}. If each sample is held until the next, the delay of {} s \
-             is {} s too long, half a sample. Give the rule where it is known.",
+            "The inter-sample behaviour of the drive was not tested: records sampled this finely do not \
+             determine it. It is taken to be {}. If each sample is held until the next, the delay of {} s is \
+             {} s too long, half a sample; its interval covers that. Give the rule where it is known.",
+            result.model.inter_sample,
             short(delay.value),
             short(half_s)
         )

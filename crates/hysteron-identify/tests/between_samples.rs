@@ -93,7 +93,7 @@ fn the_rule_is_told_and_the_delay_is_right() {
 }
 
 #[test]
-fn a_delay_that_would_be_shorter_for_a_held_drive_is_said() {
+fn the_interval_of_the_delay_holds_for_a_held_drive_that_the_records_do_not_show() {
     let loops = |t: f64| 5.0 * (1.0 - (TAU * t).cos()) * (1.0 - 0.2 * t);
     // 125 samples a cycle.
     let sines = |t: f64| 4.0 * (1.0 - (TAU * 8.0 * t).cos()) * (1.0 - 0.3 * t);
@@ -105,10 +105,19 @@ fn a_delay_that_would_be_shorter_for_a_held_drive_is_said() {
             inter_sample,
             ..Options::default()
         };
-        identify(&campaign, &options, &Watch::silent(), None).unwrap()
+        let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();
+        let interval = found.parameters.iter().find(|p| p.name == "delay").unwrap().interval.unwrap();
+        (interval, found.findings.into_iter().find(|f| f.topic == "between samples"))
     };
-    let said = |inter_sample| found(inter_sample).findings.into_iter().find(|f| f.topic == "between samples");
-    let advice = said(Choice::Auto).unwrap();
+    let (open, advice) = found(Choice::Auto);
+    let advice = advice.unwrap();
     assert!(advice.kind == FindingKind::Advice && advice.text.contains("0.0005 s too long"), "{advice:?}");
-    assert_eq!(said(Choice::Given(InterSample::Linear)), None);
+    assert!(open.low < DELAY_S && DELAY_S < open.high, "{open:?}");
+    // Given straight lines, the delay is known, and wrong by half a sample.
+    let (given, advice) = found(Choice::Given(InterSample::Linear));
+    assert_eq!(advice, None);
+    assert!(
+        given.low > DELAY_S && given.high == open.high && given.low - open.low < 0.54 / RATE,
+        "{given:?}"
+    );
 }

@@ -1,27 +1,73 @@
-//! The wish that a run ends, from another thread.
+//! The request that a run ends, from another thread.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Asks work to end soon, from any thread; its clones ask the same work.
 ///
 /// Running work checks it before every evaluation of a model, and within the long ones.
 #[derive(Clone, Debug, Default)]
-pub struct Stop(Arc<AtomicBool>);
+pub struct Stop(Arc<Request>);
+
+#[derive(Debug, Default)]
+struct Request {
+    made: AtomicBool,
+    countdown: Option<Countdown>,
+}
+
+/// Checks until the request is made.
+#[derive(Debug)]
+struct Countdown {
+    after: usize,
+    checks: AtomicUsize,
+}
 
 impl Stop {
-    /// Not asked for yet.
+    /// Not requested yet.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Asks; it cannot be taken back.
-    pub fn request(&self) {
-        self.0.store(true, Ordering::Relaxed);
+    /// Requests itself at the check after `checks` of them: an interruption that a test can repeat.
+    pub fn after(checks: usize) -> Self {
+        let countdown = Countdown { after: checks, checks: AtomicUsize::new(0) };
+        Self(Arc::new(Request { made: AtomicBool::new(false), countdown: Some(countdown) }))
     }
 
-    /// Whether it was asked for.
+    /// Requests the stop; it cannot be taken back.
+    pub fn request(&self) {
+        self.0.made.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether the stop is requested.
     pub fn is_requested(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+        if let Some(Countdown { after, checks }) = &self.0.countdown
+            && checks.fetch_add(1, Ordering::Relaxed) >= *after
+        {
+            self.request();
+        }
+        self.0.made.load(Ordering::Relaxed)
+    }
+
+    /// Checks so far of a stop that counts them ([`Self::after`]); 0 for any other.
+    pub fn checks(&self) -> usize {
+        self.0.countdown.as_ref().map_or(0, |countdown| countdown.checks.load(Ordering::Relaxed))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stop_is_requested_for_every_clone_or_after_so_many_checks() {
+        let stop = Stop::new();
+        let clone = stop.clone();
+        assert!(!clone.is_requested() && clone.checks() == 0);
+        stop.request();
+        assert!(clone.is_requested());
+        let third = Stop::after(2);
+        assert_eq!([(); 4].map(|()| third.clone().is_requested()), [false, false, true, true]);
+        assert_eq!(third.checks(), 4);
     }
 }

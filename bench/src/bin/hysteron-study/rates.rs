@@ -4,7 +4,7 @@
 
 use std::io::{Write, stdout};
 
-use hysteron_identify::{CampaignRecord, Choice, Options, Watch, identify};
+use hysteron_identify::{CampaignRecord, Choice, Interval, Options, Watch, identify};
 use hysteron_model::dynamics::Scheme;
 use hysteron_model::record::InterSample;
 use rayon::prelude::*;
@@ -37,6 +37,8 @@ struct CampaignEstimates {
     estimates: Vec<Estimate>,
     /// Rule between samples.
     rule: InterSample,
+    /// 95 % interval of the delay.
+    delay: Option<Interval>,
 }
 
 fn identified(records: &[CampaignRecord], scheme: Scheme) -> Outcome<CampaignEstimates> {
@@ -50,7 +52,8 @@ fn identified(records: &[CampaignRecord], scheme: Scheme) -> Outcome<CampaignEst
             estimate.ok_or_else(|| format!("{name} was not determined").into())
         })
         .collect::<Outcome<_>>()?;
-    Ok(CampaignEstimates { estimates, rule: found.model.inter_sample })
+    let delay = found.parameters.iter().find(|p| p.name == "delay").and_then(|p| p.interval);
+    Ok(CampaignEstimates { estimates, rule: found.model.inter_sample, delay })
 }
 
 /// `campaigns` of each rate, those of a rate beside each other.
@@ -109,12 +112,10 @@ fn print(device: &Device, rule: InterSample, found: &[Vec<CampaignEstimates>]) -
         values.push(value);
         biases.push(bias);
     }
-    let mut recognised = vec!["rule recognised".to_owned()];
-    recognised.extend(found.iter().map(|campaigns| {
-        let count = campaigns.iter().filter(|campaign| campaign.rule == rule).count();
-        format!("{count} of {}", campaigns.len())
-    }));
-    biases.push(recognised);
+    let delay = truth.iter().find(|(name, _)| *name == "delay").map_or(0.0, |(_, delay)| *delay);
+    let holds = |c: &CampaignEstimates| c.delay.is_some_and(|i| i.low <= delay && delay <= i.high);
+    biases.push(counts("rule recognised", found, |campaign| campaign.rule == rule));
+    biases.push(counts("interval of the delay holds", found, holds));
     let rates: Vec<String> = RATES_HZ.iter().map(|rate| format!("{} kHz", rate / 1e3)).collect();
     let rates = rates.iter().map(String::as_str);
     let header: Vec<&str> =
@@ -125,6 +126,18 @@ fn print(device: &Device, rule: InterSample, found: &[Vec<CampaignEstimates>]) -
         "Mean error of all campaigns, in standard errors of one (in per cent of the truth):\n"
     )?;
     table::print(&["parameter"].into_iter().chain(rates).collect::<Vec<_>>(), &biases)
+}
+
+/// A row: campaigns of each rate of which something is true.
+fn counts(
+    name: &str,
+    found: &[Vec<CampaignEstimates>],
+    is_true: impl Fn(&CampaignEstimates) -> bool,
+) -> Vec<String> {
+    let count = |campaigns: &Vec<CampaignEstimates>| {
+        format!("{} of {}", campaigns.iter().filter(|c| is_true(c)).count(), campaigns.len())
+    };
+    std::iter::once(name.to_owned()).chain(found.iter().map(count)).collect()
 }
 
 /// Six significant figures.

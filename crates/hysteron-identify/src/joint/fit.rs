@@ -165,6 +165,10 @@ pub(in super::super) fn identify(
             (None, _) => intervals(&problem, known, &known.covariance, engine.stop()),
         };
         parameters::give_intervals(&mut parameters, &known.covariance.names, &found, &solution);
+        let choice = structure.between.as_ref();
+        if let Some(interval_s) = between::interval_if_held(facts, options, choice, model.scheme) {
+            between::admit_held_drive(&mut parameters, interval_s);
+        }
     }
     let mut identification = Identification {
         method: Method::Joint,
