@@ -1,6 +1,6 @@
 """Models of piezo actuators from measured records: hysteresis followed by fractional-order dynamics.
 
-Read records, fit a model, know how right it is, run its inverse::
+Read records, fit a model, assess its accuracy, run its inverse::
 
     import hysteron_models as hy
 
@@ -11,7 +11,7 @@ Read records, fit a model, know how right it is, run its inverse::
     drive = stage.invert(reference, fs=10_000, limits=(0, 100)).u
     controller = stage.controller(10_000, limits=(0, 100))
 
-Everything is worked out by the library that the command ``hysteron`` runs: same numbers, model files and options.
+All computation is by the library behind the command ``hysteron``: same numbers, model files and options.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Exceptions of the package, and remedies in the words of its arguments."""
+"""Exceptions of the package, and remedies in terms of its arguments."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _REMEDIES = {
 
 
 def in_arguments(advice: dict[str, Any]) -> str:
-    """Say a remedy of the library in arguments of this package."""
+    """Express a remedy of the library in arguments of this package."""
     do = advice.get("do", "")
     if do == "choose-column":
         example = advice.get("example")
@@ -44,20 +44,20 @@ def in_arguments(advice: dict[str, Any]) -> str:
 
 
 def with_arguments(text: str, advice: str | None) -> str:
-    """Say a statement with what to do about it."""
+    """Append the remedy to a statement."""
     hint = in_arguments(json.loads(advice)) if advice else ""
     return f"{text} ({hint})" if hint else text
 
 
 class HysteronError(Exception):
-    """What goes wrong in this package.
+    """Base class of the package's exceptions.
 
     Attributes:
-        code: names of what went wrong, from the outside in, e.g. ``"not-a-number"``.
+        code: names of the error, from the outside in, e.g. ``"not-a-number"``.
         file: the file it is about, if any.
         line: the line in it, from 1.
         column: the column in it, from 1.
-        hint: what to do about it, or ``None``.
+        hint: remedy, or ``None``.
     """
 
     def __init__(
@@ -96,7 +96,7 @@ class ExportError(HysteronError):
 
 
 class OptionError(HysteronError, ValueError):
-    """An option is not one of those there are."""
+    """An option is invalid."""
 
 
 class MissingPackage(HysteronError, ImportError):

@@ -68,7 +68,7 @@ def compare(
         candidates: structures, ``"fractional+prandtl-ishlinskii"``; a search if none is given.
         continued: the records are consecutive parts of one run on one clock.
         threads: threads; all cores if not given.
-        progress: as of ``fit``.
+        progress: as in ``fit``.
     """
     given = as_records(records)
     if threads is None and _in_worker():

@@ -36,7 +36,7 @@ def _in_worker() -> bool:
 
 
 class Estimator:
-    """What estimators of all kinds share.
+    """Base class of the estimators.
 
     After :meth:`fit`:
 
@@ -44,10 +44,10 @@ class Estimator:
         model_: the identified :class:`Model`.
         findings_: verdicts, advice and warnings.
         scores_: score of every record of the fit.
-        treatment_: what was done to the data, in words.
+        treatment_: steps of data preparation, in words.
         result_: everything, as ``hysteron identify --json`` prints it.
         interrupted_: the fit was stopped; the model is the best so far.
-        searches_: what ``fit(…, resume=…)`` goes on from.
+        searches_: checkpoint for ``fit(…, resume=…)``.
     """
 
     _kind: ClassVar[str]
@@ -127,7 +127,7 @@ class Estimator:
 
         Raises:
             ModelError: records that cannot be used.
-            IdentifyError: no model of this class describes them.
+            IdentifyError: no model of this class fits them.
         """
         given = as_records(records)
         options = self._options()
@@ -208,7 +208,7 @@ class Estimator:
         return rows
 
     def summary(self) -> str:
-        """Everything that matters, as text: data, scores, parameters with errors, findings."""
+        """Summary as text: range, scores, parameters with standard errors, findings."""
         model = self._fitted()
         lines = [f"[[Model]]\n    {model.kind}; {model.valid_range or 'range not known'}", "[[Scores]]"]
         for score in self.scores_:
@@ -320,9 +320,9 @@ class Hammerstein(Estimator):
         n: Bouc–Wen exponent, or ``"free"``.
         delay: delay [s].
         scheme: simulation scheme of the dynamic block.
-        inter_sample: what the drive does between its samples.
-        method: ``"joint"``, or ``"two-step"`` for the article's way.
-        initial: what was before each record.
+        inter_sample: inter-sample behaviour of the drive.
+        method: ``"joint"``, or ``"two-step"`` as in the article.
+        initial: initial state of each record.
         drift: allow for a linear drift of each record's output.
         continued: the records are consecutive parts of one run on one clock.
         fixed: parameters held at values.
@@ -330,7 +330,7 @@ class Hammerstein(Estimator):
         optimizer: optimiser instead of least squares from data-driven starts.
         population: its population, or number of starts.
         generations: generations of a population method.
-        least_fit: least fit [%] for which a model is handed out.
+        least_fit: least fit [%] for which a model is returned.
         input: input column of the records.
         output: output column.
         seed: seed of every random number.
@@ -412,10 +412,10 @@ class Oscillator(Estimator):
     """A mass on a hysteretic spring: m y″ + c y′ + k y + z = u, from records of force and displacement.
 
     Args:
-        initial: what was before each record.
-        inter_sample: what the force does between its samples.
+        initial: initial state of each record.
+        inter_sample: inter-sample behaviour of the force.
         fixed: parameters held at values: ``mass``, ``damping``, ``n``.
-        least_fit: least fit [%] for which a model is handed out.
+        least_fit: least fit [%] for which a model is returned.
         input: column of the force.
         output: column of the displacement.
     """
@@ -457,16 +457,16 @@ class Modes(Estimator):
     Args:
         inputs: names of the input columns.
         outputs: names of the output columns.
-        modes: pairs of poles to start from; chosen by how well they follow the response if not given.
-        steps: steps of the simulation a sample.
+        modes: initial number of pole pairs; chosen by their fit to the response if not given.
+        steps: simulation steps per sample.
         plays: plays of each actuator; 0: polynomials alone.
-        hysteresis: whether there is hysteresis at all; without it the modes are linear at each level.
-        lag: corner of the inputs' lags to start from [Hz]; 0.8 of the highest excited frequency if not given.
+        hysteresis: include hysteresis; without it the modes are linear at each level.
+        lag: initial corner frequency of the inputs' lags [Hz]; 0.8 of the highest excited frequency if not given.
         exponent: exponent of the level in the stiffness.
-        time_constant: time constant of the running level where a drive does not repeat [s].
+        time_constant: time constant of the running level of a drive that is not periodic [s].
         iterations: iterations of the last search.
-        whole_records: take a record in which no period is found for one period of a steady state.
-        least_fit: least fit [%] for which a model is handed out.
+        whole_records: treat a record without a detectable period as one period of a steady state.
+        least_fit: least fit [%] for which a model is returned.
     """
 
     _kind = "modes"
@@ -519,7 +519,7 @@ class Branches(Estimator):
     Args:
         inputs: names of the input columns.
         outputs: names of the output columns.
-        least_fit: least fit [%] for which a model is handed out.
+        least_fit: least fit [%] for which a model is returned.
     """
 
     _kind = "branches"

@@ -33,12 +33,12 @@ def excite(
         low: lowest voltage [V].
         soft_start: lead-in from 0 V [s].
         soft_end: lead-out to 0 V [s].
-        seed: seed of what is random.
+        seed: random seed.
         amplifier: limits that are checked: ``low_v``, ``high_v``, ``slew_v_per_s``, ``current_a``, ``capacitance_f``.
         **waveform: numbers of the waveform, e.g. ``frequency_hz=1, periods=3`` of a sine.
 
     Raises:
-        OptionError: a number that the waveform or the amplifier cannot have; it says which.
+        OptionError: a number that is invalid for the waveform or the amplifier.
     """
     spec = {
         "sample_rate_hz": fs,
@@ -61,14 +61,14 @@ def simulate_bench(
     stream: int = 0,
     with_truth: bool = False,
 ) -> Record:
-    """Play a drive on the simulated bench: what a sensor would record. Everything is simulated.
+    """Play a drive on the simulated bench and return the simulated measurement.
 
     Args:
         drive: a record with one channel, uniformly sampled.
         truth: true parameters, as ``hysteron rig`` writes them; those of the bench if not given.
         seed: seed of the sensor's noise.
-        stream: number of the record in its campaign: records of one seed and unlike streams have unlike noise.
-        with_truth: add what no sensor shows, the true displacement and the output of the hysteresis.
+        stream: number of the record in its campaign: records of one seed differ in noise by their streams.
+        with_truth: add the true displacement and the output of the hysteresis.
     """
     native, _ = _native.play(
         drive._native, None if truth is None else json.dumps(truth), seed, stream, with_truth

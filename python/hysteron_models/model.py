@@ -40,21 +40,21 @@ class Controller:
         return self._native.step(reference)
 
     def run(self, reference: ArrayLike) -> Array:
-        """Drives for samples of the reference, one after the other; memory stays for the next call."""
+        """Drives for consecutive samples of the reference; the state is kept for the next call."""
         return self._native.run(as_samples(reference, "reference"))
 
     def rest_at(self, voltage: float) -> float:
-        """Forget everything and rest at a voltage; the displacement there."""
+        """Reset to rest at a voltage; return the displacement there."""
         return self._native.rest_at(voltage)
 
     @property
     def displacement(self) -> float:
-        """Displacement that the model expects for the last drive."""
+        """Displacement predicted for the last drive."""
         return self._native.displacement
 
     @property
     def preview(self) -> int:
-        """Samples by which the reference is to be handed in ahead."""
+        """Preview of the reference [samples]."""
         return self._native.preview
 
     @property
@@ -104,7 +104,7 @@ class Model:
         self._native = native
 
     def save(self, path: PathLike) -> None:
-        """Write the model file, that every command of ``hysteron`` reads; an existing file is replaced in one step."""
+        """Write the model file, readable by every command of ``hysteron``; an existing file is replaced in one step."""
         self._native.save(path)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -148,7 +148,7 @@ class Model:
 
     @property
     def valid_range(self) -> str | None:
-        """What the records of the identification covered; outside of it the model extrapolates."""
+        """Range of the records of the identification; outside of it the model extrapolates."""
         return self._native.valid_range
 
     @property
@@ -165,7 +165,7 @@ class Model:
         rest: float | None = None,
         settled: int | None = None,
     ) -> Prediction:
-        """Predict what a sensor reads: free run from the start that explains the record best, with its sensor's zero.
+        """Predict the measurement: free run from the start that fits the record best, with the offset of its sensor.
 
         A record without an output is simulated from the start that the model assumes, with the model's own offset.
 
@@ -174,7 +174,7 @@ class Model:
             band: level of a band around the output, e.g. 0.95.
             band_of: band of a new measurement, or of the model's output.
             rest: the device rested at this drive before the record.
-            settled: the record repeats with this number of samples and had been running for long.
+            settled: the record is in steady state from the first sample, with this period in samples.
         """
         if not self._is_measured(record):
             return self.simulate(record, band=band, band_of=band_of, rest=rest, settled=settled)
@@ -246,15 +246,15 @@ class Model:
         rest: float | None = None,
         settled: int | None = None,
     ) -> Score | list[Score]:
-        """Score the model on records as ``hysteron validate`` does: free run, from the start that explains each best.
+        """Score the model on records as ``hysteron validate`` does: free run, from the start that fits each best.
 
         Args:
             record: one record, or several.
             continued: the records are consecutive parts of one run on one clock; one score a run.
             skip: seconds at the start that are not scored.
-            fixed_offset: compare with the model's own offset instead of the zero of each sensor.
+            fixed_offset: use the model's own offset instead of one estimated for each sensor.
             rest: the device rested at this drive before the record, or before the run.
-            settled: the record repeats with this number of samples.
+            settled: the record is in steady state, with this period in samples.
         """
         scoring = {"skip_s": skip, "offset": "fixed" if fixed_offset else "estimated"}
         before = _start(rest, settled)
@@ -302,11 +302,11 @@ class Model:
             slew: largest rate of the drive, per second.
             bandwidth: frequency up to which the inverse follows [Hz]; a twentieth of the sample rate if not given.
             preview: samples known ahead; the whole reference is known if neither this nor ``predict_to`` is given.
-            predict_to: what is not known is predicted as a random motion of frequencies up to this [Hz].
+            predict_to: beyond the preview, predict the reference as a random motion up to this frequency [Hz].
             periodic: the reference repeats.
             rest: the device rests at this drive before.
-            virgin: drive at which it was without hysteresis memory.
-            last: drive and measured output of the last run of the same reference, to learn from.
+            virgin: drive at which it was demagnetised.
+            last: drive and measured output of the last run of the same reference, for iterative learning.
         """
         if isinstance(reference, Record):
             fs = fs or reference.fs
@@ -437,7 +437,7 @@ class Model:
         preview: int | None = None,
         predict_to: float | None = None,
     ) -> list[str]:
-        """Write the model, and its inverse if asked for, as source for a controller; names of the files.
+        """Write the model, and its inverse if requested, as source for a controller; return the names of the files.
 
         Args:
             folder: folder to write to; made where there is none.
@@ -479,17 +479,17 @@ class Model:
 
         Args:
             record: drive and measured output, uniformly sampled.
-            terms: coefficients that may move: ``offset``, ``gain``, ``power=N``, ``creep=SECONDS``.
+            terms: adapted coefficients: ``offset``, ``gain``, ``power=N``, ``creep=SECONDS``.
             method: recursive least squares, or normalised least mean squares.
             memory: memory of ``"rls"`` [s]; a fifth of the record if not given.
-            step: share of every error that ``"nlms"`` takes.
+            step: step size of ``"nlms"``.
             noise: standard deviation of a residual where the model fits.
-            every: learn from one of so many samples.
+            every: update by one of so many samples.
             run_length: mean number of samples to a false alarm.
-            reopen: after an alarm the coefficients are as uncertain as at the start.
+            reopen: reset the covariance of the coefficients after an alarm.
 
         Returns:
-            The corrected model (``None`` with a term of creep, which a model has no place for), and what was found, as
+            The corrected model (``None`` with a term of creep, which a model cannot hold), and the result, as
             ``hysteron adapt --json`` prints it.
         """
         options = {
@@ -508,10 +508,10 @@ class Model:
     def recalibrate(
         self, records: Record | Sequence[Record], *, continued: bool = False, least_fit: float = 75.0
     ) -> tuple[Model, dict[str, Any]]:
-        """Find gain, delay and offset anew from short records, the rest held.
+        """Re-identify gain, delay and offset from short records, the rest held.
 
         Returns:
-            The new model, and what was found, as ``hysteron recalibrate --json`` prints it.
+            The new model, and the result, as ``hysteron recalibrate --json`` prints it.
         """
         given = as_records(records)
         native, text = self._native.recalibrate(

@@ -1,6 +1,6 @@
 """Plots of records, fits and models by matplotlib, in the look of the reports; each takes and returns axes.
 
-Colours are those of Okabe and Ito, told apart with any colour vision; lines differ in dash as well where two cross.
+Colours are those of Okabe and Ito, distinct with any colour vision; lines differ in dash as well where two cross.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ __all__ = [
 INK, BLUE, VERMILLION, GREEN = "#1b1f23", "#0072b2", "#d55e00", "#009e73"
 GREY = "#9aa3ab"
 _CYCLE = [BLUE, VERMILLION, GREEN, "#e69f00", "#cc79a7", "#56b4e9"]
-#: Samples beyond which a line is thinned by keeping the least and the largest of each stretch.
+#: Samples beyond which a line is thinned to the minimum and maximum of each stretch.
 MOST_POINTS = 20_000
 
 _STYLE: dict[str, Any] = {
@@ -111,7 +111,7 @@ def _unit(symbol: str) -> str:
 
 
 def _thin(x: Array, y: Array) -> tuple[Array, Array]:
-    """Keep the least and the largest of each stretch, in their order, so that no peak is lost."""
+    """Keep minimum and maximum of each stretch, in their order, so that no peak is lost."""
     stretch = int(np.ceil(2 * len(x) / MOST_POINTS))
     if stretch <= 1:
         return x, y
@@ -138,7 +138,7 @@ def loop(record: Record, prediction: Prediction | None = None, ax: Axes | None =
 
 @_styled
 def time(prediction: Prediction, ax: Axes | None = None) -> Axes:
-    """Draw a prediction over time, with what was measured and its band."""
+    """Draw a prediction over time, with the measurement and its band."""
     ax = _axes(ax)
     if prediction.measured is not None:
         ax.plot(*_thin(prediction.t, prediction.measured), color=BLUE, label="measured")
@@ -180,7 +180,7 @@ def _residual(score: Score) -> Record:
 
 @_styled
 def residuals(score: Score, ax: Axes | None = None) -> Axes:
-    """Draw what the model leaves of a record over time: measured less model."""
+    """Draw the residual of a record over time: measured less model."""
     ax = _axes(ax)
     series = _residual(score)
     ax.axhline(0.0, color=GREY, lw=0.8)
@@ -215,7 +215,7 @@ def bode(
 ) -> Sequence[Axes]:
     """Draw magnitude and phase over frequency, with the 95 % band of a measured response whose scatter is known.
 
-    ``axes``: two of them; a response drawn into those of another gets a colour of its own.
+    ``axes``: two of them; a response drawn into those of another gets another colour.
     """
     if axes is None:
         _, made = plt.subplots(2, 1, sharex=True, figsize=(6.4, 5.2))
@@ -228,7 +228,7 @@ def bode(
     magnitude.loglog(frequency, gain, color=colour, label=label)
     phase.semilogx(frequency, angle, color=colour, label=label)
     if response.std_dev is not None:
-        # Half of the variance lies along the gain, half across it.
+        # Half of the variance is in magnitude, half in phase.
         half = 1.96 * response.std_dev / np.sqrt(2)
         turn = np.degrees(np.arctan2(half, gain))
         band: dict[str, Any] = {"color": colour, "alpha": 0.2, "lw": 0, "label": "95 % band"}
@@ -243,15 +243,15 @@ def bode(
 
 @_styled
 def convergence(history: Sequence[tuple[str, float, float | None]], ax: Axes | None = None) -> Axes:
-    """Draw the best cost over the share of the work done, from what ``fit(…, progress=…)`` was told.
+    """Draw the best cost over the share of the work done, from the progress reports of ``fit(…, progress=…)``.
 
     Collect it with ``history = []`` and ``fit(records, progress=lambda *told: history.append(told))``.
     """
     ax = _axes(ax)
     told = [(stage, fraction, cost) for stage, fraction, cost in history if cost is not None]
     if not told:
-        raise OptionError("the fit told no cost: it was over before it could")
-    # Each stage has a cost of its own.
+        raise OptionError("the fit ended before it reported a cost")
+    # Each stage has its own cost function.
     for stage, events in groupby(told, key=lambda event: event[0]):
         share, cost = np.array([event[1:] for event in events], dtype=float).T
         ax.semilogy(100 * share, cost, marker=".", drawstyle="steps-post", label=stage)
@@ -288,7 +288,7 @@ def coverage(
     levels: Sequence[float] = (0.5, 0.68, 0.8, 0.9, 0.95, 0.99),
     ax: Axes | None = None,
 ) -> Axes:
-    """Draw the share of samples within the band of a measurement over its level; on the diagonal bands hold."""
+    """Draw the coverage of the band of a measurement over its level; on the diagonal it is nominal."""
     from .record import as_records
 
     ax = _axes(ax)

@@ -1,4 +1,4 @@
-"""Progress of what takes long: by tqdm where it is installed, else a line every ten seconds."""
+"""Progress of long computations: by tqdm where it is installed, else a line every ten seconds."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Progress = Callable[[str, float, float | None], object]
 
 @contextmanager
 def shown(progress: bool | Progress) -> Iterator[Progress | None]:
-    """Give what is told ``(stage, fraction, cost)``: none for ``False``, a bar for ``True``, else what is given."""
+    """Give the callback of ``(stage, fraction, cost)``: none for ``False``, a bar for ``True``, else ``progress``."""
     if progress is False:
         yield None
     elif callable(progress):

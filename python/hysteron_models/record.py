@@ -25,7 +25,7 @@ __all__ = ["Content", "Inspection", "Record", "contents", "inspect", "prepare", 
 
 
 def as_samples(values: ArrayLike, name: str) -> Array:
-    """One contiguous list of numbers in double precision; strided, float32, pandas and lists are taken."""
+    """Contiguous vector in double precision; strided, float32, pandas and lists are accepted."""
     array = np.ascontiguousarray(values, dtype=np.float64)
     if array.ndim == 2 and 1 in array.shape:
         array = array.reshape(-1)
@@ -50,7 +50,7 @@ class Record:
         output: which channel is the output.
 
     Raises:
-        ModelError: samples that are not finite, arrays of unlike lengths, times that fall.
+        ModelError: samples that are not finite, arrays of different lengths, decreasing times.
         OptionError: arguments that contradict each other.
     """
 
@@ -311,18 +311,18 @@ def read(
     drop: Sequence[str] = (),
     max_bytes: int | None = None,
 ) -> Record | list[Record]:
-    """Read a record, or a list of records, of any format; the format is told by the content.
+    """Read a record, or a list of records, of any format; the format is detected by the content.
 
     Args:
         path: a file, or a list of files.
         time: the time column, if it is not called ``t`` or ``time``.
         input: the input column, where that is not clear from the names.
         output: the output column.
-        fs: sample rate [Hz], where the file has no times or badly written ones.
+        fs: sample rate [Hz], where the file has no times or coarsely rounded ones.
         start: first time that is kept [s].
         stop: last time that is kept [s].
-        where: what columns must be in what is kept: ``"segment=2..7"``, or several of these.
-        turns: turning points of the drive between which is kept: ``"2:9"``.
+        where: conditions on columns for the samples kept: ``"segment=2..7"``, or several of these.
+        turns: turning points of the drive between which samples are kept: ``"2:9"``.
         rename: new names of columns.
         drop: columns that are not read.
         max_bytes: largest file that is read.
@@ -355,7 +355,7 @@ def contents(path: PathLike) -> list[Content]:
 
 
 def write(path: PathLike, record: Record) -> None:
-    """Write a record; the extension says the format (CSV where it says nothing else)."""
+    """Write a record; the extension selects the format (CSV by default)."""
     _native.write(path, record._native)
 
 
@@ -372,8 +372,8 @@ def prepare(
     Args:
         records: one record, or several in the order of their times.
         scale: factors with units, ``"y=2.5um/V"``.
-        remove_mean: columns whose mean is taken off.
-        detrend: columns whose straight line is taken off.
+        remove_mean: columns whose mean is removed.
+        detrend: columns whose linear trend is removed.
         fs: new sample rate [Hz].
     """
     given = as_records(records)
@@ -388,10 +388,10 @@ def prepare(
 
 
 class Inspection:
-    """What is in records, and what a model can learn from all of them together.
+    """Contents of records, and what they determine together.
 
     Attributes:
-        records: what was found in each, as dictionaries.
+        records: findings for each, as dictionaries.
         campaign: statements about all of them, and the record to measure next.
     """
 
@@ -420,6 +420,6 @@ def _statement(statement: dict[str, Any]) -> str:
 
 
 def inspect(records: Record | Sequence[Record]) -> Inspection:
-    """Say what is in records before any fit: rates, amplitudes, noise, delay, and what to measure next."""
+    """Inspect records before any fit: rates, amplitudes, noise, delay, and what to measure next."""
     given = as_records(records)
     return Inspection(json.loads(_native.inspect(natives(given), given[0]._input, given[0]._output)))

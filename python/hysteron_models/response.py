@@ -1,4 +1,4 @@
-"""Frequency responses that were measured, and the structures that explain them."""
+"""Measured frequency responses, and the structures fitted to them."""
 
 from __future__ import annotations
 
@@ -47,12 +47,12 @@ def frequency_response(
     response: str | None = None,
     over: str | None = None,
 ) -> ExplainedResponse:
-    """Take the frequency response of periodic records, or read one, and fit structures to it.
+    """Estimate the frequency response of periodic records, or read one, and fit structures to it.
 
     Args:
         source: records of a multisine of at least two periods, or a file with a measured response.
-        structures: ``fractional``, ``integer``, ``power-law``, ``loss-angle``, ``modes``; if none is given, those
-            that tell apart what lies behind this response.
+        structures: ``fractional``, ``integer``, ``power-law``, ``loss-angle``, ``modes``; if none is given, the
+            structures usual for this kind of response.
         modes: number of resonances of ``modes``.
         band: frequencies [Hz] that are fitted; without it, those above the noise.
         period: length of a period of the records [s].

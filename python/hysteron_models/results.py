@@ -1,4 +1,4 @@
-"""What models and fits give: findings, scores, predictions, drives, responses."""
+"""Results of models and fits: findings, scores, predictions, drives, responses."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Finding:
-    """A statement about records, a fit or a model, with what to do about it."""
+    """A statement about records, a fit or a model, with a remedy."""
 
     kind: str
     topic: str
@@ -49,7 +49,7 @@ class Finding:
 
 
 def per_output(offsets: Sequence[float]) -> float | tuple[float, ...]:
-    """The offset of one output, those of several as a tuple."""
+    """The offset of one output; a tuple for several."""
     return offsets[0] if len(offsets) == 1 else tuple(offsets)
 
 
@@ -64,8 +64,8 @@ class Score:
         fit_percent: 100 · (1 − ‖e‖₂/‖y − ȳ‖₂); ``None`` for a constant record.
         unit: unit of the output.
         samples: samples that were scored.
-        offset: what was added to the simulation for the zero of the sensor; one a sensor where there are several.
-        start: what was before the first sample, in words.
+        offset: sensor offset added to the simulation; one a sensor where there are several.
+        start: initial state, in words.
         series: the samples: drive, ``y``, ``y_model``, ``residual``; ``None`` for scores of a fit.
         details: everything else, as ``hysteron validate --json`` prints it.
         skip: seconds at the start that were not scored.
@@ -110,11 +110,11 @@ class Prediction:
         lower: lower end of the band at each sample, where one was asked for.
         upper: upper end.
         unit: unit of the output.
-        start: what was before the first sample, in words.
-        offset: constant that was added for the zero of the sensor; one an output where there are several.
-        measured: what was measured, in ``unit``, of a model of one output.
+        start: initial state, in words.
+        offset: sensor offset added to the output; one an output where there are several.
+        measured: measured output, in ``unit``, of a model of one output.
         level: level of the band.
-        remarks: what a user should know about it.
+        remarks: remarks for the user.
         name: name of the record.
     """
 
@@ -153,15 +153,15 @@ class Prediction:
 
 @dataclass(frozen=True)
 class Inversion:
-    """The drive that makes the output follow a reference, each value held until the next.
+    """The drive (zero-order hold) with which the output follows a reference.
 
     Attributes:
         t: times [s].
         u: drive, in the unit of the input.
-        predicted: output that the model gives for it.
-        reference: what is followed.
-        summary: predicted error, limits that were met, bandwidth, as ``hysteron invert --json`` prints it.
-        findings: what keeps the drive from following.
+        predicted: output of the model for it.
+        reference: reference, in the unit of the output.
+        summary: predicted error, limits reached, bandwidth, as ``hysteron invert --json`` prints it.
+        findings: reasons why the output does not follow.
     """
 
     t: Array
@@ -174,11 +174,11 @@ class Inversion:
 
 @dataclass(frozen=True)
 class Tracking:
-    """A reference followed in closed loop, simulated.
+    """Simulated tracking of a reference in closed loop.
 
     Attributes:
         t: times [s].
-        reference: what is followed.
+        reference: reference, in the unit of the output.
         drives: drive by the name of the controller.
         displacements: displacement by the name of the controller.
         summary: errors, bandwidths and margins of each, as ``hysteron track --json`` prints it.
@@ -224,7 +224,7 @@ class FrequencyResponse:
         return np.degrees(np.unwrap(np.angle(self.response)))
 
     def to_control(self) -> Any:
-        """The same as ``control.FrequencyResponseData``."""
+        """Convert to ``control.FrequencyResponseData``."""
         try:
             import control
         except ImportError:
@@ -259,7 +259,7 @@ class Realisation:
     summary: dict[str, Any] = field(repr=False)
 
     def to_scipy(self) -> Any:
-        """The same as ``scipy.signal.StateSpace``."""
+        """Convert to ``scipy.signal.StateSpace``."""
         try:
             from scipy import signal
         except ImportError:
@@ -267,7 +267,7 @@ class Realisation:
         return signal.StateSpace(self.a, self.b, self.c, self.d, dt=1.0 / self.sample_rate_hz)
 
     def to_control(self) -> Any:
-        """The same as ``control.StateSpace``."""
+        """Convert to ``control.StateSpace``."""
         try:
             import control
         except ImportError:

@@ -57,7 +57,7 @@ def test_thinned_lines_keep_every_peak() -> None:
 def test_convergence_and_comparison_are_drawn() -> None:
     ax = hy.plots.convergence([("a", 0.1, 1.0), ("b", 0.5, 0.1), ("c", 0.6, None)])
     assert ax.get_xlabel() == "work done [%]"
-    with pytest.raises(hy.OptionError, match="no cost"):
+    with pytest.raises(hy.OptionError, match="reported a cost"):
         hy.plots.convergence([])
 
 

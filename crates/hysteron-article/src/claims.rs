@@ -7,12 +7,12 @@ use super::plan::{SLOW_HZ, TABLE3_HZ};
 use super::printed::{Errors, TABLE_3};
 use serde::{Deserialize, Serialize};
 
-/// A claim of the article and what came out here.
+/// A claim of the article and the result obtained here.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Claim {
     /// The claim, in short.
     pub claim: String,
-    /// Where it stands.
+    /// Place in the article.
     pub place: String,
     /// The printed evidence.
     pub printed: String,
@@ -26,7 +26,7 @@ pub struct Claim {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// In every case looked at.
+    /// In every case examined.
     Holds,
     /// In some of them.
     Partly,
@@ -53,7 +53,7 @@ impl Verdict {
     }
 }
 
-/// Loops closer than this, % of stroke at the same phase, count as hardly different.
+/// Largest distance of loops that count as hardly different, % of stroke at the same phase.
 const HARDLY_PERCENT: f64 = 1.0;
 /// "Far inferior": at least this many times the error.
 const FAR: f64 = 2.0;
@@ -199,7 +199,7 @@ fn model_claims(study: &ModelStudy) -> Vec<Claim> {
                 printed_ratios(|r| (r.integer, r.classic))
             ),
             here: format!(
-                "{} {order}; with the mean error taken off {}",
+                "{} {order}; with the mean error removed {}",
                 ratios(integer, classic),
                 centred(integer, classic)
             ),
@@ -213,7 +213,7 @@ fn model_claims(study: &ModelStudy) -> Vec<Claim> {
                 printed_ratios(|r| (r.fractional, r.integer))
             ),
             here: format!(
-                "{} {order}; with the mean error taken off {}",
+                "{} {order}; with the mean error removed {}",
                 ratios(fractional, integer),
                 centred(fractional, integer)
             ),
@@ -231,7 +231,7 @@ fn model_claims(study: &ModelStudy) -> Vec<Claim> {
             place: "§1".into(),
             printed: "no number".into(),
             here: format!(
-                "RMSE ratio ARX / fractional {} {order}; with the mean error taken off {} (counted as far: \
+                "RMSE ratio ARX / fractional {} {order}; with the mean error removed {} (counted as far: \
                  at least {FAR})",
                 ratios(arx, fractional),
                 centred(arx, fractional)

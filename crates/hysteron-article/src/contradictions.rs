@@ -13,7 +13,7 @@ use std::f64::consts::{PI, SQRT_2, TAU};
 /// Checks of the printed numbers against each other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contradictions {
-    /// Eq. 13 behind the loop of Table 2, driven over 0–10 V.
+    /// Table 2 followed by Eq. 13, driven over 0–10 V.
     pub behind_the_loop: Vec<BehindTheLoop>,
     /// Stroke of that loop \[µm\].
     pub stroke_um: f64,
@@ -34,7 +34,7 @@ pub struct Contradictions {
     pub inverted_bounds: usize,
 }
 
-/// A static model on the plant Eq. 13 behind Table 2: what its error must be, and what is printed.
+/// Error of a static model on the plant of Table 2 followed by Eq. 13: implied and printed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BehindTheLoop {
     /// Frequency \[Hz\].
@@ -60,7 +60,8 @@ impl Contradictions {
         let plant = printed_eq13()?;
         let mut behind_the_loop = Vec::new();
         for row in &TABLE_3 {
-            // The memory of the start fades by e^(−2 β 10 V) a period, G's within 0.1 s.
+            // The initial hysteresis state decays by e^(−2 β 10 V) per period, the transient of G within 0.1
+            // s.
             let periods = (0.1 * row.frequency_hz).ceil() as usize + 5;
             let v = loop_of_table_2(&block, periods)?;
             let rate = row.frequency_hz * SAMPLES as f64;
@@ -111,7 +112,7 @@ fn printed_eq13() -> Result<TransferFunction, ArticleError> {
     )?)
 }
 
-/// Displacement of Table 2 under 5 − 5 cos, 0–10 V, from rest.
+/// Displacement of the block of Table 2 for a drive 5 − 5 cos, 0–10 V, from rest.
 fn loop_of_table_2(block: &BoucWen, periods: usize) -> Result<Vec<f64>, ArticleError> {
     let u: Vec<f64> =
         (0..periods * SAMPLES).map(|k| 5.0 - 5.0 * (TAU * k as f64 / SAMPLES as f64).cos()).collect();
@@ -133,7 +134,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// 0.65 / 1.07 / 2.65 / 5.5 µm behind a 31 µm loop; at 5 V 11.59 µm going up, 8.61 going down (computed
+    /// 0.65 / 1.07 / 2.65 / 5.5 µm for a 31 µm loop; at 5 V 11.59 µm going up, 8.61 going down (computed
     /// independently with numpy: explicit steps of the closed form, and the convolution quadrature).
     #[test]
     fn printed_numbers_contradict_each_other_as_computed_independently() {
@@ -143,7 +144,7 @@ mod tests {
             assert!(found.rmse_best_gain_um < found.rmse_um && found.rmse_um > 4.0 * found.printed_um);
         }
         assert!((c.stroke_um - 31.3).abs() < 0.05, "{}", c.stroke_um);
-        // Those values are of the third period; the memory of the start still fades.
+        // Those values are of the third period, before the initial state has decayed.
         let third = loop_of_table_2(&StaticParameters::printed(&TABLE_2).block().unwrap(), 3).unwrap();
         let (up, down) = (third[2 * SAMPLES + SAMPLES / 4], third[2 * SAMPLES + 3 * SAMPLES / 4]);
         assert!((up - 11.59).abs() < 0.005 && (down - 8.61).abs() < 0.005, "{up} {down}");

@@ -13,10 +13,10 @@ use hysteron_rig::RigError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ArticleError {
-    /// The watcher asked to stop.
+    /// Stopped by the watcher.
     #[error("stopped before the reproduction was complete")]
     Stopped,
-    /// A setting of the plan makes no sense.
+    /// A setting of the plan is outside its allowed range.
     #[error("the plan's {setting} is {value}: need {wanted}")]
     Plan {
         /// Setting.

@@ -1,18 +1,16 @@
-//! The source article, reproduced: its experiments on the simulated bench, its claims put to the test.
+//! Reproduction of the source article: its experiments on the simulated bench, its claims tested.
 //!
 //! The article's data are not public, so [`reproduce`] runs its excitations (1 Hz loop, 1–100 Hz sweep, sines
 //! of 10, 20, 50 and 100 Hz) on [`hysteron_rig`], whose default plant lies outside the model class, and
-//! identifies the article's models the article's way. What is compared with the [`printed`] numbers is order
-//! and ratio, never absolute values.
+//! identifies the article's models by its procedure. Only rankings and ratios are compared with the
+//! [`printed`] numbers, never absolute values.
 //!
 //! In the order of the article: [`LoopStudy`] (Fig. 1), [`OptimizerStudy`] (Fig. 6, Table 1), [`StaticStudy`]
-//! (Fig. 7, Table 2), [`ModelStudy`] (Eq. 13, Table 3, Figs. 8–11). Then what the article does not do:
-//! [`Contradictions`] computes what its printed numbers imply about each other, [`Recovery`] takes Table 2
-//! and Eq. 13 as the truth and looks what the two-step way makes of it, [`Claim`]s are judged by the numbers
-//! just computed.
+//! (Fig. 7, Table 2), [`ModelStudy`] (Eq. 13, Table 3, Figs. 8–11). Beyond the article: [`Contradictions`]
+//! computes what its printed numbers imply about each other, [`Recovery`] identifies Table 2 and Eq. 13 as
+//! the truth by the two-step procedure, [`Claim`]s are judged by the computed numbers.
 //!
-//! Everything is plain data; nothing here knows about pages. Results depend on [`Plan`] alone, not on the
-//! number of threads.
+//! Results are plain data; they depend on [`Plan`] alone, not on the number of threads.
 
 mod claims;
 mod contradictions;
@@ -51,7 +49,7 @@ use serde::{Deserialize, Serialize};
 pub struct Reproduction {
     /// Plan of the reproduction.
     pub plan: Plan,
-    /// One line: what the simulated plant is.
+    /// One-line description of the simulated plant.
     pub bench: String,
     /// Figure 1: loops against frequency.
     pub loops: LoopStudy,

@@ -8,11 +8,11 @@ use hysteron_rig::{CampaignRun, RigRun, Role, Truth, run_campaign};
 
 /// The records of the campaign.
 pub(super) struct Measurements {
-    /// One line: what the plant is.
+    /// One-line description of the plant.
     pub(super) plant: String,
     /// 1 Hz loop at the full rate.
     pub(super) slowest: InputOutput,
-    /// 1 Hz loop, every [`Plan::loop_decimation`]-th sample: what the static block is identified from.
+    /// 1 Hz loop, every [`Plan::loop_decimation`]-th sample, for identification of the static block.
     pub(super) loop_1hz: InputOutput,
     /// 1–100 Hz sweep.
     pub(super) sweep: InputOutput,

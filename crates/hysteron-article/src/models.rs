@@ -1,5 +1,5 @@
 //! Eq. 13, Table 3 and Figures 8–11: the article's models, identified from the loop and the sweep, scored on
-//! sines that no fit has seen.
+//! held-out sines.
 
 use super::measurements::Measurements;
 use super::printed::TransferFunction13;
@@ -35,8 +35,7 @@ pub enum ModelKind {
     IntegerLeastSquares,
     /// Not in the article: as `Fractional`, by least squares.
     FractionalLeastSquares,
-    /// Not in the article: what this program identifies with no option: degree, delay and offsets from the
-    /// data.
+    /// Not in the article: this program's default, with degree, delay and offsets from the data.
     Default,
 }
 
@@ -67,7 +66,7 @@ impl ModelKind {
         }
     }
 
-    /// Whether the article has it.
+    /// True for a model of the article.
     pub fn is_the_articles(self) -> bool {
         matches!(self, Self::Classic | Self::Integer | Self::Arx | Self::Fractional)
     }
@@ -122,7 +121,7 @@ pub struct ModelFit {
     pub degree: usize,
     /// Delay \[s\].
     pub delay_s: f64,
-    /// Parameters that ended at an end of their search box: the data want them further out.
+    /// Parameters that ended at a bound of their search box: the optimum lies outside it.
     pub at_bounds: Vec<String>,
     /// Evaluations of all its searches.
     pub evaluations: usize,
@@ -143,7 +142,7 @@ pub struct SineScore {
     pub rmse_um: f64,
     /// RMSE, % of stroke.
     pub rmse_percent: f64,
-    /// RMSE with the mean error taken off (a sensor offset estimated for this record) \[µm\].
+    /// RMSE with the mean error removed (a sensor offset estimated for this record) \[µm\].
     pub rmse_own_offset_um: f64,
 }
 
@@ -244,7 +243,8 @@ impl ModelFit {
         let mut scores = Vec::new();
         for ((frequency_hz, record), curves) in bench.table3().zip(curves) {
             let first = record.u.first().copied().unwrap_or(0.0);
-            // The bench starts every record alike: a memory found for the first one is that of the others.
+            // Every record of the bench has the same initial state: the memory estimated for the first
+            // applies to all.
             let start = match found.records.first().map(|fit| fit.start) {
                 Some(start @ Start::Remembering { voltage_v, .. }) if voltage_v == first => start,
                 _ => Start::Rest { voltage_v: first },
@@ -282,7 +282,7 @@ impl ModelFit {
     }
 }
 
-/// Share of a range within which a parameter counts as at its end.
+/// Fraction of a range within which a parameter counts as at its bound.
 const AT_END: f64 = 1e-3;
 
 fn at_bounds(found: &Identification) -> Vec<String> {

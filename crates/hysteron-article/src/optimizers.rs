@@ -21,7 +21,7 @@ pub struct OptimizerStudy {
     pub samples: usize,
     /// Parameters searched: name, lower and upper end of the box.
     pub search_box: Vec<(String, f64, f64)>,
-    /// RMSE of the best fit there is (least squares from many starts) \[µm\].
+    /// RMSE of the best fit (multi-start least squares) \[µm\].
     pub reachable_um: f64,
     /// Evaluations that least squares took for it, all starts together.
     pub reachable_evaluations: usize,
@@ -40,13 +40,13 @@ pub struct Contender {
     pub printed: Option<f64>,
     /// Best RMSE of each run after the last generation \[µm\].
     pub best_um: Vec<f64>,
-    /// Median of them.
+    /// Median of `best_um`.
     pub median_um: f64,
     /// Lower and upper quartile.
     pub quartiles_um: (f64, f64),
     /// Runs within 1 % of the best reachable RMSE \[%\].
     pub success_percent: f64,
-    /// Median number of evaluations to come within 1 %, over all runs; `None` where fewer than half do.
+    /// Median number of evaluations to reach 1 %, over all runs; `None` where fewer than half do.
     pub evaluations_to_1_percent: Option<f64>,
     /// Median number of evaluations of a run.
     pub evaluations: f64,
@@ -56,7 +56,7 @@ pub struct Contender {
     pub histories_um: Vec<Vec<f64>>,
 }
 
-/// A result this close to the best reachable one counts as found.
+/// Factor to the best reachable RMSE within which a run is successful.
 const FOUND: f64 = 1.01;
 /// Failures after which the scout is sent in the variant that shows its effect: at the default of SN·D it
 /// hardly fires.
@@ -154,7 +154,7 @@ impl Contender {
     fn of(name: &str, variant: &str, outcomes: &[&Outcome], reachable: f64) -> Self {
         let best_um: Vec<f64> = outcomes.iter().map(|o| o.cost).collect();
         let found = outcomes.iter().filter(|o| o.cost <= FOUND * reachable).count();
-        // A run that never came close took infinitely many evaluations: the median is over all runs.
+        // An unsuccessful run counts as infinitely many evaluations: the median is over all runs.
         let to_found: Vec<f64> = outcomes
             .iter()
             .map(|o| o.evaluations_to(FOUND * reachable).map_or(f64::INFINITY, |n| n as f64))

@@ -18,8 +18,8 @@ pub struct Plan {
     pub sample_rate_hz: f64,
     /// Duration of the 1–100 Hz sweep \[s\].
     pub sweep_s: f64,
-    /// Every how many samples of the 1 Hz loop are used: a rate-independent block loses nothing by it as long
-    /// as the turning points are kept.
+    /// Decimation factor of the 1 Hz loop: a rate-independent block loses nothing as long as the turning
+    /// points are kept.
     pub loop_decimation: usize,
     /// Duration of each sine \[s\], rounded up to whole periods.
     pub sine_s: f64,

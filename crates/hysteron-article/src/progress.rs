@@ -1,11 +1,11 @@
-//! Progress of the reproduction, and the right to stop it.
+//! Progress of the reproduction, and its stop request.
 
 use super::ArticleError;
 use std::ops::ControlFlow;
 
 use hysteron_identify::{Event, Stop, Watch};
 
-/// The stages in the order of the work, with the share of the time they usually take.
+/// The stages in order, with their usual fraction of the time.
 const WEIGHTS: [(&str, f64); 5] = [
     ("measuring on the simulated bench", 0.04),
     ("Table 1: comparing the optimisers", 0.48),

@@ -1,8 +1,8 @@
-//! The article's own Table 2 and Eq. 13 as the truth: what comes back from noise-free data?
+//! Recovery of the article's own Table 2 and Eq. 13, as the truth, from noise-free data.
 //!
-//! Each block alone from its own data, then both together the two-step way, where the 1 Hz loop is already
-//! seen through the dynamics. Fits are by least squares: what is shown is the minimum of the criterion, not
-//! the luck of a search.
+//! Each block is identified alone from its own data, then both by the two-step procedure, where the 1 Hz loop
+//! has passed through the dynamics. Fits are by least squares, so the result is the minimum of the criterion,
+//! independent of a random search.
 
 use super::measurements::record;
 use super::models::{Eq13, eq13};
@@ -30,7 +30,7 @@ pub struct Recovery {
     pub cases: Vec<RecoveredBlocks>,
 }
 
-/// Under which reading of the article the blocks are recovered.
+/// Interpretation of the article under which the blocks are recovered.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RecoveryCase {
     /// The 1 Hz loop is that of the static block alone; otherwise the whole plant's.
@@ -43,7 +43,7 @@ pub struct RecoveryCase {
     pub linear_sweep: bool,
     /// Scheme by which the dynamic block is simulated in the fit.
     pub scheme: Scheme,
-    /// The reading under which the prototype's figures come out.
+    /// The interpretation that reproduces the prototype's figures.
     pub prototype: bool,
 }
 

@@ -7,8 +7,8 @@ use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 use hysteron_optimize::{Algorithm, DeAbcOptions};
 use serde::{Deserialize, Serialize};
 
-/// The article's way to identify: quadratic (improved) Bouc–Wen with n = 1 and no offset (Eq. 1 has none), no
-/// delay, DE-ABC.
+/// Options of the article's identification: quadratic (improved) Bouc–Wen with n = 1 and no offset (Eq. 1 has
+/// none), no delay, DE-ABC.
 pub(super) fn article_options(plan: &Plan) -> Options {
     Options {
         method: Method::TwoStep,
@@ -20,7 +20,7 @@ pub(super) fn article_options(plan: &Plan) -> Options {
         n: Choice::Given(1.0),
         delay_s: Choice::Given(0.0),
         demands: Demands { fixed: vec![("offset".into(), 0.0)], bounded: Vec::new() },
-        // A bad fit is a result here.
+        // A bad fit is a valid result here.
         least_fit_percent: f64::NEG_INFINITY,
         ..Options::default()
     }

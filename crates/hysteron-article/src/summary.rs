@@ -37,7 +37,7 @@ pub struct Table1Row {
     pub quartiles_um: (f64, f64),
     /// Runs within 1 % of the best reachable RMSE \[%\].
     pub success_percent: f64,
-    /// Median number of evaluations to come there; `None` where fewer than half do.
+    /// Median number of evaluations to reach 1 %; `None` where fewer than half of the runs do.
     pub evaluations_to_1_percent: Option<f64>,
 }
 

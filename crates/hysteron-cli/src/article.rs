@@ -23,8 +23,8 @@ use crate::progress;
 #[command(
     after_help = "Writes index.html (works offline), figures/*.svg, tables/*.csv and article.json into the \
     folder. The article's data are not public: every number is from the simulated bench of `hysteron rig`, \
-    and the page says which readings of the text were chosen, where the printed numbers contradict each \
-    other and where the result disagrees with the claims.\n\n\
+    and the page states the interpretations chosen where the text is ambiguous, contradictions among the \
+    printed numbers, and disagreements of the result with the claims.\n\n\
     Example: hysteron article --out-dir article --seed 1"
 )]
 pub struct Article {
@@ -55,7 +55,7 @@ pub struct Article {
     quick: bool,
 }
 
-/// Output of `--json`: everything but the curves, which are in article.json.
+/// Output of `--json`: all results except the curves, which are in article.json.
 #[derive(Serialize)]
 struct Outcome {
     page: String,
@@ -123,7 +123,7 @@ impl Article {
         Ok(files)
     }
 
-    /// The verdicts, for people.
+    /// The verdicts, as a table.
     fn words(&self, found: &Reproduction) -> String {
         let mut table = console::table(&["claim of the article", "on the simulated bench"]);
         for claim in &found.claims {

@@ -1,4 +1,4 @@
-//! Which columns are the inputs and outputs of a record of several axes.
+//! Input and output columns of a record of several axes.
 
 use std::path::{Path, PathBuf};
 
@@ -22,7 +22,7 @@ pub struct AxesFlags {
     )]
     pub inputs: Vec<String>,
 
-    /// Its output columns, e.g. y1_nm,y2_nm,y3_nm
+    /// Output columns of a record of several axes, e.g. y1_nm,y2_nm,y3_nm
     #[arg(long, value_name = "COL,COL…", value_delimiter = ',', help_heading = "Columns")]
     pub outputs: Vec<String>,
 }

@@ -1,4 +1,4 @@
-//! Flags that say what the columns of a record are, the same for every command that reads records.
+//! Flags that assign the columns of a record, shared by all commands that read records.
 
 use std::path::{Path, PathBuf};
 
@@ -30,7 +30,7 @@ pub struct TimeFlags {
     )]
     sample_rate: Option<f64>,
 
-    /// Largest file to read, in bytes
+    /// Maximum file size, in bytes
     #[arg(
         long, value_name = "BYTES", value_parser = whole::<u64>, allow_hyphen_values = true,
         help_heading = "Columns",
@@ -38,7 +38,7 @@ pub struct TimeFlags {
     max_bytes: Option<u64>,
 }
 
-/// Which column drives.
+/// Input column.
 #[derive(Args, Clone, Debug)]
 pub struct InputFlags {
     /// Input (drive) column: its name, with or without unit, or its number from 1
@@ -53,7 +53,7 @@ pub struct InputFlags {
     )]
     scales: Vec<Scale>,
 
-    /// Dead band of the drive, as of a valve or an amplifier with a threshold: a smaller drive counts as 0
+    /// Dead band of the drive, as of a valve or an amplifier with a threshold: smaller drives count as 0
     #[arg(
         long, value_name = "DRIVE", value_parser = positive, allow_hyphen_values = true,
         help_heading = "Columns",
@@ -67,7 +67,7 @@ pub struct InputFlags {
     cut: CutFlags,
 }
 
-/// Which column drives and which responds.
+/// Input and output columns.
 #[derive(Args, Clone, Debug)]
 pub struct ColumnFlags {
     #[command(flatten)]
@@ -92,8 +92,7 @@ impl TimeFlags {
 }
 
 impl InputFlags {
-    /// Reads the input channel, and the output measured beside it where there is one. Prints what was decided
-    /// without being told.
+    /// Reads the input channel, and the output if it was measured too. Prints the choices made automatically.
     ///
     /// # Errors
     /// If the file is not a readable record or the input cannot be decided.
@@ -139,7 +138,7 @@ impl InputFlags {
     }
 }
 
-/// Which column is the reference to follow.
+/// Reference column.
 #[derive(Args, Clone, Debug)]
 pub struct ReferenceFlags {
     /// Reference column: its name, with or without unit, or its number from 1
@@ -151,7 +150,7 @@ pub struct ReferenceFlags {
 }
 
 impl ReferenceFlags {
-    /// Reads the reference alone. Prints what was decided without being told.
+    /// Reads the reference alone. Prints the choices made automatically.
     ///
     /// # Errors
     /// If the file is not a readable record or the reference cannot be decided.
@@ -186,8 +185,8 @@ impl ColumnFlags {
         ReadOptions { input: self.drive.input.clone(), output: self.output.clone(), ..self.drive.options() }
     }
 
-    /// Reads input and output of a record. Prints what was decided without being told, and what stands in the
-    /// way of a good model: a saturated sensor, a constant drive, uneven time stamps.
+    /// Reads input and output of a record. Prints the choices made automatically, and defects of the data: a
+    /// saturated sensor, a constant drive, non-uniform time stamps.
     ///
     /// # Errors
     /// Those of [`ColumnFlags::read_silently`].
@@ -223,8 +222,7 @@ impl ColumnFlags {
         Ok(data)
     }
 
-    /// Reads input and output of a record. Prints what was decided without being told, and nothing about the
-    /// data.
+    /// Reads input and output of a record. Prints the choices made automatically, and nothing about the data.
     ///
     /// # Errors
     /// If the file is not a readable record or its columns cannot be decided.
@@ -235,7 +233,7 @@ impl ColumnFlags {
         data
     }
 
-    /// Input and output of a record; what was decided without being told goes to `told`.
+    /// Input and output of a record; the choices made automatically are appended to `told`.
     fn read_told(&self, path: &Path, told: &mut Vec<String>) -> Result<InputOutput, Failure> {
         let (mut data, notes) = self.read_noted(path).map_err(|e| e.at(path, advice::INPUT_AND_OUTPUT))?;
         told.extend(notes.iter().map(advice::text));
@@ -255,7 +253,7 @@ impl ColumnFlags {
     }
 }
 
-/// Why a file is not the record that is needed.
+/// Reason why a file is not a usable record.
 pub struct Unreadable {
     because: String,
     advice: Option<Advice>,

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 
-/// Prints a result to standard output. A reader that has gone away (`| head`) is no failure.
+/// Prints a result to standard output. A closed pipe (`| head`) is not an error.
 ///
 /// # Errors
 /// If standard output cannot be written for another reason, e.g. a full disk.
@@ -30,22 +30,22 @@ pub fn json(value: &impl Serialize) -> Result<(), Failure> {
     result(&(text + "\n"))
 }
 
-/// Prints a line to standard error; a closed stream is no reason to stop.
+/// Prints a line to standard error; a closed stream is ignored.
 pub fn message(text: &str) {
     let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
-/// Prints a remark that the user should read, but that stops nothing.
+/// Prints a note; the command continues.
 pub fn note(text: &str) {
     message(&format!("note: {text}"));
 }
 
-/// Prints what the user should read before using the result.
+/// Prints a warning, to be read before using the result.
 pub fn warning(text: &str) {
     message(&format!("warning: {text}"));
 }
 
-/// A table for people: borders of ASCII where standard output is not a terminal that would show others.
+/// A text table, with ASCII borders unless standard output is a terminal.
 pub fn table(header: &[&str]) -> comfy_table::Table {
     let mut table = comfy_table::Table::new();
     let style = if io::stdout().is_terminal() {
@@ -62,7 +62,7 @@ pub fn in_unit(name: &str, unit: &str) -> String {
     if unit.is_empty() { name.to_owned() } else { format!("{name} [{unit}]") }
 }
 
-/// A clock that runs from now on.
+/// A clock that starts now.
 pub fn clock() -> impl Fn() -> std::time::Duration {
     let begun = std::time::Instant::now();
     move || begun.elapsed()

@@ -1,4 +1,4 @@
-//! Flags that say which part of a record is kept, the same for every command that reads records.
+//! Flags that select a part of each record, shared by all commands that read records.
 
 use clap::Args;
 use hysteron_model::record::{Condition, Cut};
@@ -15,7 +15,7 @@ pub struct CutFlags {
     )]
     from: Option<f64>,
 
-    /// Last time kept, likewise
+    /// Last time kept, in seconds or with a unit
     #[arg(
         long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true,
         help_heading = "Part of the record",
@@ -23,7 +23,7 @@ pub struct CutFlags {
     to: Option<f64>,
 
     /// Keep samples where a column has this value, e.g. segment=2, segment=2..7 (both ends included),
-    /// segment=2.. or, in a column of words, segment=ramp; may be repeated: all must hold
+    /// segment=2.. or, in a text column, segment=ramp; may be repeated: all must hold
     #[arg(
         long = "where", value_name = "COL=VALUE", value_parser = str::parse::<Condition>,
         help_heading = "Part of the record",

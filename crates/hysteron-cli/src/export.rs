@@ -1,4 +1,4 @@
-//! `hysteron export`: a model as source that runs without Hysteron.
+//! `hysteron export`: a model as source code independent of Hysteron.
 
 use hysteron_io::IoError;
 use std::io::ErrorKind;
@@ -58,13 +58,13 @@ pub struct Export {
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     sample_rate: Option<f64>,
 
-    /// Largest error of the realised dynamics, as a share of the range
+    /// Maximum error of the realised dynamics, as a fraction of the range
     #[arg(
         long, value_name = "SHARE", default_value_t = 1e-5, value_parser = share, allow_hyphen_values = true,
     )]
     accuracy: f64,
 
-    /// Lowest frequency to realise, for a model whose creep has no end
+    /// Lowest frequency to realise, for a model with unbounded creep
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     lowest_frequency: Option<f64>,
 
@@ -76,13 +76,13 @@ pub struct Export {
     #[arg(long)]
     inverse: bool,
 
-    /// Least and largest voltage of the inverse [default: the range the model was identified in]
+    /// Minimum and maximum voltage of the inverse [default: the range the model was identified in]
     #[arg(
         long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true, requires = "inverse",
     )]
     range: Option<[f64; 2]>,
 
-    /// Largest rate of the inverse's voltage, per second [default: none]
+    /// Maximum slew rate of the inverse's voltage, per second [default: none]
     #[arg(
         long, value_name = "PER_SECOND", value_parser = positive, allow_hyphen_values = true,
         requires = "inverse",
@@ -100,7 +100,8 @@ pub struct Export {
     )]
     preview: Option<usize>,
 
-    /// Predict the reference beyond the preview from its past, as a random motion with frequencies up to this
+    /// Predict the reference beyond the preview from its past, as a random motion band-limited to this
+    /// frequency
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true, requires = "inverse")]
     predict_to: Option<f64>,
 
@@ -214,7 +215,7 @@ impl Export {
             let used = compensation.preview;
             console::note(&format!(
                 "of the preview of {wanted} samples {used} are used, beyond which no voltage depends on the \
-                 reference: hand in the reference {used} samples ahead, not {wanted} (the source names the \
+                 reference: give the reference {used} samples ahead, not {wanted} (the source names the \
                  number)"
             ));
         }
@@ -224,11 +225,11 @@ impl Export {
         Ok(inverse)
     }
 
-    /// The folder of hysteron-rt, in full: the crate that names it is elsewhere.
+    /// Absolute path of the folder of hysteron-rt, because the exported crate is elsewhere.
     fn runtime(&self) -> Result<Option<PathBuf>, Failure> {
         let Some(folder) = &self.runtime else { return Ok(None) };
         if !matches!(self.to, Form::Rust) {
-            return Err(Failure::usage("--runtime goes with --to rust alone"));
+            return Err(Failure::usage("--runtime goes only with --to rust"));
         }
         let manifest = folder.join("Cargo.toml");
         let found = std::fs::read_to_string(&manifest).is_ok_and(|text| text.contains("\"hysteron-rt\""));
@@ -270,14 +271,14 @@ impl Export {
                 failure.hint("export it with --float f64, or for a lower --sample-rate")
             }
             ExportError::Still { .. } => {
-                failure.hint("look at it with hysteron simulate: what is exported must answer a voltage")
+                failure.hint("check it with hysteron simulate: an exported model must respond to a voltage")
             }
             _ => failure,
         }
     }
 }
 
-/// A remark where single precision takes much from a result.
+/// Prints a note if single precision costs much accuracy.
 fn remark_rounding(what: &str, unit: &str, rounding: Rounding) {
     if rounding.share > Rounding::NOTED {
         console::note(&format!(
@@ -288,7 +289,7 @@ fn remark_rounding(what: &str, unit: &str, rounding: Rounding) {
     }
 }
 
-/// A name in the source from that of a file: lower case, _ for what is no letter or digit.
+/// Name in the source derived from a file name: lower case, _ for all but letters and digits.
 fn name_of(path: &Path) -> String {
     let stem = path.file_stem().map(|s| s.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     stem.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()

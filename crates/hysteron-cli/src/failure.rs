@@ -1,4 +1,4 @@
-//! Failure messages: `error:` what could not be done, `because:` why, `try:` what to do about it.
+//! Failure messages: `error:` the failed action, `because:` the reason, `try:` the remedy.
 
 use std::fmt::{self, Display, Formatter};
 use std::process::ExitCode;
@@ -7,7 +7,7 @@ use hysteron_model::Advice;
 
 use crate::advice;
 
-/// A failure as the user reads it.
+/// A failure message for the user.
 #[derive(Debug)]
 pub struct Failure {
     error: String,
@@ -17,12 +17,12 @@ pub struct Failure {
 }
 
 impl Failure {
-    /// Something could not be done with the data (exit code 1).
+    /// A failure on the data (exit code 1).
     pub fn new(error: impl Into<String>) -> Self {
         Failure { error: error.into(), because: None, hint: None, exit_code: 1 }
     }
 
-    /// Flags that contradict each other in a way the parser of the command line cannot see (exit code 2).
+    /// Contradictory flags that the command-line parser cannot detect (exit code 2).
     pub fn usage(error: impl Into<String>) -> Self {
         Failure { exit_code: 2, ..Failure::new(error) }
     }
@@ -44,7 +44,7 @@ impl Failure {
         self
     }
 
-    /// Adds the remedy of the library, if there is one, in flags.
+    /// Adds the library's remedy, if any, expressed in flags.
     pub fn advised(self, advice: Option<Advice>) -> Self {
         match advice {
             Some(advice) => self.hint(advice::in_flags(&advice)),
@@ -52,7 +52,7 @@ impl Failure {
         }
     }
 
-    /// Whether the flags are wrong rather than the data.
+    /// True for wrong flags, false for wrong data.
     pub fn is_usage(&self) -> bool {
         self.exit_code == 2
     }

@@ -1,5 +1,4 @@
-//! Ctrl-C (SIGINT) and SIGTERM: the first asks the work to stop and says what becomes of it, the second
-//! aborts.
+//! Ctrl-C (SIGINT) and SIGTERM: the first requests a stop and reports what is kept, the second aborts.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -10,10 +9,10 @@ use hysteron_identify::Stop;
 use crate::console;
 use crate::failure::Failure;
 
-/// Exit code that shells expect of a program ended by signal N: 128 + N.
+/// Exit code of a program ended by signal N, by the convention of shells: 128 + N.
 const SIGNALLED: u8 = 128;
 
-/// Asks the work to stop at the first signal.
+/// Requests a stop at the first signal.
 #[derive(Clone)]
 pub struct Interrupt {
     stop: Stop,
@@ -21,7 +20,7 @@ pub struct Interrupt {
 }
 
 impl Interrupt {
-    /// Listens, once a process; `kept`: what becomes of the work done.
+    /// Listens for signals, once per process; `kept`: message on the results kept.
     ///
     /// # Errors
     /// If the operating system refuses.
@@ -45,7 +44,7 @@ impl Interrupt {
         &self.stop
     }
 
-    /// The failure of work, with the exit code of an interruption where it was one.
+    /// The failure, with the exit code of an interruption if there was one.
     pub fn told(&self, failure: Failure) -> Failure {
         if self.stop.is_requested() { failure.exiting_with(self.exit_code()) } else { failure }
     }
@@ -64,8 +63,8 @@ impl Interrupt {
     }
 }
 
-/// Where the best so far of an interrupted fit goes: `model.partial.json` beside `model.json`, which stays as
-/// it was; into the present folder where the model was to go to a device or a pipe.
+/// Path of the best model so far of an interrupted fit: `model.partial.json` beside `model.json`, which is
+/// unchanged; in the current folder if the model was to be written to a device or a pipe.
 pub fn partial(model: &Path) -> PathBuf {
     match std::fs::metadata(model) {
         Ok(found) if !found.is_file() => PathBuf::from("hysteron.partial.json"),

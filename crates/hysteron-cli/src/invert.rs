@@ -57,11 +57,11 @@ pub struct Invert {
     #[arg(short, long = "out", value_name = "DRIVE.csv")]
     out: OutFile,
 
-    /// Least and largest drive [default: the range the model was identified in]
+    /// Minimum and maximum drive [default: the range the model was identified in]
     #[arg(long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true)]
     range: Option<[f64; 2]>,
 
-    /// Largest rate of the drive, in its unit per second [default: none]
+    /// Maximum slew rate of the drive, in its unit per second [default: none]
     #[arg(long, value_name = "PER_SECOND", value_parser = positive, allow_hyphen_values = true)]
     slew: Option<f64>,
 
@@ -84,26 +84,26 @@ pub struct Invert {
     )]
     virgin_voltage: Option<f64>,
 
-    /// The reference is one period, or several, of a periodic motion, as in scanning: the drive of its steady
-    /// state
+    /// The reference is one or more periods of a periodic motion, as in scanning: compute the steady-state
+    /// drive
     #[arg(long)]
     periodic: bool,
 
-    /// Record of a run for the same reference, drive and measured output: correct the next drive by its error
-    /// (iterative learning control, as in scanning)
+    /// Record (drive and measured output) of a run with the same reference, whose error corrects the next
+    /// drive (iterative learning control, as in scanning)
     #[arg(long, value_name = "RUN.csv")]
     learn_from: Option<PathBuf>,
 
     /// Compute the drive sample by sample, as a controller does, with this preview of the reference in
-    /// samples; 0: the present sample alone [default: the whole reference is known; with --predict-to: 0]
+    /// samples; 0: the current sample only [default: the whole reference is known; with --predict-to: 0]
     #[arg(
         long, value_name = "SAMPLES", value_parser = whole::<usize>, allow_hyphen_values = true,
         conflicts_with_all = ["periodic", "learn_from"],
     )]
     preview: Option<usize>,
 
-    /// Sample by sample, with the reference beyond the preview predicted from its past, as a random motion
-    /// with frequencies up to this
+    /// Compute the drive sample by sample, and predict the reference beyond the preview from its past as a
+    /// random motion band-limited to this frequency
     #[arg(
         long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true,
         conflicts_with_all = ["periodic", "learn_from"],
@@ -143,7 +143,7 @@ impl Invert {
         };
         let TimeBase::Uniform { sample_rate_hz, .. } = reference.time else {
             return Err(failure()
-                .because("the reference has no uniform sample rate, which is to be the controller's")
+                .because("the reference has no uniform sample rate, which sets the controller's")
                 .advised(Some(Advice::Resample)));
         };
         let range_v = self.range.or(model.body().drive_range()).ok_or_else(|| {
@@ -210,11 +210,11 @@ impl Invert {
                     .hint(format!("sample the reference at {model_hz} Hz, or identify the model without \
                         --scheme grunwald-letnikov and ARX")),
                 InversionError::Dynamics(DynamicsError::InfiniteDcGain { .. }) => failure
-                    .because("the model creeps for ever: a drive that repeats drifts on, and there is no \
-                        periodic steady state")
+                    .because("the model's creep is unbounded: under a periodic drive its output drifts, so \
+                        there is no periodic steady state")
                     .hint(
                         "leave --periodic out and give several periods of the reference, or identify the \
-                         model with creep that ends (--creep kelvin-voigt, or --dynamics integer)",
+                         model with bounded creep (--creep kelvin-voigt, or --dynamics integer)",
                     ),
                 InversionError::Dynamics(DynamicsError::Bandwidth { .. }) => failure.hint(format!(
                     "the bandwidth is {} of the sample rate unless --bandwidth HZ says otherwise",
@@ -231,7 +231,7 @@ impl Invert {
         if self.json { console::json(&summary) } else { console::result(&text(&summary)) }
     }
 
-    /// As a controller would.
+    /// Computes the drive by the controller's law, with limited preview.
     fn sample_by_sample(
         &self,
         model: &LoadedModel,
@@ -248,19 +248,19 @@ impl Invert {
         };
         let law = Compensation::new(model.law(), sample_rate_hz, &wanted)?;
         console::message(&format!(
-            "one sample at a time: {} samples known ahead, of {} that make a difference",
+            "sample by sample: preview of {} samples, of {} that affect the drive",
             law.preview, law.useful_preview
         ));
         if let Some(wanted) = self.preview.filter(|wanted| *wanted > law.preview) {
             console::note(&format!(
-                "{} of the {wanted} samples ahead are used: what lies further ahead would change nothing",
+                "{} of the {wanted} samples ahead are used: later ones do not affect the drive",
                 law.preview
             ));
         }
         law.follow(reference, options)
     }
 
-    /// Half of the 95 % band at its widest; `None` where the file does not hold what it takes.
+    /// Largest half-width of the 95 % band; `None` if the file has no covariance.
     fn band(&self, model: &LoadedModel, found: &InverseDrive, sample_rate_hz: f64) -> Option<f64> {
         let start = found.rest.unwrap_or(Start::settled(found.drive.len()));
         model.body().data().correlation.as_ref()?;
@@ -307,27 +307,26 @@ fn text(s: &InverseSummary) -> String {
     ));
     for (samples, what) in [(s.samples_at_range, "--range"), (s.samples_at_slew, "--slew")] {
         if samples > 0 {
-            lines.push(format!("Held back by {what}: {samples} of {} samples.", s.samples));
+            lines.push(format!("Limited by {what}: {samples} of {} samples.", s.samples));
         }
     }
     lines.push(format!(
-        "Predicted error, the model taken for true: {} {output} rms ({} % of the reference's stroke), {} \
+        "Predicted error, assuming an exact model: {} {output} rms ({} % of the reference's stroke), {} \
          {output} at most.",
         significant(s.predicted_rms_error, 3),
         significant(s.predicted_rms_percent_of_stroke, 3),
         significant(s.predicted_max_error, 3)
     ));
     match s.band {
-        Some(band) => lines.push(format!(
-            "What is not known of the parameters adds up to ± {} {output} (95 %).",
-            significant(band, 3)
-        )),
-        None => lines.push("The model file does not say how well its parameters are known.".to_owned()),
+        Some(band) => {
+            lines.push(format!("Parameter uncertainty: up to ± {} {output} (95 %).", significant(band, 3)))
+        }
+        None => lines.push("The model file gives no parameter uncertainty.".to_owned()),
     }
     match (s.bandwidth_hz, s.error_at_bandwidth, s.noise_gain) {
         (Some(bandwidth), Some(error), Some(gain)) => lines.push(format!(
-            "Bandwidth: {} Hz, where {} % of the reference is missing. White noise on the reference is {} \
-             times as large at the output of the hysteresis: 5 nm become {} nm.",
+            "Bandwidth: {} Hz, where {} % of the reference is missing. White noise on the reference is \
+             amplified {} times at the output of the hysteresis: 5 nm become {} nm.",
             significant(bandwidth, 3),
             significant(100.0 * error, 2),
             significant(gain, 2),

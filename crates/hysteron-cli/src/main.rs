@@ -46,8 +46,7 @@ mod validate;
 
 use failure::Failure;
 
-/// Gives memory that was used back to the next search, where the system's allocator would have it cleared
-/// anew.
+/// Reuses freed memory in the next search; the system allocator would return it and have it zeroed again.
 #[global_allocator]
 static GLOBAL: mimalloc::MiMalloc = mimalloc::MiMalloc;
 

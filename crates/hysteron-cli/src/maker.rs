@@ -4,7 +4,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use hysteron_model::model_file::{Maker, timestamp};
 
-/// This program, now, as it was called.
+/// This program, the current time and the command line.
 pub fn maker() -> Maker {
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
     Maker {

@@ -1,4 +1,4 @@
-//! A model file read for use with records.
+//! A loaded model file, applied to records.
 
 use std::path::{Path, PathBuf};
 
@@ -51,7 +51,7 @@ impl Loaded {
         &self.source
     }
 
-    /// Inputs and outputs of the record at `path`, as the model takes them.
+    /// Inputs and outputs of the record at `path`, in the order of the model.
     ///
     /// # Errors
     /// If it is not a readable record, or the flags are those of another kind of model.
@@ -67,7 +67,7 @@ impl Loaded {
         })
     }
 
-    /// The inputs of the file at `path`, as the model takes them, with an output measured beside them in the
+    /// The inputs of the file at `path`, in the order of the model, with the measured output if it is in the
     /// model's unit.
     ///
     /// # Errors
@@ -116,10 +116,10 @@ impl Loaded {
         part_of_run(self.read_drive(path, columns, axes)?)
     }
 
-    /// Names of the outputs as they are written: those given, else the model's own.
+    /// Names of the outputs in written files: those given, else the model's.
     ///
     /// # Errors
-    /// If as many are given as the model does not have.
+    /// If their number is not that of the model's outputs.
     pub fn output_names(&self, axes: &AxesFlags) -> Result<Vec<String>, Failure> {
         let Some((_, own)) = self.model.channels() else { return Ok(vec!["y".to_owned()]) };
         let names = if axes.outputs.is_empty() { own } else { &axes.outputs };
@@ -163,7 +163,7 @@ impl Loaded {
         Ok(found)
     }
 
-    /// Scores on a record, simulated from the start the flags give, else from the one that explains it best.
+    /// Scores on a record, simulated from the start the flags give, else from the best-fitting one.
     ///
     /// # Errors
     /// Those of [`Self::simulate`], and one for a record that cannot be scored.
@@ -244,10 +244,11 @@ impl Loaded {
         }
     }
 
-    /// Band of the output for the drive of the record at `path`, from the errors of the numbers in the file.
+    /// Prediction band of the output for the drive of the record at `path`, from the uncertainties in the
+    /// file.
     ///
     /// # Errors
-    /// If the file does not hold them.
+    /// If the file has none.
     pub fn band<'a>(
         &self,
         path: &Path,
@@ -262,14 +263,14 @@ impl Loaded {
         })
     }
 
-    /// Why the file gives no band.
+    /// Failure for a file that gives no prediction band.
     pub fn no_band(&self, error: &IdentifyError) -> Failure {
         Failure::new(format!("cannot draw a band around {}", self.path.display()))
             .because(error)
-            .hint("identify the model anew: a joint fit writes what a band needs; two steps and ARX do not")
+            .hint("identify the model again: only a joint fit writes the covariance that a band needs")
     }
 
-    /// The library's error with what to do about it.
+    /// Failure for a library error, with a remedy.
     fn cannot_run(&self, path: &Path, error: RunError) -> Failure {
         let record = path.display();
         let simulating = || Failure::new(format!("cannot simulate {} on {record}", self.path.display()));
@@ -286,7 +287,7 @@ impl Loaded {
                     SimulationError::NoSampleRate => failure.advised(Some(Advice::Resample)),
                     SimulationError::SampleRate { model_hz, .. } => failure.hint(format!(
                         "hysteron prepare {record} --rate {model_hz}Hz -o OUT.csv, or identify the model \
-                         again with --scheme tustin, which holds at other rates"
+                         again with --scheme tustin, which is valid at other rates"
                     )),
                     SimulationError::NotSettled { .. } => {
                         failure.hint("leave --settled out: the record starts from rest")
@@ -336,7 +337,7 @@ impl Loaded {
                 "choose the column with --{flag}, or correct the unit in its header and convert its numbers"
             ),
             SignalRole::Input | SignalRole::Output => format!(
-                "choose the column with --{flag}, correct the unit in its header, or say what it means with \
+                "choose the column with --{flag}, correct the unit in its header, or convert it with \
                  --scale, e.g. --scale {letter}=2.5{symbol}/{per}",
                 letter = if signal == SignalRole::Input { "u" } else { "y" },
                 symbol = own.symbol(),
@@ -346,7 +347,7 @@ impl Loaded {
     }
 }
 
-/// Runs have one input and one output.
+/// Checks that a part of a run has one input and one output.
 fn part_of_run(signals: Signals) -> Result<InputOutput, Failure> {
     match signals {
         Signals::Single(record) => Ok(record),
@@ -363,10 +364,10 @@ pub fn save(path: &Path, model: &Model) -> Result<(), Failure> {
     save_model(path, model).map_err(|e| failure().because(e))
 }
 
-/// [`save`] of the data of a model; the model they are.
+/// Builds a model from its data, and writes it with [`save`].
 ///
 /// # Errors
-/// If the data are not sound, or the file cannot be written.
+/// If the data are invalid, or the file cannot be written.
 pub fn write(path: &Path, data: impl TryInto<Model, Error: Into<IoError>>) -> Result<Model, Failure> {
     let failure = || Failure::new(format!("cannot write the model to {}", path.display()));
     let model = data.try_into().map_err(|e| failure().because(e.into()))?;
@@ -398,7 +399,7 @@ impl LoadedModel {
         Ok(Self { loaded, body })
     }
 
-    /// Data and law.
+    /// The model with its data.
     pub fn body(&self) -> &Hammerstein {
         &self.body
     }

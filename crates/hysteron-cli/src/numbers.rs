@@ -1,5 +1,5 @@
-//! Numbers on the command line: what is wrong with one is said in words. Their flags take values that begin
-//! with a hyphen (`allow_hyphen_values`), so that −1 gets here and is not taken for a flag.
+//! Parsers of numbers on the command line, with readable errors. Their flags take values that begin with a
+//! hyphen (`allow_hyphen_values`), so that −1 is not taken for a flag.
 
 use std::str::FromStr;
 
@@ -21,20 +21,20 @@ pub fn not_negative(text: &str) -> Result<f64, String> {
     number(text).ok().filter(|x| *x >= 0.0).ok_or_else(|| "expected a number of at least 0".into())
 }
 
-/// A time in s, or with another unit of time behind it.
+/// A time in s, or followed by another unit of time.
 pub fn seconds(text: &str) -> Result<f64, String> {
     let units = [("ns", 1e-9), ("us", 1e-6), ("µs", 1e-6), ("ms", 1e-3), ("min", 60.0), ("s", 1.0)];
     in_unit(text, &units).ok_or_else(|| "expected a time such as 1.5, 1.5s or 300ms".into())
 }
 
-/// A frequency above 0 in Hz, or with another unit of frequency behind it.
+/// A frequency above 0 in Hz, or followed by another unit of frequency.
 pub fn hertz(text: &str) -> Result<f64, String> {
     let units = [("kHz", 1e3), ("MHz", 1e6), ("Hz", 1.0)];
     let rate = in_unit(text, &units).filter(|rate| *rate > 0.0);
     rate.ok_or_else(|| "expected a rate above 0 such as 500, 500Hz or 2kHz".into())
 }
 
-/// A number in the first of these units that it ends with, or without any.
+/// A number followed by one of these units (the first match) or by none.
 fn in_unit(text: &str, units: &[(&str, f64)]) -> Option<f64> {
     let text = text.trim();
     let given = units.iter().find_map(|(unit, factor)| Some((text.strip_suffix(unit)?, *factor)));

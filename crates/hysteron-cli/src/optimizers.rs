@@ -15,7 +15,7 @@ use crate::numbers::whole;
 use crate::progress;
 use crate::result_flags::ResultFlags;
 
-/// Compare the optimisers on the article's two identification problems, over many seeds with one budget.
+/// Compare the optimisers on the article's two identification problems, over many seeds with equal budgets.
 #[derive(Args)]
 #[command(
     after_help = "Success is an RMSE within 1 % of the one that a least-squares fit from the true parameters \
@@ -52,7 +52,7 @@ pub struct Optimizers {
     )]
     budget: usize,
 
-    /// Threads [default: one a core]
+    /// Threads [default: one per core]
     #[arg(long, value_name = "N", value_parser = whole::<usize>, allow_hyphen_values = true)]
     threads: Option<usize>,
 
@@ -99,7 +99,7 @@ fn by_name<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     serde_json::from_value(text.into()).map_err(|e| e.to_string())
 }
 
-/// A table a problem.
+/// One table per problem.
 fn text(study: &Study) -> String {
     study.problems.iter().map(problem_text).collect::<Vec<_>>().join("\n")
 }

@@ -1,5 +1,5 @@
-//! Files to be written, looked at before the work whose result they are to hold: a fit of minutes must not
-//! end in a folder that does not exist, nor in place of the record it was made from.
+//! Output files, checked before the computation: a fit of minutes must not fail on a missing folder, nor
+//! overwrite the record it was made from.
 
 use std::ffi::OsString;
 use std::io::ErrorKind;
@@ -11,8 +11,8 @@ use hysteron_io::atomic_file::{AtomicWriteError, check_writable};
 
 use crate::failure::Failure;
 
-/// A file that the command line names to be written. Files to be read are [`PathBuf`]: by their types
-/// [`check_distinct`] tells them apart.
+/// Output file on the command line. Input files are [`PathBuf`]: [`check_distinct`] distinguishes them by
+/// type.
 #[derive(Clone, Debug)]
 pub struct OutFile(PathBuf);
 
@@ -68,14 +68,14 @@ pub fn keep_input(written: &Path, read: &[PathBuf]) -> Result<(), Failure> {
     }
 }
 
-/// The values of one type, of whatever flag.
+/// The values of one type, of all flags.
 fn given<T: Clone + Send + Sync + 'static>(matches: &ArgMatches) -> impl Iterator<Item = &T> {
     let of = |id: &clap::Id| matches.try_get_many::<T>(id.as_str()).ok().flatten();
     matches.ids().filter_map(of).flatten()
 }
 
-/// Whether two paths lead to one file, through links or not; terminals and pipes may well be one. A second
-/// hard link is another file: writing replaces the name, not the content.
+/// True if two paths lead to one regular file, through symbolic links or not. A second hard link counts as
+/// another file: writing replaces the name, not the content.
 fn is_same(a: &Path, b: &Path) -> bool {
     let resolved = |path: &Path| match path.canonicalize() {
         Ok(found) => found.is_file().then_some(found),
@@ -88,10 +88,10 @@ fn is_same(a: &Path, b: &Path) -> bool {
     resolved(a).is_some_and(|a| Some(a) == resolved(b))
 }
 
-/// Checks that the file `path` can be written; `what` it is to hold, e.g. `the model`.
+/// Checks that the file `path` can be written; `what` names its content, e.g. `the model`.
 ///
 /// # Errors
-/// If it cannot, with what to do about it. Nothing is left behind.
+/// If it cannot, with a remedy. No temporary file remains.
 pub fn check_file(what: &str, path: &Path) -> Result<(), Failure> {
     check_writable(path).map_err(|e| cannot_write(what, path, e))
 }
@@ -110,7 +110,7 @@ pub fn check_folder(what: &str, path: &Path) -> Result<(), Failure> {
     })
 }
 
-/// The failure to write `path`, with what to do about it.
+/// The failure to write `path`, with a remedy.
 pub fn cannot_write(what: &str, path: &Path, error: AtomicWriteError) -> Failure {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent.display().to_string(),

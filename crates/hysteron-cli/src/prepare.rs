@@ -19,16 +19,16 @@ use crate::output::{self, OutFile};
 /// Cut, join, scale, detrend and resample records into one new record.
 #[derive(Args)]
 #[command(
-    after_help = "The order is fixed: rename, drop; --where, --from, --to, then --turns in what these keep \
-    (in every record); join, in the order given; scale; remove means, then trends; resample. Flags behind \
-    --rename name columns by their new names. All other columns are kept, except a column of words that \
-    --where uses.\n\n\
+    after_help = "The order is fixed: rename, drop; --where, --from, --to, then --turns in the part kept (of \
+    every record); join, in the order given; scale; remove means, then trends; resample. The steps after \
+    --rename use the new column names. All other columns are kept, except a text column that --where \
+    uses.\n\n\
     Records are joined by their own time stamps, which must increase from record to record.\n\n\
     --rate applies an anti-aliasing low-pass; a column of labels (a segment's number) is held. Non-uniform \
     time stamps (segments of different rates) are interpolated; a gap, longer than three of its neighbours' \
     sample periods, is bridged by a straight line, whose samples are 0 in the column valid.\n\n\
-    The file written is a header line t_s,u_V,…,valid and one line a sample, or an NPZ or MAT file of the \
-    same columns. Numbers that are missing or not finite are refused where they are kept.\n\n\
+    The file written is a header line t_s,u_V,…,valid and one line per sample, or an NPZ or MAT file of the \
+    same columns. Missing and non-finite numbers in the part kept are refused.\n\n\
     Example: hysteron prepare run.csv --from 1.5s --to 20s -o steady.csv\n\
     Example: hysteron prepare scan.csv --where segment=2..7 --rate 500Hz -o scan_500.csv\n\
     Example: hysteron prepare run_1.csv run_2.csv --rename ch1=u_V --scale y=2.5um/V --detrend y -o both.npz"
@@ -72,7 +72,7 @@ pub struct PrepareCommand {
     #[arg(long, value_name = "COL,COL…", value_delimiter = ',')]
     remove_mean: Vec<String>,
 
-    /// Columns whose linear trend is removed, the mean with it
+    /// Columns whose linear trend is removed, including the mean
     #[arg(long, value_name = "COL,COL…", value_delimiter = ',')]
     detrend: Vec<String>,
 
@@ -155,10 +155,10 @@ impl PrepareCommand {
 }
 
 fn unreadable(path: &Path, error: Unreadable) -> Failure {
-    error.at(path, "--where COL=TEXT for a column of words, --drop COL for one that is not needed")
+    error.at(path, "--where COL=TEXT for a text column, --drop COL for one that is not needed")
 }
 
-/// Steps done, a line each.
+/// Steps done, one per line.
 fn lines(written: &Written) -> Vec<String> {
     let Written { file, records, prepared } = written;
     let read = records

@@ -17,7 +17,7 @@ const BETWEEN_LINES: Duration = Duration::from_secs(10);
 /// Steps of a bar.
 const STEPS: f64 = 1000.0;
 
-/// Shows what work tells about itself until it ends; the first Ctrl-C stops it.
+/// Shows the progress of a computation; the first Ctrl-C stops it.
 pub fn watch(interrupt: &Interrupt) -> Watch<'static> {
     let mut shown: Option<Progress> = None;
     let show = move |event: &Event<'_>| {
@@ -27,11 +27,11 @@ pub fn watch(interrupt: &Interrupt) -> Watch<'static> {
     Watch::new(show).stopped_by(interrupt.stop())
 }
 
-/// Progress of one piece of work; a bar goes away when dropped.
+/// Progress display of one computation; the bar is cleared on drop.
 struct Progress {
     bar: ProgressBar,
     began: Instant,
-    /// Where standard error is no terminal: intervals that have had their line.
+    /// Intervals whose line is printed; `None` on a terminal.
     lines: Option<u64>,
 }
 

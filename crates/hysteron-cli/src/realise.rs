@@ -16,13 +16,13 @@ use crate::numbers::{positive, share};
 /// Turn a model into a fixed number of real poles and pole pairs for a controller's sample rate.
 #[derive(Args)]
 #[command(
-    after_help = "The poles of the dynamics are kept, a branch cut becomes real poles, their number grown \
-    until the response follows the batch simulation's to the accuracy, a share of the range. Printed: taps \
-    and sections x <- x + g (w - x), output c x (real parts for a pair), the largest error of the response \
-    over the band, that against a simulation of a sweep over the model's own range, and the time a sample \
-    took on this machine. --json holds every number to all digits.\n\nA model that creeps for ever is \
+    after_help = "The poles of the dynamics are kept; a branch cut is approximated by real poles, as many as \
+    make the frequency response match the batch simulation's to the accuracy, a fraction of the range. \
+    Printed: taps and sections x <- x + g (w - x), output c x (real parts for a pair), the largest error of \
+    the response over the band, that against the simulation of a sweep over the model's range, and the time \
+    per sample on this machine. --json holds every number to all digits.\n\nA model with unbounded creep is \
     realised down to --lowest-frequency (else a thousandth of the lowest frequency of the records it was \
-    identified from); a decade more costs two or three states.\n\nExample: hysteron realise model.json \
+    identified from); each further decade costs two or three states.\n\nExample: hysteron realise model.json \
     --sample-rate 10000 --accuracy 1e-5"
 )]
 pub struct Realise {
@@ -34,13 +34,13 @@ pub struct Realise {
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     sample_rate: f64,
 
-    /// Largest error, as a share of the range
+    /// Maximum error, as a fraction of the range
     #[arg(
         long, value_name = "SHARE", default_value_t = 1e-5, value_parser = share, allow_hyphen_values = true,
     )]
     accuracy: f64,
 
-    /// Lowest frequency to realise, for a model whose creep has no end
+    /// Lowest frequency to realise, for a model with unbounded creep
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     lowest_frequency: Option<f64>,
 
@@ -62,7 +62,7 @@ impl Realise {
 }
 
 /// Deviation of a realisation from the batch simulation along a sweep over the model's range, and the sweep's
-/// frequencies \[Hz\]; with a remark where the deviation is more than the accuracy.
+/// frequencies \[Hz\]; with a note if the deviation exceeds the accuracy.
 ///
 /// # Errors
 /// Those of [`verify`].
@@ -81,16 +81,17 @@ pub fn along_sweep(
 fn remark_sweep(found: &Verification, accuracy: f64) {
     if found.largest > accuracy {
         console::note(&format!(
-            "along the sweep the difference to the batch simulation is {} of the range, more than {}: what \
-             is beyond the dynamics' error lies between the samples (see docs/theory/realisation.md)",
+            "along the sweep the difference to the batch simulation is {} of the range, more than {}: the \
+             excess over the error of the dynamics arises between the samples (see \
+             docs/theory/realisation.md)",
             significant(found.largest, 2),
             significant(accuracy, 2)
         ));
     }
 }
 
-/// The realisation of a loaded model. One that creeps for ever is realised, where no lowest frequency is
-/// given, down to one that its records suggest.
+/// The realisation of a loaded model. With unbounded creep and no lowest frequency given, that is derived
+/// from its records.
 ///
 /// # Errors
 /// Those of [`realise`], with a remedy.
@@ -111,7 +112,7 @@ pub fn realised(
     realise(loaded.law(), sample_rate_hz, &stopped).map_err(|e| cannot(path, &e))
 }
 
-/// `options` with a lowest frequency from the model's records, where it creeps for ever and none is given.
+/// `options`, with a lowest frequency from the model's records if its creep is unbounded and none is given.
 pub fn where_creep_stops(
     loaded: &LoadedModel,
     sample_rate_hz: f64,
@@ -126,11 +127,10 @@ fn cannot(model: &Path, error: &RealiseError) -> Failure {
         RealiseError::LowestFrequency => failure
             .hint("give --lowest-frequency HZ, e.g. the inverse of the longest time the controller runs"),
         RealiseError::SampleRate { scheme: "ARX", .. } => failure.hint(
-            "identify the model from records of the controller's rate, or with dynamics that hold at any \
-                rate",
+            "identify the model from records of the controller's rate, or with dynamics valid at any rate",
         ),
         RealiseError::SampleRate { .. } => {
-            failure.hint("identify it with --scheme tustin, which holds at other rates")
+            failure.hint("identify it with --scheme tustin, which is valid at other rates")
         }
         RealiseError::Accuracy { .. } => failure.hint("ask for less with --accuracy"),
         _ => failure,
@@ -141,7 +141,7 @@ fn text(found: &CheckedRealisation) -> String {
     let (linear, check) = (&found.realisation.dynamics, &found.verification);
     let rate = found.realisation.sample_rate_hz;
     let number = |x: f64| significant(x, 6);
-    let mut sections = console::table(&["section", "forgets at [rad/s]", "g", "c"]);
+    let mut sections = console::table(&["section", "decay rate [rad/s]", "g", "c"]);
     let taps = linear.taps.iter().enumerate();
     for (j, tap) in taps {
         sections.add_row([
@@ -175,9 +175,9 @@ fn text(found: &CheckedRealisation) -> String {
     for (what, value) in [
         ("states", linear.states().to_string()),
         ("taps", linear.taps.len().to_string()),
-        ("delay", format!("{} samples and what the taps hold", linear.delay_samples)),
-        ("gain at rest", significant(linear.rest_gain, 6)),
-        ("accuracy asked for [share of range]", significant(found.accuracy, 2)),
+        ("delay", format!("{} samples, plus that of the taps", linear.delay_samples)),
+        ("static gain", significant(linear.rest_gain, 6)),
+        ("requested accuracy [fraction of range]", significant(found.accuracy, 2)),
         ("largest error of the response", format!("{}, {band}", significant(linear.frequency_error, 2))),
         (
             "against the batch simulation",
@@ -192,9 +192,9 @@ fn text(found: &CheckedRealisation) -> String {
                 found.units.0
             ),
         ),
-        ("weights over gain (rounding is amplified by)", significant(linear.amplification(), 3)),
+        ("amplification of rounding (weights over gain)", significant(linear.amplification(), 3)),
         (
-            "time a sample, double precision, this machine",
+            "time per sample, double precision, this machine",
             format!("{} ns", significant(found.nanoseconds, 3)),
         ),
     ] {

@@ -38,7 +38,7 @@ pub struct Recalibrate {
     #[arg(value_name = "MODEL.json")]
     model: PathBuf,
 
-    /// The records; a second that contains some turning points of the drive is enough
+    /// The records; one second with some turning points of the drive is enough
     #[arg(value_name = "RECORD", required = true)]
     records: Vec<PathBuf>,
 
@@ -50,7 +50,7 @@ pub struct Recalibrate {
     #[arg(long)]
     continued: bool,
 
-    /// Least fit of a record by the recalibrated model, in %, below which it is refused
+    /// Minimum fit of each record by the recalibrated model, in %; it is refused below that
     #[arg(
         long, value_name = "PERCENT", default_value_t = 75.0, value_parser = number,
         allow_hyphen_values = true,
@@ -86,7 +86,7 @@ impl Recalibrate {
         Ok(())
     }
 
-    /// The records, or the runs that they make, with what happened before each.
+    /// The records, or the runs they form, each with its start.
     fn recordings(&self, model: &LoadedModel) -> Result<Vec<Recording>, Failure> {
         let read = |path: &PathBuf| {
             let mut data = self.columns.read(path)?;
@@ -173,14 +173,14 @@ fn text(found: &Recalibration, model: &Model) -> String {
     )
 }
 
-/// Whether a number has changed, in a line.
+/// Verdict on the change of a parameter, in one line.
 fn verdict(name: &str, change: &Change) -> String {
     let Some(times) = change.in_standard_errors() else {
         return if change.value.to_bits() == change.old.to_bits() {
             format!("verdict: {name}: the records do not determine it; it is held at its old value.\n")
         } else {
             format!(
-                "verdict: {name}: the records put it on the edge of what is searched, {}; it is held there, \
+                "verdict: {name}: the estimate is on the edge of its search range, {}; it is held there, \
                  without a standard error.\n",
                 significant(change.value, 4)
             )
@@ -190,9 +190,9 @@ fn verdict(name: &str, change: &Change) -> String {
         (None, _) => {
             " (the model file gives no standard error of the old value: that of the records alone)".to_owned()
         }
-        // The old model's ignorance must not pass for the device's constancy.
+        // An uncertain old value must not be taken as evidence of an unchanged device.
         (Some(old), Some(measured)) if old > SIGNIFICANT * measured => format!(
-            " (the old value is known to ± {} only, the records' own to ± {})",
+            " (standard error of the old value ± {}, of that from the records only ± {})",
             significant(old, 2),
             significant(measured, 2)
         ),
@@ -217,7 +217,7 @@ fn explain(error: &IdentifyError) -> Failure {
     match error {
         IdentifyError::OtherDevice { .. } => failure.hint(
             "check the columns (--input, --output) and that it is the same device; identify it anew with \
-             hysteron identify; --least-fit 0 hands the model out all the same",
+             hysteron identify; --least-fit 0 returns the model regardless",
         ),
         error => failure.advised(error.advice()),
     }

@@ -1,4 +1,4 @@
-//! Remarks of the library on a simulation, with the flag that says otherwise.
+//! Remarks of the library on a simulation, with the flag that overrides its assumption.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Flags of the commands whose result is also a page, and also an object.
+//! Output flags of the commands with an HTML report and JSON output.
 
 use std::borrow::Borrow;
 
@@ -10,7 +10,7 @@ use crate::console;
 use crate::failure::Failure;
 use crate::output::{self, OutFile};
 
-/// Output of the result: report or JSON.
+/// Output of the result as report or JSON.
 #[derive(Args, Clone, Debug)]
 pub struct ResultFlags {
     /// Report to write, one self-contained HTML file

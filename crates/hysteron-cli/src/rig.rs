@@ -25,9 +25,9 @@ const MAX_BYTES: u64 = 1 << 20;
 #[derive(Args)]
 #[command(
     after_help = "Plays the article's campaign (1 Hz loop, 1-100 Hz sweep, sines of 10, 20, 50 and 100 Hz), \
-    or the drives given with --drive, and writes one record each, with the truth and the plan in force, into \
-    the folder. The default truth lies outside every model class that hysteron identifies.\n\nExample: \
-    hysteron rig --out-dir bench --seed 1"
+    or the drives given with --drive, and writes one record each, with the truth and the plan used, into the \
+    folder. The default truth lies outside every model class that hysteron identifies.\n\nExample: hysteron \
+    rig --out-dir bench --seed 1"
 )]
 pub struct Rig {
     /// True parameters of the simulated bench: JSON, all keys optional (truth.json of an earlier run, edited)
@@ -53,7 +53,7 @@ pub struct Rig {
     #[arg(long = "drive", value_name = "FILE")]
     drives: Vec<PathBuf>,
 
-    /// Write the true displacement and the hysteresis block's output beside what the sensor reads
+    /// Write the true displacement and the output of the hysteresis block beside the sensor reading
     #[arg(long)]
     with_truth: bool,
 
@@ -101,7 +101,7 @@ impl Rig {
         self.out_dir.join(format!("{name}.csv"))
     }
 
-    /// The drive in a file, as something to be played.
+    /// The drive in a file, as an excitation of the bench.
     fn drive(&self, path: &Path) -> Result<Excitation, Failure> {
         let failure = || Failure::new(format!("cannot play the drive {}", path.display()));
         let Driven { drive, .. } = self.columns.read_drive(path)?;
@@ -134,7 +134,7 @@ impl Rig {
         console::message(&format!("wrote {} ({} samples)", path.display(), record.len()));
         if run.clipped_samples > 0 {
             console::note(&format!(
-                "{}: {} samples lie at the end of the converter's range",
+                "{}: {} samples saturate the converter",
                 path.display(),
                 run.clipped_samples
             ));

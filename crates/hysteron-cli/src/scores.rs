@@ -24,7 +24,7 @@ const SHOWN: [&str; 10] = [
     "loop_width_error_percent",
 ];
 
-/// Coverage of the record by the band, in a sentence; `None` where no band was asked for.
+/// Coverage of the record by the band, in a sentence; `None` without a band.
 pub fn within_band(score: &Score) -> Option<String> {
     let BandScore { inside_percent, measurement, model } = score.band?;
     let unit = score.unit.to_string();
@@ -59,7 +59,7 @@ fn values(score: &Score) -> Vec<String> {
     let ratio = |x: Option<f64>, digits: usize| {
         x.map_or("-".to_owned(), |x| format!("{x:.digits$}").replace('-', "−"))
     };
-    // A rounding residue of the model's own offset is no offset.
+    // An offset at rounding level is shown as 0.
     let offset = if s.offset.abs() < 1e-9 * s.stroke { 0.0 } else { s.offset };
     vec![
         s.samples.to_string(),
@@ -93,11 +93,11 @@ pub fn residual_tests(score: &Score) -> Option<String> {
     ))
 }
 
-/// Records up to which the table of a fit has a column a record: it then fits a narrow terminal.
+/// Most records with one column each in the table of a fit: it then fits a narrow terminal.
 const SIDE_BY_SIDE: usize = 3;
 
-/// The table of a fit for people: a column a record for a few records, a row a record for more and for
-/// several outputs.
+/// Table of a fit: one column per record for a few records, one row per record for more and for several
+/// outputs.
 pub fn table(records: &[Score]) -> Table {
     let scored: Vec<(&str, &Score)> = records.iter().map(|score| ("", score)).collect();
     let (header, rows) = cells(&scored);
@@ -112,8 +112,8 @@ pub fn table(records: &[Score]) -> Table {
     table
 }
 
-/// A row a record, whatever their number, with the names of the models that were scored on them; the models
-/// of a record stand below each other.
+/// Table with one row per record and model, grouped by record, and a column of model names if there are
+/// several.
 pub fn table_of_models(scored: &[(&str, &Score)]) -> Table {
     if scored.iter().any(|(_, score)| score.axes.is_some()) {
         return axes_table(scored);
@@ -126,7 +126,7 @@ pub fn table_of_models(scored: &[(&str, &Score)]) -> Table {
     table
 }
 
-/// Names of the columns, and a row a record: its name, its model where there are several, its scores.
+/// Column names, and one row per record and model: record, model where there are several, scores.
 fn cells(scored: &[(&str, &Score)]) -> (Vec<String>, Vec<Vec<String>>) {
     let records: Vec<&Score> = scored.iter().map(|(_, score)| *score).collect();
     let one_unit = records.windows(2).all(|pair| pair[0].unit == pair[1].unit);
@@ -158,7 +158,7 @@ fn several_models(scored: &[(&str, &Score)]) -> bool {
     scored.windows(2).any(|pair| pair[0].0 != pair[1].0)
 }
 
-/// Places of the scores, those of a record together, records in the order they first come.
+/// Indices of the scores grouped by record, records in the order of first appearance.
 fn by_record(records: &[&Score]) -> Vec<usize> {
     let first = |k: usize| records.iter().position(|r| r.record == records[k].record);
     let mut places: Vec<usize> = (0..records.len()).collect();
@@ -166,7 +166,7 @@ fn by_record(records: &[&Score]) -> Vec<usize> {
     places
 }
 
-/// A row a record of several outputs.
+/// Table of records with several outputs, one row per record and model.
 fn axes_table(scored: &[(&str, &Score)]) -> Table {
     let records: Vec<&Score> = scored.iter().map(|(_, score)| *score).collect();
     let several = several_models(scored);
@@ -239,10 +239,10 @@ pub fn verdict(score: &Score) -> Option<String> {
 
 /// Explanation of the scores of several outputs.
 pub const AXES_EXPLANATION: &str = "RMSE: root mean square of y − simulation − offset over all outputs, the \
-    offset of each sensor estimated unless --fixed-offset is given; of mean period: the same of the mean \
-    over the record's periods, in which noise counts less; level: rms of the inputs.";
+    offset of each sensor estimated unless --fixed-offset is given; of mean period: the same of the average \
+    over the record's periods, which reduces noise; level: rms of the inputs.";
 
-/// File names where they tell the paths apart, else the paths as given.
+/// File names if they are unique, else the paths as given.
 pub fn short_names(paths: Vec<String>) -> Vec<String> {
     let short =
         paths.iter().map(|path| Path::new(path).file_name().and_then(|name| name.to_str()).unwrap_or(path));
@@ -251,7 +251,7 @@ pub fn short_names(paths: Vec<String>) -> Vec<String> {
     if count(&short) == count(&paths) { short } else { paths }
 }
 
-/// Explanation of the table's scores, a line each.
+/// Definitions of the scores in the table, one per line.
 pub fn explanation() -> String {
     let line = |d: &Definition| {
         format!("{} [{}]: {}\n", d.name, if d.unit == "output" { "unit" } else { d.unit }, d.meaning)

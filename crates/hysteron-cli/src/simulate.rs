@@ -37,8 +37,8 @@ pub struct Simulate {
     #[arg(value_name = "INPUT.csv", required = true)]
     input_files: Vec<PathBuf>,
 
-    /// The files are consecutive parts of one run on one clock: simulated at one go from the start of the
-    /// first
+    /// The files are consecutive parts of one run on one clock: simulated without interruption from the start
+    /// of the first
     #[arg(long)]
     continued: bool,
 
@@ -97,7 +97,7 @@ impl Simulate {
         Ok(())
     }
 
-    /// The drive of the file, or of the run that the files make; the path of the first.
+    /// The drive of the file or of the run that the files form, and the path of the first.
     fn signals(&self, loaded: &Loaded) -> Result<(&Path, Signals), Failure> {
         let (Some(path), several) = (self.input_files.first(), self.input_files.len() > 1) else {
             return Err(Failure::usage("no file with a drive is given"));
@@ -106,12 +106,13 @@ impl Simulate {
             return Ok((path, loaded.read_drive(path, &self.columns, &self.axes)?));
         }
         if !self.continued {
-            return Err(Failure::usage("several files are simulated as parts of one run alone")
+            return Err(Failure::usage("several files are simulated only as parts of one run")
                 .hint("add --continued, or simulate one file at a time"));
         }
         let part = |path: &PathBuf| loaded.read_driven_part(path, &self.columns, &self.axes);
         let parts = self.input_files.iter().map(part).collect::<Result<Vec<_>, Failure>>()?;
-        let runs = MeasurementRun::of(&parts).map_err(|e| Failure::new("the files are no run").because(e))?;
+        let runs =
+            MeasurementRun::of(&parts).map_err(|e| Failure::new("the files form no run").because(e))?;
         match <[MeasurementRun; 1]>::try_from(runs) {
             Ok([run]) => Ok((path, Signals::Single(run.data))),
             Err(runs) => Err(Failure::new(format!("the files are {} runs", runs.len()))

@@ -25,7 +25,7 @@ pub struct StartFlags {
 }
 
 impl StartFlags {
-    /// Whether the flags say what the start was.
+    /// True if a flag gives the start.
     pub fn are_given(&self) -> bool {
         self.rest_voltage.is_some() || self.settled.is_some()
     }

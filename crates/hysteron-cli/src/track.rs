@@ -34,12 +34,12 @@ use crate::rig::read_or_default;
 #[derive(Args)]
 #[command(
     after_help = "Everything is simulated. The reference's sample rate is the controller's; each voltage is \
-    held for one period, and the reading at the beginning of one period makes the drive of the next. Before \
-    the reference the stage rests at its first value, where its sensor is zeroed; errors are those of the \
-    true displacement, not of the reading, without their mean.\n\n\
+    held for one period, and the reading at the beginning of one period determines the drive of the next. \
+    Before the reference the stage rests at its first value, where its sensor is zeroed; errors are those of \
+    the true displacement, not of the reading, with their mean removed.\n\n\
     Feedback is tuned from the model: of the laws that keep --gain-margin, --phase-margin and a sensitivity \
-    of at most 2, the one that best rejects a random-walk disturbance. Where the model was identified up to \
-    a frequency only, the loop's gain stays below 1/(gain margin) above it.\n\n\
+    of at most 2, the one that best rejects a random-walk disturbance. Above the highest frequency in the \
+    model's records, the loop gain stays below 1/(gain margin).\n\n\
     Example: hysteron track model.json scan.csv --plant rig --range 0:10.5 --report track.html\n\
     Example: hysteron track model.json scan.csv --controller feedforward --controller feedforward-pi \
     --current 100 --capacitance 10"
@@ -53,7 +53,7 @@ pub struct Track {
     #[arg(value_name = "REFERENCE.csv")]
     reference_file: PathBuf,
 
-    /// Drive the simulated bench, or the model itself without noise
+    /// Plant: the simulated bench, or the model itself without noise
     #[arg(long, value_enum, default_value_t = PlantArg::Rig)]
     plant: PlantArg,
 
@@ -67,7 +67,7 @@ pub struct Track {
     )]
     seed: u64,
 
-    /// Controller to play (repeatable) [default: all]
+    /// Controller to simulate (repeatable) [default: all]
     #[arg(long = "controller", value_parser = one_of(Controller::ALL, Controller::name, Controller::summary))]
     controllers: Vec<Controller>,
 
@@ -76,8 +76,8 @@ pub struct Track {
     #[arg(long, value_name = "N", value_parser = whole::<usize>, allow_hyphen_values = true)]
     preview: Option<usize>,
 
-    /// Highest frequency of the reference in Hz, for the controllers that predict it [default: of its fastest
-    /// swing]
+    /// Highest frequency of the reference in Hz, for the controllers that predict it [default: that of its
+    /// fastest swing]
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     predict_to: Option<f64>,
 
@@ -85,15 +85,15 @@ pub struct Track {
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     bandwidth: Option<f64>,
 
-    /// Least and largest drive [default: the range the model was identified in]
+    /// Minimum and maximum drive [default: the range the model was identified in]
     #[arg(long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true)]
     range: Option<[f64; 2]>,
 
-    /// Largest rate of the drive, in its unit per second [default: none]
+    /// Maximum slew rate of the drive, in its unit per second [default: none]
     #[arg(long, value_name = "PER_SECOND", value_parser = positive, allow_hyphen_values = true)]
     slew: Option<f64>,
 
-    /// The amplifier's largest current in mA, which limits the rate of the drive by --capacitance
+    /// Maximum current of the amplifier in mA, which with --capacitance limits the slew rate of the drive
     #[arg(
         long, value_name = "MA", value_parser = positive, allow_hyphen_values = true,
         requires = "capacitance", conflicts_with = "slew",
@@ -109,21 +109,21 @@ pub struct Track {
     #[arg(long, value_name = "VOLTS", value_parser = number, allow_hyphen_values = true)]
     virgin_voltage: Option<f64>,
 
-    /// Least gain margin of the feedback, a factor
+    /// Minimum gain margin of the feedback, as a factor
     #[arg(
         long, value_name = "FACTOR", default_value_t = 2.0, value_parser = factor, allow_hyphen_values = true,
     )]
     gain_margin: f64,
 
-    /// Least phase margin of the feedback, in degrees
+    /// Minimum phase margin of the feedback, in degrees
     #[arg(
         long, value_name = "DEGREES", default_value_t = 60.0, value_parser = positive,
         allow_hyphen_values = true,
     )]
     phase_margin: f64,
 
-    /// Lowest frequency in Hz of creep that has no end [default: a thousandth of the lowest of the model's
-    /// records]
+    /// Lowest frequency in Hz to realise, for unbounded creep [default: a thousandth of the lowest in the
+    /// model's records]
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     lowest_frequency: Option<f64>,
 
@@ -233,10 +233,10 @@ impl Track {
             ControlError::NoRange => return failure.hint("give the range of the drive, e.g. --range 0:100"),
             ControlError::NothingScored { .. } => {
                 return because(Failure::usage("nothing is left to score"))
-                    .hint("less --skip, or less --preview");
+                    .hint("reduce --skip or --preview");
             }
             ControlError::Sines { .. } | ControlError::SlowSines { .. } => {
-                return because(Failure::usage("--sines cannot be played"));
+                return because(Failure::usage("--sines cannot be simulated"));
             }
             ControlError::Inversion(InversionError::Begins { .. } | InversionError::Falls { .. }) => {
                 return failure.hint("change the reference's offset, or widen --range");
@@ -245,7 +245,7 @@ impl Track {
             _ => return failure,
         };
         if matches!(realise, RealiseError::LowestFrequency) {
-            failure.hint("say where creep stops with --lowest-frequency HZ, e.g. 0.01")
+            failure.hint("give the lowest frequency of creep with --lowest-frequency HZ, e.g. 0.01")
         } else {
             failure
         }
@@ -291,7 +291,7 @@ fn text(found: &Tracking) -> String {
     put(&mut out, &report::of_bandwidths(found), report::bandwidths(found));
     put(&mut out, "Margins of the feedback on the identified model:", report::margins(found));
     put(&mut out, report::OF_ADAPTATIONS, report::adaptations(found));
-    put(&mut out, "What the largest rate of the drive leaves, by formula:", report::reaches(found));
+    put(&mut out, "Highest sine frequency within the slew-rate limit, by formula:", report::reaches(found));
     out
 }
 

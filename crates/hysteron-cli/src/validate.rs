@@ -51,8 +51,8 @@ pub struct Validate {
     #[arg(long)]
     fixed_offset: bool,
 
-    /// The records are consecutive parts of one run on one clock: simulated at one go from the start of the
-    /// first, with one offset
+    /// The records are consecutive parts of one run on one clock: simulated without interruption from the
+    /// start of the first, with one offset
     #[arg(long, conflicts_with = "band")]
     continued: bool,
 
@@ -60,8 +60,8 @@ pub struct Validate {
     #[arg(long)]
     band: bool,
 
-    /// File for the samples that were scored: drive, measured output, model, residual (CSV, or NPZ or MAT by
-    /// its name); one record, or one run
+    /// File for the scored samples: drive, measured output, model, residual (CSV, or NPZ or MAT by
+    /// extension); one record, or one run
     #[arg(short, long = "output-file", value_name = "OUT.csv|npz|mat")]
     out: Option<PathBuf>,
 
@@ -78,7 +78,7 @@ pub struct Validate {
     axes: AxesFlags,
 }
 
-/// A model with what it scored.
+/// A model with its scores.
 struct Scored {
     loaded: Loaded,
     /// Scores in tables and pages: each record, or each part of a run and the run.
@@ -191,7 +191,7 @@ impl Validate {
         }
     }
 
-    /// Scores of a model. What is wrong with the flags or the model itself ends here.
+    /// Scores of a model. Errors in the flags or in the model itself abort.
     fn scored(&self, loaded: Loaded, records: &[&PathBuf]) -> Result<Scored, Failure> {
         if self.band {
             loaded.hammerstein(Capability::Bands)?;
@@ -216,8 +216,8 @@ impl Validate {
         Ok(Scored { loaded, shown, runs: Vec::new(), failed })
     }
 
-    /// Scores of the records as parts of runs: one that cannot be read leaves a hole in its run, so that
-    /// nothing is scored.
+    /// Scores of the records as parts of runs: one that cannot be read leaves a gap in its run, so nothing is
+    /// scored.
     fn of_runs(&self, loaded: Loaded, paths: &[&PathBuf]) -> Result<Scored, Failure> {
         loaded.hammerstein(Capability::Runs)?;
         let part = |path: &&PathBuf| loaded.read_part(path, &self.columns, &self.axes);
@@ -237,7 +237,7 @@ impl Validate {
         Ok(Scored { loaded, shown, runs, failed: Vec::new() })
     }
 
-    /// The samples that were scored, where a file for them was named: of one record or one run.
+    /// Writes the scored samples of one record or one run, if a file for them is given.
     fn write_series(&self, scored: &[Scored]) -> Result<(), Failure> {
         let Some(out) = &self.out else { return Ok(()) };
         let one = match scored {
@@ -271,7 +271,7 @@ impl Validate {
         Ok((signals, score))
     }
 
-    /// The score with how the band of a new measurement holds the record.
+    /// The score with the coverage of the record by the band of a new measurement.
     fn with_band(
         &self,
         loaded: &Loaded,

@@ -40,7 +40,7 @@ pub fn c_files(subject: &Subject) -> Result<Vec<NamedFile>, ExportError> {
     Ok(files)
 }
 
-/// Where the numbers of the hysteresis are kept.
+/// Storage of the numbers of the hysteresis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Numbers {
     /// In constant tables.
@@ -75,7 +75,7 @@ pub(crate) fn golden_keys(
             "TOLERANCE_IN_WORDS",
             match subject.precision {
                 Precision::F64 => "1e-12 of their range",
-                Precision::F32 => "16 units of rounding (2^-23) of all that is added up",
+                Precision::F32 => "16 units of rounding (2^-23) of the sum of magnitudes",
             },
         )
         .flag("refuses_largest", golden.refuses_largest);

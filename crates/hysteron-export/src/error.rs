@@ -10,8 +10,8 @@ use hysteron_model::realise::RealiseError;
 pub enum ExportError {
     /// The name is no identifier of C and Rust.
     #[error(
-        "`{name}` cannot be the beginning of names in C and Rust: wanted are 1 to 48 of the letters a to z, \
-         digits and _, a letter first, no keyword"
+        "`{name}` is not a valid name prefix in C and Rust: expected 1 to 48 of the letters a to z, digits \
+         and _, a letter first, no keyword"
     )]
     Name {
         /// The name.
@@ -24,11 +24,9 @@ pub enum ExportError {
     #[error(transparent)]
     Inverse(#[from] InversionError),
     /// Nothing to test.
-    #[error(
-        "the {what} does not move along the drive of the self-test, which would pass whatever the source does"
-    )]
+    #[error("the {what} is constant along the drive of the self-test, which would pass with any source")]
     Still {
-        /// Result that stands still.
+        /// Result that is constant.
         what: &'static str,
     },
     /// Single precision is too coarse.
@@ -37,13 +35,13 @@ pub enum ExportError {
          % is exported"
     )]
     Rounding {
-        /// Result that is moved.
+        /// Result concerned.
         what: &'static str,
-        /// By how much.
+        /// Bound on its rounding error.
         bound: f64,
-        /// In this unit.
+        /// Unit of the bound.
         unit: String,
-        /// In percent of its range.
+        /// The bound in percent of the result's range.
         percent: f64,
     },
     /// The folder cannot be written.
@@ -60,8 +58,8 @@ pub enum ExportError {
     /// No archive could be made.
     #[error("the archive of the FMU cannot be made: {0}")]
     Archive(#[from] zip::result::ZipError),
-    /// A template asks for what is not there.
-    #[error("internal: the template has no filling for {place}")]
+    /// A template refers to an undefined item.
+    #[error("internal: undefined template item {place}")]
     Template {
         /// Where.
         place: String,

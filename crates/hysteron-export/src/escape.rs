@@ -1,4 +1,4 @@
-//! Text of model files as data in each target language: the only way of text into a source.
+//! Escaping of model-file text for each target language: every text in a source passes through here.
 
 /// Text inside a C comment, as printable ASCII on one line.
 ///
@@ -84,7 +84,7 @@ pub(crate) fn xml(text: &str) -> String {
     out
 }
 
-/// A character of text that is printed on one line.
+/// The character, with control characters replaced by `?`.
 fn printed(c: char) -> char {
     if c.is_control() { '?' } else { c }
 }
@@ -95,7 +95,7 @@ mod tests {
 
     use super::*;
 
-    /// Text of what is special in one of the languages.
+    /// Text of characters that are special in one of the languages.
     fn hostile() -> impl Strategy<Value = String> {
         let piece = prop_oneof![
             prop::sample::select(vec![

@@ -1,4 +1,4 @@
-//! Golden vectors: what the library puts out along a drive that goes everywhere.
+//! Golden vectors: outputs of the library along a drive that covers the range.
 
 use hysteron_model::Start;
 use hysteron_model::hysteresis::DriveGrid;
@@ -12,7 +12,7 @@ use crate::subject::{Subject, significant};
 /// Voltages, exact in the number type of the export, and the library's displacements in double precision.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Golden {
-    /// Voltages; at rest at the first before.
+    /// Voltages, from rest at the first.
     pub voltages: Vec<f64>,
     /// Samples that each voltage after the sweep is held; those of the sweep last one each.
     pub hold: usize,
@@ -22,24 +22,24 @@ pub struct Golden {
     pub tolerance: f64,
     /// Lowest to highest displacement.
     pub span: f64,
-    /// Whether a move to the largest number of the type is refused (not so where nothing but a bounded
-    /// operator sees the voltage).
+    /// Whether a move to the largest number of the type is refused (not so where the voltage enters a bounded
+    /// operator alone).
     pub refuses_largest: bool,
 }
 
 /// Bound of the self-test on the rounding error of a result in the number type.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rounding {
-    /// In the unit of the result.
+    /// Bound in the unit of the result.
     pub bound: f64,
-    /// As a share of its range.
+    /// Bound as a share of its range.
     pub share: f64,
 }
 
 impl Rounding {
-    /// Share from which on it should be read about.
+    /// Share above which the source carries a note.
     pub const NOTED: f64 = 1e-3;
-    /// Share above which nothing is exported.
+    /// Share above which the export is refused.
     pub const MOST: f64 = 1e-2;
 
     /// A bound on the result `what` of this range.
@@ -67,20 +67,20 @@ impl Rounding {
 
 /// Samples of the sweep, of the jumps, of the crawl and of the rest.
 const PIECES: [usize; 4] = [360, 160, 60, 60];
-/// The sweep lasts a sample each; what comes after is held until it has come out of a long delay and of slow
-/// states.
+/// Voltages of the sweep last one sample each; later ones are held until long delays and slow states have
+/// settled.
 pub(crate) const HELD_FROM: usize = PIECES[0];
-/// Delays and taps that a self-test lasts.
+/// Length of a self-test, in multiples of delay and taps.
 const DELAYS: usize = 4;
-/// Samples that slow states may make a self-test last: on a controller each is computed there.
+/// Longest self-test for slow states \[samples\]: it also runs on controllers.
 const MOST_FOR_STATES: f64 = 20_000.0;
-/// Share of the gain above which the weight of a state matters here.
+/// Share of the gain above which the weight of a state is significant here.
 const MATTERS: f64 = 1e-3;
-/// Share of all that is added up below which a displacement stands still.
+/// Share of the sum of magnitudes below which a displacement counts as constant.
 const STILL: f64 = 1e-6;
-/// Double precision: share of the range.
+/// Tolerance in double precision: share of the range.
 const DOUBLE: f64 = 1e-12;
-/// Single precision: units of rounding (2^-23) of everything that is added up.
+/// Tolerance in single precision: units of rounding (2^-23) of the sum of magnitudes.
 const SINGLE: f64 = 16.0;
 
 impl Golden {
@@ -88,7 +88,7 @@ impl Golden {
     ///
     /// # Errors
     /// [`ExportError::Realise`] where the library has no result along the drive; [`ExportError::Still`] where
-    /// nothing moves: a test of that would pass whatever the source does.
+    /// the displacement is constant: a test would pass with any source.
     pub fn new(subject: &Subject) -> Result<Self, ExportError> {
         let voltages: Vec<f64> =
             drive(subject.voltages()).iter().map(|&u| subject.precision.round(u)).collect();
@@ -139,13 +139,13 @@ fn of_library(subject: &Subject, voltages: &[f64], hold: usize) -> Result<Vec<f6
     run(&mut model).map_err(|e| ExportError::Realise(e.into()))
 }
 
-/// Samples that entry k of a table lasts whose entries from `held_from` on are held.
+/// Samples that entry k lasts in a table with entries held from `held_from` on.
 pub(crate) fn samples_of(k: usize, held_from: usize, hold: usize) -> usize {
     if k < held_from { 1 } else { hold }
 }
 
-/// Samples in which a change has come out: some delays, and a time constant of the slowest state that
-/// matters, within reason.
+/// Settling time \[samples\]: some delays, or a time constant of the slowest significant state, within a
+/// limit.
 pub(crate) fn patience(linear: &LinearRealisation, delay_samples: usize, sample_rate_hz: f64) -> usize {
     let matters = |weight: f64| weight >= MATTERS * linear.reference_gain;
     let slowest = linear
@@ -157,8 +157,8 @@ pub(crate) fn patience(linear: &LinearRealisation, delay_samples: usize, sample_
     (DELAYS * (delay_samples + linear.taps.len())).max(slowest.min(MOST_FOR_STATES) as usize)
 }
 
-/// Σ |weights| (max |l\[u\]| + max |memory|): with the offset, what the rounding of a number type is in
-/// proportion to.
+/// Σ |weights| (max |l\[u\]| + max |memory|): with the offset, the scale of the rounding error of a number
+/// type.
 fn added_up(subject: &Subject, voltages: &[f64]) -> Result<f64, ExportError> {
     let model = &subject.realisation.model;
     let linear = &subject.realisation.dynamics;
@@ -184,7 +184,7 @@ fn added_up(subject: &Subject, voltages: &[f64]) -> Result<f64, ExportError> {
 fn drive((low, high): (f64, f64)) -> Vec<f64> {
     let [swept, jumps, crawl, rest] = PIECES;
     let mut u = sweep((low, high), (0.002, 0.08), 1.0, swept);
-    // Numbers that look random (Knuth's 64-bit congruence), so that the vectors are the same everywhere.
+    // Pseudo-random numbers (Knuth's 64-bit congruence), so that the vectors are the same everywhere.
     let mut seed = 1_u64;
     for _ in 0..jumps {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

@@ -28,11 +28,11 @@ const SOURCE: &str = concat!(
 const SELFTEST: &str = include_str!("../templates/c/inverse_selftest.c");
 const LOOP: &str = include_str!("../templates/c/loop.c");
 
-/// A compensator on its way out, beside its model.
+/// A compensator to export, with its model.
 #[derive(Clone, Debug)]
 pub struct Inverse {
-    /// The model with the dynamics that the compensator runs: for held voltages, without the whole samples of
-    /// delay.
+    /// The model with the dynamics that the compensator runs: under zero-order hold, without the whole
+    /// samples of delay.
     pub subject: Subject,
     /// The law.
     pub compensation: Compensation,
@@ -48,8 +48,8 @@ impl Inverse {
     /// The inverse of the model of `subject`, under its name and `_inverse`.
     ///
     /// # Errors
-    /// Those of [`CompensatorParts::new`]; [`ExportError::Rounding`] where single precision takes too much
-    /// from the voltage, [`ExportError::Still`] where it does not move.
+    /// Those of [`CompensatorParts::new`]; [`ExportError::Rounding`] where single precision is too coarse for
+    /// the voltage, [`ExportError::Still`] where the voltage does not move.
     pub fn new(
         subject: &Subject,
         compensation: Compensation,
@@ -108,10 +108,8 @@ pub fn inverse_files(inverse: &Inverse) -> Result<Vec<NamedFile>, ExportError> {
     let mut files = inverse_core(inverse, &filling)?;
     let (samples, left) = settles(&inverse.compensation);
     let of = significant(samples as f64 / inverse.compensation.sample_rate_hz);
-    let words = format!(
-        "Samples to wait after a move, {of} s: {} of what it does is still to come.",
-        significant(left)
-    );
+    let words =
+        format!("Samples to wait after a move, {of} s: {} of the response remains.", significant(left));
     filling.key("SETTLES", samples).key("SETTLES_IN_WORDS", words);
     files.push(NamedFile::new(format!("{name}_loop.c"), filling.fill(LOOP)?));
     golden_inverse_keys(&mut filling, inverse, &|x| inverse.subject.precision.c_literal(x))?;
@@ -119,13 +117,12 @@ pub fn inverse_files(inverse: &Inverse) -> Result<Vec<NamedFile>, ExportError> {
     Ok(files)
 }
 
-/// Share of a move that may be left when the stage is taken for at rest, and the longest that is waited for
-/// it \[s\].
+/// Remaining share of a move at which the stage counts as settled, and the longest wait for it \[s\].
 const SETTLED: f64 = 1e-3;
 const LONGEST_S: f64 = 10.0;
 
-/// Settling time to within [`SETTLED`] of a move \[samples\], and the share still to come then: creep that
-/// takes longer than [`LONGEST_S`] goes on.
+/// Settling time to within [`SETTLED`] of a move \[samples\], and the share that remains then: creep that
+/// takes longer than [`LONGEST_S`] continues.
 fn settles(law: &Compensation) -> (usize, f64) {
     let dynamics = &law.dynamics;
     let left = |samples: f64| {
@@ -196,7 +193,7 @@ fn of_type<T: Real + Into<f64>>(inverse: &Inverse, numbers: Numbers) -> Result<F
         all(&law.reference),
     );
     tables.push_str(&format!(
-        "/* What taps and sections add up to at rest. */\nstatic const real GAIN = {};\n",
+        "/* Gain of taps and sections at rest. */\nstatic const real GAIN = {};\n",
         literal(gain::<T>(law).into())
     ));
     filling
@@ -215,7 +212,7 @@ fn of_type<T: Real + Into<f64>>(inverse: &Inverse, numbers: Numbers) -> Result<F
     Ok(filling)
 }
 
-/// Σ taps + Σ weights, added up as the runtime does.
+/// Σ taps + Σ weights, in the order of the runtime.
 fn gain<T: Real>(law: &Compensation) -> T {
     let sum = |sum: T, x: f64| sum + T::of(x);
     let dynamics = &law.dynamics;
@@ -227,18 +224,17 @@ fn gain<T: Real>(law: &Compensation) -> T {
     dynamics.sections.iter().filter(|s| s.is_pair()).fold(real, |s, pair| sum(s, pair.weight.re))
 }
 
-/// Double precision: share of the range of the voltage.
+/// Tolerance in double precision: share of the range of the voltage.
 const DOUBLE: f64 = 1e-12;
-/// Single precision: units of rounding (2^-23) of everything that is added up for a voltage.
+/// Tolerance in single precision: units of rounding (2^-23) of the sum of magnitudes for a voltage.
 const SINGLE: f64 = 16.0;
 const SAMPLES: usize = 640;
-/// References from this one on are held, as voltages are in the self-test of a model: the steps alone, for
-/// stairs of a swing would throw a fast law from limit to limit, where it forgets what single precision has
-/// in common with double.
+/// References from this one on are held, as voltages are in the self-test of a model: the steps alone, as a
+/// staircase sine would drive a fast law from limit to limit, where single and double precision diverge.
 const HELD_FROM: usize = 3 * SAMPLES / 4;
-/// Bounds below which a voltage stands still.
+/// Multiple of the tolerance below which a voltage counts as constant.
 const STILL: f64 = 10.0;
-/// Share of the range that a slow slew limit is to cross in a self-test, and the samples that may take.
+/// Share of the range that a slow slew limit is to cross in a self-test, and the most samples for it.
 const CROSSED: f64 = 0.4;
 const MOST_FOR_SLEW: f64 = 200_000.0;
 
@@ -261,7 +257,7 @@ pub(crate) fn golden_inverse_keys(
             "TOLERANCE_IN_WORDS",
             match inverse.subject.precision {
                 Precision::F64 => "1e-12 of their range",
-                Precision::F32 => "16 units of rounding (2^-23) of all that is added up for a voltage",
+                Precision::F32 => "16 units of rounding (2^-23) of the sum of magnitudes for a voltage",
             },
         );
     Ok(())
@@ -270,11 +266,11 @@ pub(crate) fn golden_inverse_keys(
 /// Golden vectors of a compensator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GoldenInverse {
-    /// At rest here first.
+    /// Voltage of the initial rest.
     pub rest_v: f64,
     /// References, exact in the number type of the export.
     pub references: Vec<f64>,
-    /// Samples that each of the steps is held; those of the swing last one each.
+    /// Samples that each of the steps is held; those of the sine last one each.
     pub hold: usize,
     /// The library's voltages in double precision, at the end of each reference.
     pub voltages: Vec<f64>,
@@ -288,7 +284,7 @@ impl GoldenInverse {
         samples_of(k, HELD_FROM, self.hold)
     }
 
-    /// The vectors: a sweep through most of the range, then steps that the limits hold back.
+    /// The vectors: a sine through most of the range, then steps that reach the limits.
     ///
     /// # Errors
     /// Those of [`Inverse::new`]; [`ExportError::Still`] where no voltage moves.
@@ -327,14 +323,14 @@ impl GoldenInverse {
                 * law.dynamics.amplification()
                 * law.dynamics.reference_gain;
         let span = references.iter().fold(0.0_f64, |most, r| most.max(r.abs())) + (top - bottom).abs();
-        // A unit of rounding of what the law adds up, as voltage.
+        // Sum of magnitudes in the law, as voltage.
         let added_up = (1.0 + gains) * span * (high - low) / (top - bottom).abs();
         let tolerance = match precision {
             Precision::F64 => DOUBLE * (high - low),
             Precision::F32 => SINGLE * precision.epsilon() * added_up,
         };
-        // Once single precision has been found to leave enough, that is: what it leaves nothing of does not
-        // move either.
+        // Too coarse a precision is reported by [`Rounding::new`]; a voltage below its tolerance would seem
+        // constant.
         let too_coarse = tolerance > Rounding::MOST * (high - low);
         if !too_coarse && !voltages.iter().any(|u| (u - rest_v).abs() > STILL * tolerance) {
             return Err(ExportError::Still { what: "voltage" });

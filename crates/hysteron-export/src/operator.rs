@@ -1,5 +1,5 @@
-//! Model operator in the sources: flags and sizes of the templates, and its numbers in tables. A new operator
-//! of the runtime is written here and in the template of the Rust crate; its C stands beside it in
+//! The model's operator in the sources: flags and sizes of the templates, and its numbers in tables. A new
+//! operator of the runtime is written here and in the template of the Rust crate; its C stands beside it in
 //! `hysteron-rt`.
 
 use hysteron_model::hysteresis::RuntimeOperator;
@@ -31,13 +31,13 @@ pub(crate) struct OperatorNumbers<T> {
     pub bouc_wen: Option<Vec<[T; 4]>>,
     /// The law of a branch.
     pub law: Option<Branch<T>>,
-    /// Weights that may be tuned, and of what.
+    /// Tunable weights, and their owner, `state` or `play`.
     pub weights: Option<(&'static str, Vec<T>)>,
-    /// Tables that stay as they are.
+    /// Tables that are not tunable.
     pub tables: Vec<Table<T>>,
-    /// Numbers that stay as they are.
+    /// Numbers that are not tunable.
     pub constants: Vec<Constant<T>>,
-    /// Those that only C, and only Rust, asks for.
+    /// Those used only in C, and only in Rust.
     pub of_c: Vec<Constant<T>>,
     pub of_rust: Vec<Constant<T>>,
 }
@@ -69,7 +69,7 @@ impl<T: Real> OperatorNumbers<T> {
                 let mut of_thresholds = "Half-widths of the plays.";
                 match *sides {
                     Sides::Even { widening } if widening > T::of(0.0) => {
-                        let comment = "What a half-width grows by for a move of 1 in a sample.";
+                        let comment = "Growth of a half-width for a move of 1 per sample.";
                         all.constants.push(constant(comment, "WIDENING", widening));
                     }
                     Sides::Even { .. } | Sides::Below => {}
@@ -91,7 +91,7 @@ impl<T: Real> OperatorNumbers<T> {
             }
             RuntimeOperator::ActivatedPlays { pace: (sigma, interval), range, thresholds, slopes } => {
                 all.table("Half-widths of the plays.", "THRESHOLD", thresholds);
-                all.table("Slopes of what they put out, three a play.", "SLOPE", slopes);
+                all.table("Slopes of the play outputs, three per play.", "SLOPE", slopes);
                 all.table("Ends of the range over which these hold.", "RANGE", range);
                 all.constants.push(constant("Activation of the plays.", "SIGMA", *sigma));
                 all.constants.push(constant("Seconds from sample to sample.", "INTERVAL", *interval));
@@ -122,7 +122,7 @@ impl<T: Real> OperatorNumbers<T> {
         self.law.map_or("", |law| law.c_fragment())
     }
 
-    /// Whether the law of a branch in C asks for what has this name, or defines it.
+    /// Whether the law of a branch in C contains this name.
     pub fn names(&self, name: &str) -> bool {
         let is_end = |c: char| !(c.is_alphanumeric() || c == '_');
         self.c_fragment().split(is_end).any(|word| word == name)

@@ -20,7 +20,7 @@ const SOURCE: &str = include_str!("../templates/rust/model.rs");
 const SELFTEST: &str = include_str!("../templates/rust/selftest.rs");
 const INVERSE_SELFTEST: &str = include_str!("../templates/rust/inverse_selftest.rs");
 
-/// Where the exported crate finds `hysteron-rt`, its only dependency.
+/// Source of `hysteron-rt`, the only dependency of the exported crate.
 #[derive(Clone, Copy, Debug)]
 pub enum Runtime<'a> {
     /// In the registry, in this program's version.

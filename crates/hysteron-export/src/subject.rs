@@ -9,7 +9,7 @@ use crate::error::ExportError;
 use crate::golden::{Golden, Rounding};
 use crate::number::Precision;
 
-/// A model on its way out.
+/// A model to export.
 #[derive(Clone, Debug)]
 pub struct Subject {
     /// Beginning of every name in the source.
@@ -41,9 +41,9 @@ impl Subject {
     /// The realisation of the model in `file`, to be exported under `name`.
     ///
     /// # Errors
-    /// [`ExportError::Name`]; [`ExportError::Realise`] where the numbers do not survive the rounding to
-    /// `precision`; [`ExportError::Rounding`] where too little of the displacement does;
-    /// [`ExportError::Still`] where there is none.
+    /// [`ExportError::Name`]; [`ExportError::Realise`] where the numbers cannot be rounded to `precision`;
+    /// [`ExportError::Rounding`] where it is too coarse for the displacement; [`ExportError::Still`] where
+    /// the displacement is constant.
     pub fn new(
         name: &str,
         precision: Precision,
@@ -75,7 +75,7 @@ impl Subject {
         Ok(subject)
     }
 
-    /// Lowest and highest voltage that the model is meant for; 0 to 1 where the file does not say.
+    /// Lowest and highest voltage of the model's range; 0 to 1 where the file gives none.
     pub fn voltages(&self) -> (f64, f64) {
         self.range.as_ref().map_or((0.0, 1.0), |range| (range.input.low, range.input.high))
     }
@@ -110,8 +110,7 @@ impl Subject {
         ];
         if self.realisation.joins_means {
             lines.push(
-                "  Every move is looked at half-way too: what v does between samples enters H with its mean."
-                    .into(),
+                "  Every move is also evaluated half-way: v enters H with its mean over each sample.".into(),
             );
         }
         lines.push(format!(

@@ -18,7 +18,7 @@ pub struct ExportSummary {
     pub sample_rate_hz: f64,
     /// States of the dynamic block.
     pub states: usize,
-    /// Taps of it.
+    /// Taps of the dynamic block.
     pub taps: usize,
     /// Whole samples of delay.
     pub delay_samples: usize,
@@ -32,18 +32,18 @@ pub struct ExportSummary {
     pub files: Vec<FileSummary>,
 }
 
-/// One file of it.
+/// One file of an export.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FileSummary {
-    /// Where it is.
+    /// Its path.
     pub path: String,
     /// Its size.
     pub bytes: usize,
 }
 
 impl ExportSummary {
-    /// Of these files in a folder.
+    /// Summary of these files in a folder.
     pub fn new(folder: &Path, subject: &Subject, files: &[NamedFile]) -> Self {
         let linear = &subject.realisation.dynamics;
         Self {

@@ -80,7 +80,7 @@ impl Filling {
     /// The text of a template.
     ///
     /// # Errors
-    /// [`ExportError::Template`] where it asks for what is not there.
+    /// [`ExportError::Template`] where it refers to an undefined item.
     pub fn fill(&self, template: &str) -> Result<String, ExportError> {
         let mut out = String::with_capacity(2 * template.len());
         self.lines(template, &mut out)?;

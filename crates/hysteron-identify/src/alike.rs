@@ -1,4 +1,4 @@
-//! Records of several axes that one model is fitted to.
+//! Consistency of multi-axis records that one model is fitted to.
 
 use super::IdentifyError;
 use hysteron_model::axes::AxesRecord;

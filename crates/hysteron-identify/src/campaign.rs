@@ -1,4 +1,4 @@
-//! Uses of the records of a campaign.
+//! Records of a campaign: checks, runs and roles.
 
 use super::options::{CampaignRecord, DynamicsChoice, Options, RecordRole};
 use super::{IdentifyError, RecordFacts};
@@ -11,7 +11,7 @@ const FEWEST_SAMPLES: usize = 20;
 /// The facts of every record.
 ///
 /// # Errors
-/// For the first record that cannot be used: another unit, too few samples, a signal that does not move.
+/// For the first unusable record: another unit, too few samples, a constant signal.
 pub(super) fn usable(campaign: &[CampaignRecord]) -> Result<Vec<RecordFacts>, IdentifyError> {
     let first = campaign.first().ok_or(IdentifyError::NoRecords)?;
     let units = |r: &CampaignRecord| format!("{} → {}", r.data.u_unit, r.data.y_unit);
@@ -40,7 +40,7 @@ pub(super) fn usable(campaign: &[CampaignRecord]) -> Result<Vec<RecordFacts>, Id
             Ok(facts)
         })
         .collect();
-    // The first error in the order of the records, whatever the threads.
+    // The first error in the order of the records, independently of the threads.
     facts.into_iter().collect()
 }
 
@@ -62,8 +62,8 @@ pub(super) fn of_runs(records: &[CampaignRecord], runs: &[MeasurementRun]) -> Ve
         .collect()
 }
 
-/// Roles as given, else recognised: the slowest kind of excitation is quasi-static unless it is broad, the
-/// rest is dynamic.
+/// Roles as given, else by excitation: the slowest records are quasi-static unless broadband, the others
+/// dynamic.
 pub(super) fn roles(campaign: &[CampaignRecord], facts: &[RecordFacts]) -> Vec<RecordRole> {
     let slowest = facts.iter().map(RecordFacts::highest_frequency_hz).fold(f64::INFINITY, f64::min);
     campaign
@@ -88,7 +88,7 @@ pub(super) fn of_role<'a>(
     facts.iter().zip(roles).filter(|(_, role)| **role == wanted).map(|(facts, _)| facts).collect()
 }
 
-/// Whether there is a dynamic block to identify from dynamic records.
+/// True if there is a dynamic block to identify from dynamic records.
 pub(super) fn has_second_step(roles: &[RecordRole], options: &Options) -> bool {
     roles.contains(&RecordRole::Dynamic) && options.dynamics != DynamicsChoice::None
 }

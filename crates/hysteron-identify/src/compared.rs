@@ -1,4 +1,4 @@
-//! A comparison with what each candidate costs a controller and with black-box models beside it.
+//! A comparison of structures with the run-time cost of each candidate and with black-box baselines.
 
 use std::time::Duration;
 
@@ -16,11 +16,11 @@ use crate::structure::{Candidate, Comparison, Fold, Standing};
 use crate::watch::Watch;
 use crate::{CampaignRecord, IdentifyError, Options};
 
-/// Samples of the drive that is timed, and passes of the clock over all candidates.
+/// Samples of the timed drive, and timing rounds over all candidates.
 const SAMPLES: usize = 10_000;
 const ROUNDS: usize = 15;
 
-/// A comparison and everything that is shown of it.
+/// A comparison and everything reported about it.
 #[derive(Clone, Debug)]
 pub struct Compared {
     /// The comparison.
@@ -38,11 +38,11 @@ pub struct Compared {
 /// Cost of a candidate in a controller.
 #[derive(Clone, Debug, Default)]
 pub struct CandidateCost {
-    /// Of its realisation; `None` where it was not fitted or cannot be realised.
+    /// Cost of its realisation; `None` where it was not fitted or cannot be realised.
     pub cost: Option<Cost>,
     /// Why there is none.
     pub why_not: Option<String>,
-    /// Whether its hysteresis has an inverse.
+    /// Invertibility of its hysteresis.
     pub inverse: Option<Invertibility>,
 }
 
@@ -77,7 +77,7 @@ impl Compared {
         Some((preferred.candidate, fit(&records, &task, watch, None, maker)))
     }
 
-    /// Candidates in the order of the ranking, those without a place at the end.
+    /// Candidates in the order of the ranking, unranked ones last.
     pub fn order(&self) -> Vec<usize> {
         let comparison = &self.comparison;
         let mut order = comparison.ranking.as_ref().map_or(Vec::new(), |r| r.order.clone());
@@ -85,12 +85,12 @@ impl Compared {
         order
     }
 
-    /// Where a candidate stands, by its index among the entries.
+    /// Rank and verdict of a candidate, by its index among the entries.
     pub fn standing(&self, index: usize) -> Option<Standing> {
         self.comparison.ranking.as_ref().and_then(|r| r.standings[index])
     }
 
-    /// Which structure, and why, in plain words.
+    /// The preferred structure and the reason, in plain words.
     pub fn verdict(&self) -> Vec<String> {
         let comparison = &self.comparison;
         let mut lines = Vec::new();
@@ -127,13 +127,12 @@ impl Compared {
                 .map(|&i| name(i))
                 .collect();
             if !as_good.is_empty() {
-                lines.push(format!("These records do not tell it from: {}.", as_good.join(", ")));
+                lines.push(format!("These records do not distinguish it from: {}.", as_good.join(", ")));
             }
         }
         lines.extend(comparison.notes.iter().cloned());
         for entry in &comparison.entries {
-            lines
-                .extend(entry.failures.iter().map(|why| format!("{} has no place: {why}.", entry.candidate)));
+            lines.extend(entry.failures.iter().map(|why| format!("{} is unranked: {why}.", entry.candidate)));
         }
         for (entry, cost) in comparison.entries.iter().zip(&self.costs) {
             if let Some(why) = &cost.why_not {
@@ -150,12 +149,12 @@ impl Compared {
     pub fn about(&self) -> String {
         let comparison = &self.comparison;
         format!(
-            "Held-out error: mean over {} folds of the RMSE of a simulation of what the fit left out, offset \
+            "Held-out error: mean over {} folds of the RMSE of a simulation of the held-out data, offset \
              estimated, ± standard error over the folds. Above the best: mean ± standard error of the paired \
              differences. Noise floor {} {}. AIC and BIC are above their lowest, over {:.0} independent \
-             samples (of {}) that the residuals are worth. ns a sample: of the realisation to 1e-5 of the \
-             range (double precision, this machine, all candidates in turns along one drive; shorter by \
-             chance as well as by merit). Inverse: of the hysteresis block.",
+             samples (of {}) that the residuals are worth. ns per sample: of the realisation to 1e-5 of the \
+             range (double precision, this machine, interleaved runs along one drive; small differences are \
+             chance). Inverse: of the hysteresis block.",
             comparison.folds.len(),
             significant(comparison.noise_floor, 3),
             self.unit,
@@ -175,8 +174,8 @@ impl Compared {
             let ratio = significant(error / best, 3);
             lines.push(if error < best {
                 format!(
-                    "{name} has {ratio} times the error of the best structure: the structures compared lack \
-                     something that these records hold."
+                    "{name} has {ratio} times the error of the best structure: the structures compared miss \
+                     an effect in these records."
                 )
             } else {
                 format!("The best baseline, {name}, has {ratio} times the error of the best structure.")
@@ -187,7 +186,7 @@ impl Compared {
         }
         lines.push(
             "Baselines are black-box NARX models trained on the same records, all choices made on what they \
-             are trained on, simulated (not one step ahead) on the same left-out data. They hold for their \
+             are trained on, simulated (not one step ahead) on the same held-out data. They hold for their \
              lag interval and have no inverse and no intervals."
                 .to_owned(),
         );
@@ -209,8 +208,7 @@ fn costs(
     let Some(record) = record else { return vec![CandidateCost::default(); models.len()] };
     let sample_rate_hz = rate(record).unwrap_or(1.0);
     let drive = record.data.u.get(..SAMPLES).unwrap_or(&record.data.u);
-    // Creep without a limit is realised down to a hundredth of the frequency whose period is the longest
-    // record.
+    // Unbounded creep is realised down to 1/(100 T), T the duration of the longest record.
     let seconds = campaign.iter().filter_map(|r| Some(r.data.u.len() as f64 / rate(r)?)).fold(0.0, f64::max);
     let lowest_frequency_hz = (seconds > 0.0).then(|| 0.01 / seconds);
     let options = RealiseOptions { lowest_frequency_hz, ..RealiseOptions::default() };
@@ -231,7 +229,7 @@ fn costs(
         .collect()
 }
 
-/// A comparison in numbers: its JSON, to be written and read back. Errors are in the unit of the output.
+/// A comparison in numbers, for JSON. Errors are in the unit of the output.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ComparisonSummary {
@@ -239,15 +237,15 @@ pub struct ComparisonSummary {
     pub records: Vec<String>,
     /// Unit of the output.
     pub output_unit: String,
-    /// Candidate to be taken: the one with the fewest parameters that is as good as the best.
+    /// Preferred candidate: the one with the fewest parameters that is as good as the best.
     pub preferred: Option<String>,
-    /// Candidate of the smallest error.
+    /// Candidate with the smallest held-out error.
     pub best: Option<String>,
-    /// Noise of the records.
+    /// Noise floor of the records.
     pub noise_floor: f64,
     /// Samples that were scored.
     pub samples: usize,
-    /// So many independent ones they are worth.
+    /// Effective number of independent samples.
     pub independent_samples: f64,
     /// Folds of the cross-validation.
     pub folds: Vec<FoldSummary>,
@@ -262,7 +260,7 @@ pub struct ComparisonSummary {
     pub interrupted: bool,
 }
 
-/// A fold: samples that a fit does without and that are scored.
+/// A cross-validation fold: held-out samples that are scored.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FoldSummary {
@@ -290,7 +288,7 @@ pub struct CandidateSummary {
     pub above_best: Option<f64>,
     /// Standard error of it.
     pub above_best_std_error: Option<f64>,
-    /// It cannot be told from the best.
+    /// Within one standard error of the best.
     pub as_good_as_best: Option<bool>,
     /// Rms error on what it was trained on.
     pub training_rmse: Option<f64>,
@@ -304,7 +302,7 @@ pub struct CandidateSummary {
     pub states: Option<usize>,
     /// Why it has none.
     pub not_realised_because: Option<String>,
-    /// Whether its hysteresis has an inverse.
+    /// Invertibility of its hysteresis.
     pub invertible: Option<String>,
     /// Rms error of each fold.
     pub fold_errors: Vec<Option<f64>>,

@@ -1,11 +1,11 @@
-//! Structure by default where the records say more than the usual one can carry.
+//! Default structure for records that the usual one cannot describe.
 //!
-//! Where small oscillations lie beside wide moves, the small loops of a Bouc–Wen model do not close: a small
-//! oscillation moves its level for as long as it lasts. And what creeps after wide moves does not creep in
-//! small ones, so that creep behind the hysteresis cannot say both. Plays with activated edges do: they
-//! remember reversals, and creep by how the drive came to rest. The residual at the small oscillations, a
-//! gain that falls and a phase that lags a little at every frequency, belongs to the dynamics: a fractional
-//! order carries it, a lag does not. `hysteron-study afm` compares families and dynamics on such a device.
+//! The minor loops of a Bouc–Wen model do not close: a small oscillation after large moves drifts for as long
+//! as it lasts. And creep follows large moves but not small ones, which linear creep after the hysteresis
+//! cannot describe. Plays with activated edges do both: they remember reversals, and creep depending on how
+//! the drive came to rest. The residual at the small oscillations, a falling gain with a small phase lag at
+//! every frequency, belongs to the dynamics: a fractional order describes it, a lag does not. `hysteron-study
+//! afm` compares families and dynamics on such a device.
 
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hysteresis::HysteresisForm;
@@ -19,8 +19,8 @@ const SMALL: f64 = 0.1;
 /// Degree of the polynomial.
 const DEGREE: usize = 2;
 
-/// Amplitude of the smallest oscillation that lies beside wide moves in one record, and that of these; `None`
-/// where there is none.
+/// Amplitude of the smallest oscillation in a record with large moves, and that of these; `None` where there
+/// is none.
 pub(super) fn beside_wide_moves(facts: &[RecordFacts]) -> Option<(f64, f64)> {
     let of = |facts: &RecordFacts| {
         let wide = 0.5 * span(&facts.data.u);
@@ -31,7 +31,7 @@ pub(super) fn beside_wide_moves(facts: &[RecordFacts]) -> Option<(f64, f64)> {
     facts.iter().filter_map(of).reduce(|a, b| if b.0 < a.0 { b } else { a })
 }
 
-/// The options with what they leave open.
+/// The options with open choices resolved.
 pub(super) fn resolved(facts: &[RecordFacts], options: &Options) -> Options {
     let given = matches!(options.hysteresis, Choice::Given(_)) || options.start.is_some();
     let family = |form| Options { hysteresis: Choice::Given(form), ..options.clone() };

@@ -21,7 +21,7 @@ const SMALLEST_ORDER_GAP: f64 = 0.02;
 /// One record prepared for the dynamic step.
 #[derive(Debug)]
 pub(super) struct DynamicRecord {
-    /// Where the offset is held: the output at rest \[µm\], counted from it; `None`: an offset is eliminated.
+    /// Where the offset is held: the hysteresis output at rest \[µm\]; `None`: an offset is eliminated.
     rest_beside_held_offset: Option<f64>,
     prologue: usize,
     output: Vec<f64>,
@@ -32,8 +32,8 @@ pub(super) struct DynamicRecord {
 }
 
 impl DynamicRecord {
-    /// `v`: hysteresis output over prologue and record, having rested at `rest`. `offset_is_held`: `output`
-    /// is counted from the known offset, and none is eliminated.
+    /// `v`: hysteresis output over prologue and record, having rested at `rest`. `offset_is_held`: the known
+    /// offset is subtracted from `output`, and none is eliminated.
     #[allow(clippy::too_many_arguments)]
     pub(super) fn new(
         v: &[f64],

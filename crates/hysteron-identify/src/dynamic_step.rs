@@ -1,5 +1,5 @@
-//! Step 2 in practice: the hysteresis output drives the dynamic block, orders and coefficients are found at
-//! once.
+//! Step 2 in practice: orders and coefficients of the dynamic block, driven by the hysteresis output, are
+//! estimated jointly.
 
 use super::dynamic_problem::{DynamicLayout, DynamicProblem, DynamicRecord, DynamicSolution};
 use super::engine::{Engine, Search};
@@ -15,7 +15,8 @@ use hysteron_model::hammerstein::extend;
 use hysteron_model::hysteresis::BoucWen;
 use hysteron_optimize::{Bounds, OptimizeError, Problem, Range};
 
-/// Longest delay searched, in samples at least and as a share of the fastest period in the data at least.
+/// Longest delay searched: the larger of this number of samples and this share of the fastest period in the
+/// data.
 pub(super) const LONGEST_DELAY_SAMPLES: f64 = 5.0;
 pub(super) const LONGEST_DELAY_PERIODS: f64 = 0.1;
 
@@ -63,7 +64,7 @@ impl HysteresisOutput<'_> {
         (v, self.facts.data.y.clone(), self.facts.data.valid.clone())
     }
 
-    /// [`Self::counted_from_rest`] with the prologue before the record in front, where no sample is valid.
+    /// [`Self::counted_from_rest`] with the prologue prepended, marked as not valid.
     pub(super) fn with_what_ran_before(&self, delay_s: f64) -> (Vec<f64>, Vec<f64>, Vec<bool>) {
         let mut v: Vec<f64> = self.v.iter().map(|v| v - self.rest).collect();
         delay_in_place(&mut v, delay_s * self.rate_hz, 0.0);
@@ -128,7 +129,7 @@ pub(super) fn identify_dynamic(
     let rate_hz = outputs.iter().map(|o| o.rate_hz).fold(f64::INFINITY, f64::min);
     let eliminate = options.algorithm.as_ref().is_none_or(|a| a.name() == "least-squares");
     let mut space = BoxBuilder::new(&options.demands);
-    // A resonance shows in its flank, up to a decade above the fastest drive.
+    // The flank of a resonance determines it even well above the fastest drive.
     let frequency = Range::logarithmic(
         "natural_frequency",
         (0.5 * fastest_hz).min(0.05 * rate_hz),
@@ -176,7 +177,7 @@ pub(super) fn identify_dynamic(
     Ok(DynamicStep { problem, layout, search, solution })
 }
 
-/// Starts: a well and a heavily damped resonance well above and near the drive, and the model to start from.
+/// Starts: two resonances well above the drive, a heavily damped one near it, and the model to start from.
 fn guesses(bounds: &Bounds, options: &Options) -> Vec<Vec<f64>> {
     let mut guesses = Vec::new();
     if let Some(model) = &options.start

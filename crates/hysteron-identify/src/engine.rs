@@ -24,7 +24,7 @@ pub struct Search {
     pub outcome: Outcome,
 }
 
-/// The model at a point of a search, for those who want to see it grow; `None`: it is not shown.
+/// Model at a point of a search, for display; `None`: it is not shown.
 pub(super) type Show<'s> = Option<&'s dyn Fn(&[f64]) -> Option<Model>>;
 
 /// Options of the small fits that choose a structure, whose costs differ by far more than this tolerance.
@@ -32,7 +32,7 @@ pub(super) fn quick() -> LeastSquaresOptions {
     LeastSquaresOptions { cost_tolerance: 1e-8, ..Default::default() }
 }
 
-/// A few iterations: where other fits begin.
+/// A few iterations, for fits that only provide starts.
 pub(super) fn rough() -> LeastSquaresOptions {
     LeastSquaresOptions { iterations: 12, cost_tolerance: 1e-4, ..Default::default() }
 }
@@ -79,13 +79,13 @@ impl<'a, 'w> Engine<'a, 'w> {
         self.watch.stop()
     }
 
-    /// Whether the work is to end with what there is.
+    /// True if the work is to end with the best result so far.
     pub(super) fn is_stopped(&mut self) -> bool {
         self.cancelled |= self.watch.is_stopped();
         self.cancelled
     }
 
-    /// The search, or `None` where a stop left it without a point.
+    /// The search, or `None` where it failed because of a stop.
     pub(super) fn unless_stopped<E>(&mut self, search: Result<Search, E>) -> Result<Option<Search>, E> {
         match search {
             Err(_) if self.is_stopped() => Ok(None),
@@ -93,14 +93,14 @@ impl<'a, 'w> Engine<'a, 'w> {
         }
     }
 
-    /// Work that is no search begins; whether it is worth beginning.
+    /// Reports the beginning of a stage other than a search; false after a stop.
     pub(super) fn enter(&mut self, stage: &str) -> bool {
         self.fraction = self.plan.fraction(stage, 0.0).unwrap_or(self.fraction);
         self.cancelled |= self.watch.tell(Event::new(stage, self.fraction, None)).is_break();
         !self.cancelled
     }
 
-    /// Runs the algorithm that was asked for (least squares by default).
+    /// Runs the selected algorithm (least squares by default).
     pub(super) fn search<P: LeastSquaresProblem>(
         &mut self,
         step: &str,
@@ -160,13 +160,13 @@ impl<'a, 'w> Engine<'a, 'w> {
         show: Show<'_>,
     ) -> Result<Search, OptimizeError> {
         let settings = Settings { starts, generations, ..self.settings.clone() };
-        // Its starts may come from work that was cut short.
+        // Its starts may come from interrupted work.
         self.is_stopped();
         let key = self.next_key(step);
         let resume = self.resumed.remove(&key);
         let mut observer = Observed { engine: self, step, key: &key, show };
         let outcome = minimize(problem, algorithm, &settings, &mut observer, resume)?;
-        // A search after an interrupted one started from unfinished results: it is not worth keeping.
+        // A search after an interrupted one started from unfinished results and is not kept.
         if !self.cancelled && problem.bounds().dimension() > 0 {
             self.done.insert(key, outcome.checkpoint.clone());
         }
@@ -174,15 +174,15 @@ impl<'a, 'w> Engine<'a, 'w> {
         Ok(Search { step: step.to_owned(), algorithm: algorithm.name(), outcome })
     }
 
-    /// Name of the next search of a step among those kept for resumption: a step may be searched more than
-    /// once, on problems of unlike structure.
+    /// Key of the next search of a step for resumption: a step may be searched more than once, on problems of
+    /// different structure.
     fn next_key(&mut self, step: &str) -> String {
         let count = self.begun.entry(step.to_owned()).or_default();
         *count += 1;
         if *count == 1 { step.to_owned() } else { format!("{step} ({count})") }
     }
 
-    /// State after the searches so far, and of the one under way.
+    /// State after the searches so far, with that of the current one.
     fn searches_with(&self, key: &str, checkpoint: &Checkpoint) -> Searches {
         let mut searches = self.done.clone();
         searches.insert(key.to_owned(), checkpoint.clone());
@@ -195,7 +195,7 @@ impl<'a, 'w> Engine<'a, 'w> {
     }
 }
 
-/// A search under way, as its optimiser sees it.
+/// Observer of the current search.
 struct Observed<'e, 'a, 'w, 's> {
     engine: &'e mut Engine<'a, 'w>,
     step: &'s str,

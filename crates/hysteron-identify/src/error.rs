@@ -1,4 +1,4 @@
-//! Errors between records and a model.
+//! Errors of an identification.
 
 use crate::baselines::BaselineError;
 use crate::structure::UnknownCandidate;
@@ -15,7 +15,7 @@ use hysteron_numeric::display::short;
 use hysteron_optimize::OptimizeError;
 use hysteron_rt::{ParameterError, SampleError};
 
-/// Error of this crate: why no model was identified, or what one is asked for cannot be said.
+/// Error of this crate: no model was identified, or a request to one cannot be met.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum IdentifyError {
@@ -28,7 +28,7 @@ pub enum IdentifyError {
          have it"
     )]
     CreepTakesJointFit,
-    /// Two steps, and the blocks that need them, belong to Bouc–Wen.
+    /// The two-step method, and the blocks that need it, are for Bouc–Wen only.
     #[error(
         "the two-step method, which ARX, OE, BJ and SRIVC blocks need, identifies Bouc–Wen hysteresis only"
     )]
@@ -59,7 +59,7 @@ pub enum IdentifyError {
         /// Accepted values.
         wanted: &'static str,
     },
-    /// A record whose input or output never moves.
+    /// A record with a constant input or output.
     #[error("record '{record}': the {signal} is constant ({}), so nothing can be identified from it", short(*.value))]
     Constant {
         /// Record.
@@ -108,7 +108,7 @@ pub enum IdentifyError {
         /// Why not.
         because: String,
     },
-    /// A record that was said to repeat does not.
+    /// A record declared periodic is not.
     #[error("record '{record}' is not a periodic steady state: {found}")]
     NotPeriodic {
         /// Record.
@@ -131,7 +131,7 @@ pub enum IdentifyError {
         /// Evidence against the model class.
         because: String,
     },
-    /// A record that a model does not describe, whatever its gain, delay and offset.
+    /// A record that a model does not describe, even with the best gain, delay and offset.
     #[error(
         "record '{record}' contradicts the model: with the best gain, delay and offset it explains \
          {fit_percent:.1} % of it, {need} % are needed"
@@ -144,7 +144,7 @@ pub enum IdentifyError {
         /// Least fit accepted [%].
         need: f64,
     },
-    /// A model to start from that does not suit.
+    /// An unsuitable model to start from.
     #[error("the model to start from: {wanted}")]
     StartModel {
         /// Requirement.
@@ -165,19 +165,19 @@ pub enum IdentifyError {
     /// The fit could not be scored.
     #[error(transparent)]
     Score(#[from] ScoreError),
-    /// A model file does not say how well its numbers are known.
+    /// A model file without the covariance of its parameters.
     #[error(
-        "the model file holds no correlation of its numbers, so that what their errors mean for the output \
-         is not known"
+        "the model file holds no correlation of its numbers, so their errors cannot be propagated to the \
+         output"
     )]
     NoCorrelation,
-    /// A model file does not say how a measurement scatters about the model.
-    #[error("the model file holds no scores, so that how measurements scatter about the model is not known")]
+    /// A model file without scores, so that the measurement scatter is unknown.
+    #[error("the model file holds no scores, so the scatter of measurements about the model is unknown")]
     NoScores,
-    /// A model file is not sound.
+    /// An invalid model file.
     #[error(transparent)]
     ModelFile(#[from] ModelFileError),
-    /// The records cannot tell structures apart.
+    /// The records cannot discriminate between structures.
     #[error("{because}")]
     CannotRank {
         /// Why not.
@@ -185,7 +185,7 @@ pub enum IdentifyError {
         /// Recommended measurement.
         measure: String,
     },
-    /// The motion of an oscillator needs a uniform time base.
+    /// Simulating an oscillator needs a uniform time base.
     #[error("record '{record}' has no uniform sample rate: the motion of a mass cannot be followed")]
     OscillatorNotUniform {
         /// Record.
@@ -231,10 +231,10 @@ pub enum IdentifyError {
         /// Least fit accepted \[%\].
         need: f64,
     },
-    /// The drive between its samples.
+    /// Invalid drive between its samples.
     #[error(transparent)]
     Hysteresis(#[from] HysteresisError),
-    /// The modes that were to be gone on with are of another problem.
+    /// The checkpoint of modes to resume from belongs to another problem.
     #[error("the interrupted search is of other records or options")]
     Resume,
     /// Stopped too early.
@@ -243,7 +243,7 @@ pub enum IdentifyError {
     /// A record or model of several axes that cannot be used.
     #[error(transparent)]
     Axes(#[from] AxesError),
-    /// Records that do not belong together.
+    /// Records of different rate, channels or units.
     #[error("records `{first}` and `{other}` differ in their {what}: {of_first} and {of_other}")]
     Different {
         /// One record.
@@ -276,10 +276,10 @@ pub enum IdentifyError {
         /// Highest excited frequency \[Hz\].
         top_hz: f64,
     },
-    /// Actuators that the outputs do not tell apart.
+    /// Actuators that the outputs cannot distinguish.
     #[error(
-        "the influence matrix is singular (condition number {condition:.1e}): the outputs do not tell the \
-         inputs apart at slow movement"
+        "the influence matrix is singular (condition number {condition:.1e}): the outputs do not distinguish \
+         the inputs at slow movement"
     )]
     Singular {
         /// Condition number.
@@ -330,7 +330,7 @@ pub enum IdentifyError {
     /// The model found cannot be scored on its records.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// So many threads cannot be had.
+    /// The number of threads is not available.
     #[error("cannot work on {threads} threads: {reason}")]
     Threads {
         /// Threads asked for.
@@ -338,7 +338,7 @@ pub enum IdentifyError {
         /// Why not.
         reason: String,
     },
-    /// Nothing to write of a frequency response.
+    /// A frequency response without a fitted structure.
     #[error("no structure was fitted to the frequency response")]
     NoStructure,
     /// Too few points of a frequency response for the parameters.
@@ -362,7 +362,7 @@ pub enum IdentifyError {
         /// Points there are.
         found: usize,
     },
-    /// A structure outside of what is fitted to a frequency response.
+    /// A structure outside the range that can be fitted to a frequency response.
     #[error("{what} is {found}; allowed is {allowed}")]
     ResponseStructure {
         /// Quantity out of range.
@@ -391,7 +391,7 @@ pub enum IdentifyError {
         /// Coefficients wanted.
         coefficients: usize,
     },
-    /// Records that no empirical response can be taken from.
+    /// Records that do not allow an empirical frequency response.
     #[error("cannot take a frequency response from `{record}`: {problem}")]
     NoResponse {
         /// The record.
@@ -427,16 +427,16 @@ pub enum IdentifyError {
         /// Requirement.
         must: &'static str,
     },
-    /// A term of a correction that is there twice.
-    #[error("term {index} (from 0) is there before: its coefficients cannot be told apart")]
+    /// A duplicate term of a correction.
+    #[error("term {index} (from 0) is a duplicate: the coefficients cannot be distinguished")]
     CorrectionTwice {
-        /// Number of the later one, from 0.
+        /// Index of the duplicate, from 0.
         index: usize,
     },
     /// A creep term over a record without a sample rate.
     #[error("a creep term needs the time between samples, but the record has no uniform sample rate")]
     CorrectionNoRate,
-    /// Not one regressor row of a correction a sample.
+    /// The regressors of a correction do not have one row per sample.
     #[error("the record has {found} samples but the regressors {expected}: make them from this record")]
     CorrectionLengths {
         /// Rows of the regressors.
@@ -454,10 +454,10 @@ pub enum IdentifyError {
         /// Its coefficient.
         value: f64,
     },
-    /// Settings of an estimator or a monitor while running.
+    /// Invalid settings of an online estimator or monitor.
     #[error(transparent)]
     OnlineSettings(#[from] ParameterError<f64>),
-    /// A sample that cannot be learnt from.
+    /// A sample that an online estimator cannot use.
     #[error("sample {index}: {cause}")]
     OnlineSample {
         /// Its number, from 0.
@@ -465,10 +465,10 @@ pub enum IdentifyError {
         /// Why.
         cause: SampleError,
     },
-    /// No terms to be followed, or too many.
+    /// No terms to track, or too many.
     #[error("between one and six terms can be followed, not {0}")]
     FollowTerms(usize),
-    /// A record to be followed whose samples are not equally spaced.
+    /// A non-uniformly sampled record for tracking.
     #[error("it has no uniform sample rate, and a memory is a number of samples")]
     FollowNotUniform,
 }

@@ -11,25 +11,25 @@ const ONE_AMPLITUDE: f64 = 0.05;
 /// Swings below this share of the range are noise rather than loops.
 const SMALLEST_LOOP: f64 = 0.1;
 
-/// A record is dynamic beside one whose fastest swing is this much slower.
+/// A record is dynamic relative to one whose fastest swing is slower by this factor.
 const FASTER: f64 = 3.0;
 
-/// … or whose swings of at least this share of its range, so many at least, differ by as much.
+/// … or if its own swings above this share of its range, at least this many, differ in speed by that factor.
 const WIDE: f64 = 0.5;
 const FEWEST_SWINGS: usize = 5;
-/// Fewest cycles of which the first can be spared.
+/// Fewest cycles that allow leaving out the first.
 const SEVERAL_CYCLES: usize = 3;
 /// A drive that stays within this share of its range rests.
 const AT_REST: f64 = 0.01;
 
-/// A record and what was read off it.
+/// A record and quantities derived from it.
 #[derive(Clone, Debug)]
 pub(super) struct RecordFacts {
     pub(super) data: InputOutput,
     pub(super) periods: Option<Periods>,
-    /// Shortest time between two reversals of the drive, in samples, but for a tenth of them.
+    /// Shortest time between two reversals of the drive, in samples (its 10 % quantile).
     pub(super) shortest_swing: usize,
-    /// Frequencies of its swings where it is sampled on uneven stamps.
+    /// Frequencies of its swings where it is non-uniformly sampled.
     pub(super) swings: Option<Swings>,
 }
 
@@ -47,8 +47,8 @@ impl RecordFacts {
         Self { data: self.data.without_first(samples), ..self.clone() }
     }
 
-    /// Samples at the beginning that are enough to score: so many, or all of a record without two valid ones
-    /// among them.
+    /// Number of initial samples to score: `most`, or the whole record where these hold fewer than two valid
+    /// ones.
     pub(super) fn beginning(&self, most: usize) -> usize {
         let scored = self.scored(0);
         if scored.get(1).is_some_and(|&second| second < most) {
@@ -68,8 +68,8 @@ impl RecordFacts {
         span(&valid)
     }
 
-    /// Samples of a period: where the drive repeats from the first sample on, or where the record is one
-    /// closed loop.
+    /// Samples of a period, where the drive repeats from the first sample on or the record is one closed
+    /// loop.
     pub(super) fn period_samples(&self) -> Option<usize> {
         settled_period(&self.data, self.periods)
     }
@@ -83,19 +83,19 @@ impl RecordFacts {
         if still > 3 + self.shortest_swing / 4 { still } else { 0 }
     }
 
-    /// Whether the drive leaves its rest with a step of more than this share of its range.
+    /// True if the drive leaves its rest with a step above this share of its range.
     pub(super) fn jumps_after_rest(&self, share: f64) -> bool {
         let first = self.samples_at_rest();
         let step = self.data.u.get(first).map_or(0.0, |x| (x - self.data.u[0]).abs());
         step > share * self.range_v()
     }
 
-    /// Samples of the first cycle of a record on uneven stamps that holds several.
+    /// Samples of the first cycle of a non-uniformly sampled record that holds several.
     pub(super) fn first_of_several_cycles(&self) -> Option<usize> {
         first_cycle(&self.data).filter(|cycle| self.data.len() >= SEVERAL_CYCLES * cycle)
     }
 
-    /// Cycles that a record on uneven stamps consists of; 1 where it holds fewer than [`SEVERAL_CYCLES`].
+    /// Cycles of a non-uniformly sampled record; 1 where it holds fewer than [`SEVERAL_CYCLES`].
     pub(super) fn cycles(&self) -> usize {
         let of = |cycle: usize| (self.data.len() as f64 / cycle as f64).round() as usize;
         self.first_of_several_cycles().map_or(1, of)
@@ -122,13 +122,13 @@ impl RecordFacts {
         self.data.sample_rate_hz().map_or(0.0, |rate| rate / (2.0 * self.shortest_swing as f64))
     }
 
-    /// Whether the record carries dynamics beside one whose fastest swing has the frequency `slowest_hz`.
+    /// True if the record is dynamic relative to one whose fastest swing has the frequency `slowest_hz`.
     pub(super) fn is_dynamic(&self, slowest_hz: f64) -> bool {
         self.highest_frequency_hz() > FASTER * slowest_hz
     }
 
-    /// Whether its wide swings are of very different speeds, as in a sweep or a random drive: dynamics show
-    /// in such a record by itself.
+    /// True if its wide swings differ widely in speed, as in a sweep or a random drive: such a record by
+    /// itself determines dynamics.
     pub(super) fn is_broad(&self) -> bool {
         if let Some(Swings { slowest_hz, fastest_hz }) = self.swings {
             return fastest_hz > FASTER * slowest_hz;
@@ -151,7 +151,7 @@ impl RecordFacts {
         settling_samples(&self.data.u, self.shortest_swing)
     }
 
-    /// When its samples were taken, and the rate that its fastest part is sampled at \[Hz\].
+    /// Times of its samples, and the sample rate of its fastest part \[Hz\].
     pub(super) fn require_timing(&self) -> Result<(Timing<'_>, f64), IdentifyError> {
         match (&self.data.time, self.data.time.shortest_period_s(self.data.len())) {
             (base @ TimeBase::NonUniform { .. }, Some(period_s)) => Ok((base.into(), 1.0 / period_s)),
@@ -179,7 +179,7 @@ impl RecordFacts {
     }
 }
 
-/// Number of clearly different loop amplitudes in all records together.
+/// Number of distinct loop amplitudes in all records together.
 pub(super) fn amplitudes<'a>(records: impl Iterator<Item = &'a RecordFacts> + Clone) -> usize {
     let range = records.clone().map(RecordFacts::range_v).fold(0.0, f64::max);
     let mut sizes: Vec<f64> = records

@@ -1,4 +1,4 @@
-//! From records to a model of any kind, and everything that is to be known about it.
+//! Identification of a model of any kind, with its full results.
 
 mod summary;
 
@@ -73,7 +73,7 @@ impl Task {
         Ok(self)
     }
 
-    /// Threads that it asks for; `None`: all cores.
+    /// Number of threads; `None`: all cores.
     pub fn threads(&self) -> Option<usize> {
         match self {
             Self::Hammerstein(options) => options.threads,
@@ -81,7 +81,7 @@ impl Task {
         }
     }
 
-    /// Whether it takes records of several inputs and outputs.
+    /// True if the task takes records with several inputs and outputs.
     pub fn takes_several_axes(&self) -> bool {
         matches!(self, Self::Modes(_) | Self::Branches(_))
     }
@@ -96,16 +96,16 @@ pub enum FitRecords {
     Several(Vec<AxesRecord>),
 }
 
-/// An identified model and what is to be known about it.
+/// An identified model with its scores, parameters and findings.
 ///
-/// As JSON: scores, parameters, findings, and what only its kind has.
+/// As JSON: scores, parameters, findings, and results specific to its kind.
 #[derive(Clone, Debug)]
 pub struct Fit {
     /// The model, with its file's data.
     pub model: Model,
     /// Scores of every record that it was identified from.
     pub scores: Vec<Score>,
-    /// Every parameter that was estimated or held; modes have too many to be read.
+    /// Every parameter that was estimated or held; empty for modes, which have too many.
     pub parameters: Vec<FitParameter>,
     /// Verdicts, advice and warnings.
     pub findings: Vec<Finding>,
@@ -113,7 +113,7 @@ pub struct Fit {
     pub treatment: Vec<String>,
     /// The fit was stopped; the model is the best so far.
     pub interrupted: bool,
-    /// State to go on from.
+    /// State to resume from.
     pub resume: Searches,
     /// Results specific to the kind of model.
     pub found: FitDetails,
@@ -147,11 +147,11 @@ pub struct FitParameter {
     pub unit: String,
     /// Standard error; `None` where the parameter was held or the data do not determine it.
     pub std_error: Option<f64>,
-    /// Interval that holds the true value in 95 of 100 campaigns; a joint fit only.
+    /// 95 % confidence interval; a joint fit only.
     pub interval_95: Option<Interval>,
     /// It was held at this value.
     pub held: bool,
-    /// It ended at an end of its range.
+    /// It ended at a bound of its range.
     pub at_limit: bool,
 }
 
@@ -199,8 +199,8 @@ impl Fit {
     }
 }
 
-/// Identifies a model of the kind that `task` asks for. `resume`: go on from the searches of an interrupted
-/// fit of the same records.
+/// Identifies a model of the kind that `task` asks for. `resume`: searches of an interrupted fit of the same
+/// records.
 ///
 /// # Errors
 /// [`IdentifyError`].
@@ -237,7 +237,7 @@ pub fn fit(
     }
 }
 
-/// [`fit`] on so many threads; the result does not depend on their number.
+/// [`fit`] on `threads` threads; the result does not depend on their number.
 ///
 /// # Errors
 /// Those of [`fit`]; [`IdentifyError::Threads`].
@@ -311,7 +311,7 @@ fn modes_fit(
     maker: &Maker,
 ) -> Result<Fit, IdentifyError> {
     let model = Model::try_from(found.model_file(records, options, maker))?;
-    // A record that was taken for one period as a whole is scored as that.
+    // A record fitted as a single period is scored as one.
     let start = |record: &AxesRecord| {
         let whole =
             |fit: &&modes::ModesRecordFit| fit.record == record.label() && fit.period_samples == record.len();

@@ -1,5 +1,5 @@
-//! Which parameters of a joint fit its records determine, and which record would determine the others, in
-//! plain words.
+//! Identifiability of the parameters of a joint fit, and the record that would determine the others, in plain
+//! words.
 
 use super::RecordFacts;
 use super::facts::amplitudes;
@@ -15,22 +15,23 @@ use hysteron_numeric::display::short;
 const UNDETERMINED: f64 = 0.5;
 /// Two estimates with a correlation above this are hardly distinguishable.
 const INSEPARABLE: f64 = 0.99;
-/// Condition number of the unit-length Jacobian from which on the fit as a whole hangs on the noise.
+/// Condition number of the Jacobian with unit columns above which the whole fit is sensitive to the noise.
 const ILL_CONDITIONED: f64 = 1e6;
 /// A delay is determined where its error is below this share of the fastest period.
 const SHARE_OF_PERIOD: f64 = 0.05;
-/// Loops that reach this share of what would saturate them hardly bend.
+/// Loops that reach less than this share of saturation are nearly straight.
 const SHARE_OF_SATURATION: f64 = 0.05;
-/// A bend of the polynomial counts beside this share of the stroke.
+/// Share of the stroke at which a nonlinear term of the polynomial matters.
 const SHARE_OF_STROKE: f64 = 0.02;
-/// A frequency this much above the fastest drive is asked for, where the sample rate allows it.
+/// Frequency recommended for a further record, over that of the fastest drive, where the sample rate allows
+/// it.
 const FASTER: f64 = 3.0;
-/// Highest share of the sample rate that a drive is asked for.
+/// Highest recommended drive frequency, as a share of the sample rate.
 const BELOW_NYQUIST: f64 = 0.2;
-/// Creep is asked to be watched this much longer than so far.
+/// Recommended duration of a creep record, over the longest one so far.
 const LONGER: f64 = 5.0;
 
-/// Verdict of the covariance of a joint fit.
+/// Findings on identifiability from the covariance of a joint fit.
 pub(super) fn verdict(
     facts: &[RecordFacts],
     result: &Identification,
@@ -41,7 +42,7 @@ pub(super) fn verdict(
     let mut say = |text: String, advice| {
         findings.push(Finding { advice, ..Finding::new(FindingKind::Advice, "identifiability", text) });
     };
-    // Where a record started says nothing of the device, and b, c₀, c₁ repeat what the other symbols say.
+    // The initial memory of a record is no property of the device, and b, c₀, c₁ duplicate other parameters.
     let of_device =
         |p: &&Parameter| !p.held && p.block != "start" && !["b", "c0", "c1"].contains(&p.name.as_str());
     let straight = far_from_saturation(result, advisor.range_v);
@@ -66,7 +67,7 @@ pub(super) fn verdict(
             }
             Some(_) => continue,
             None if !on_edge(result, p) && place.is_some_and(|place| covariance.undetermined[place]) => {
-                format!("({} is one of many that fit as well)", short(p.value))
+                format!("({} is one of many values that fit equally well)", short(p.value))
             }
             None => "(on the edge of its range)".to_owned(),
         };
@@ -88,8 +89,8 @@ pub(super) fn verdict(
         let (help, advice) = advisor.help(&names);
         say(
             format!(
-                "{} can hardly be told apart by these records (correlation {:.4}): their errors make up for \
-                 each other, so that none of them means much without the others. {help}",
+                "{} are hardly distinguishable by these records (correlation {:.4}): their errors compensate \
+                 each other, so that none is meaningful alone. {help}",
                 listed(&condensed(&names, |index| names[index].to_owned())),
                 group.correlation
             ),
@@ -99,8 +100,8 @@ pub(super) fn verdict(
     if covariance.condition_number > ILL_CONDITIONED {
         say(
             format!(
-                "The parameters as a whole hang on the noise (condition number {}): leave parameters out, or \
-                 hold what is known of the device.",
+                "The estimates as a whole are sensitive to noise (condition number {}): remove parameters, \
+                 or hold those known of the device.",
                 short(covariance.condition_number)
             ),
             Some(Advice::Hold { parameter: None }),
@@ -122,8 +123,8 @@ pub(super) fn verdict(
     findings
 }
 
-/// The names in words, three or more of consecutive numbers as `weight_1 to weight_12`; `one` tells of a name
-/// that stands alone.
+/// The names in words, three or more of consecutive numbers as `weight_1 to weight_12`; `one` formats a
+/// single name.
 fn condensed(names: &[&str], one: impl Fn(usize) -> String) -> Vec<String> {
     let numbered = |name: &str| {
         let (stem, number) = name.rsplit_once('_')?;
@@ -144,13 +145,13 @@ fn condensed(names: &[&str], one: impl Fn(usize) -> String) -> Vec<String> {
     told
 }
 
-/// Whether the search ended with the parameter on an edge of its range.
+/// True if the search ended with the parameter at a bound.
 fn on_edge(result: &Identification, p: &Parameter) -> bool {
     let mut ranges = result.bounds.iter().flat_map(|bounds| &bounds.ranges);
     ranges.any(|range| range.name == p.name && range.is_end(p.value))
 }
 
-/// Whether every loop is so small beside the saturation of the operator that only its first bend shows.
+/// True if every loop is far from saturation of the operator.
 fn far_from_saturation(result: &Identification, range_v: f64) -> bool {
     let Hysteresis::BoucWen(operator) = &result.model.hysteresis else { return false };
     let shape = operator.unit_shape();
@@ -158,14 +159,14 @@ fn far_from_saturation(result: &Identification, range_v: f64) -> bool {
     operator.alpha != 0.0 && bend < SHARE_OF_SATURATION
 }
 
-/// Parameters that hang together.
+/// Strongly correlated parameters.
 struct Group {
     names: Vec<String>,
     /// The strongest correlation among them.
     correlation: f64,
 }
 
-/// Correlation of two estimates of which both have a standard error.
+/// Correlation of two estimates; 0 unless both have a standard error.
 fn correlation(covariance: &Covariance, i: usize, j: usize) -> f64 {
     match (covariance.std_error(i), covariance.std_error(j)) {
         (Some(a), Some(b)) => covariance.matrix[(i, j)] / (a * b),
@@ -231,7 +232,7 @@ fn listed(names: &[String]) -> String {
     }
 }
 
-/// Says which record would help.
+/// Recommends the record that would determine a parameter.
 struct Advisor<'a> {
     parameters: &'a [Parameter],
     amplitudes: usize,
@@ -243,7 +244,7 @@ struct Advisor<'a> {
     longest_s: f64,
 }
 
-/// Whether a parameter of the dynamics shows in slow motion.
+/// True if slow motion determines the parameter of the dynamics.
 fn is_slow(kind: ParameterKind) -> bool {
     match kind {
         ParameterKind::LowestOrder
@@ -282,10 +283,10 @@ impl<'a> Advisor<'a> {
     }
 
     /// Scale that the standard error of a parameter is compared with: its value, or the size at which it
-    /// would matter beside the others.
+    /// would matter compared with the others.
     fn scale(&self, p: &Parameter) -> f64 {
         let beside = match p.name.as_str() {
-            // The loop is shaped by β + γ going out and β − γ coming back: γ = 0 is a good answer.
+            // β + γ and β − γ shape the two branches of the loop, so that γ = 0 is a legitimate value.
             "beta" | "gamma" => self.value("beta").max(self.value("gamma")),
             "delay" => SHARE_OF_PERIOD / UNDETERMINED / self.fastest_hz.max(f64::MIN_POSITIVE),
             name => match self.power(name) {
@@ -337,7 +338,7 @@ impl<'a> Advisor<'a> {
         (format!("Add {}.", help.join(", and ")), None)
     }
 
-    /// The sweep that shows the flank of the resonance.
+    /// Recommends a sweep that reaches the flank of the resonance.
     fn faster(&self) -> String {
         let wanted =
             (FASTER * self.fastest_hz).min(2.0 * self.value("natural_frequency").max(self.fastest_hz));

@@ -27,7 +27,7 @@ impl Role {
         }
     }
 
-    /// Where it stands in the search, if it is searched.
+    /// Index in the search vector, if searched.
     pub(super) fn index(self) -> Option<usize> {
         match self {
             Role::Searched(index) => Some(index),
@@ -35,7 +35,7 @@ impl Role {
         }
     }
 
-    /// Whether linear least squares eliminates it.
+    /// True if linear least squares eliminates it.
     pub(super) fn is_eliminated(self) -> bool {
         matches!(self, Role::Projected | Role::OneSided(_))
     }
@@ -64,7 +64,7 @@ impl Demands {
         self.fixed.iter().map(|(n, _)| n.as_str()).chain(self.bounded.iter().map(|(n, ..)| n.as_str()))
     }
 
-    /// Checks every demand against the names that this fit knows.
+    /// Checks every demand against the parameter names of this fit.
     pub(super) fn check(&self, known: &[&str]) -> Result<(), IdentifyError> {
         for name in self.names() {
             if !known.contains(&name) {
@@ -143,8 +143,7 @@ impl<'a> BoxBuilder<'a> {
     }
 }
 
-/// A start: each parameter at `value` of its name, in the middle of its range where there is none, inside the
-/// box.
+/// A start: each parameter at `value` of its name, else in the middle of its range, clamped to the box.
 pub(super) fn pick(bounds: &Bounds, value: impl Fn(&str) -> Option<f64>) -> Vec<f64> {
     bounds
         .ranges

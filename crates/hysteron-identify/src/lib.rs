@@ -1,9 +1,9 @@
-//! From records to a model: the article's two-step identification (§4.3) with any of the optimisers.
+//! Identification of hysteresis models from records: joint fit, or the article's two steps (§4.3).
 //!
 //! [`identify`] recognises which records are quasi-static and which carry dynamics, chooses what the user
-//! left open (start, polynomial degree, delay and lag) from the data, runs the searches and hands out an
+//! left open (start, polynomial degree, delay and lag) from the data, runs the searches and returns an
 //! [`Identification`]: the model, its parameters with standard errors, the fit of every record, and in plain
-//! words what the records do not determine.
+//! words the parameters that the records do not determine.
 
 mod alike;
 pub mod baselines;
@@ -84,7 +84,7 @@ use static_step::OFFSET;
 /// ([`Options::method`]), which also takes the sampled dynamics (ARX, OE, BJ) and SRIVC.
 ///
 /// # Errors
-/// [`IdentifyError`]: records that hold nothing, options that cannot be met, a model class that does not
+/// [`IdentifyError`]: records without information, options that cannot be met, a model class that does not
 /// describe the records.
 pub fn identify(
     records: &[CampaignRecord],
@@ -110,7 +110,7 @@ pub fn identify(
     Ok(found)
 }
 
-/// [`identify`] from records that do not continue one another.
+/// [`identify`] for records that are not parts of one run.
 fn identify_records(
     records: &[CampaignRecord],
     options: &Options,
@@ -153,14 +153,14 @@ fn identify_records(
     if other.cancelled || !as_good(&other, &found) {
         return Ok(found);
     }
-    let text = "A resonance would lie beyond what these records show, and the loops are met as well without: \
-                there is none in the model. Add a sweep that comes near it.";
+    let text = "A resonance would lie outside the band of these records and does not improve the fit of the \
+                loops: the model has none. Add a sweep that approaches it.";
     other.findings.push(Finding::new(FindingKind::Advice, "resonance", text));
     Ok(other)
 }
 
-/// Whether the resonance of a fit ended at the upper end of where it was sought: beyond the fastest drive,
-/// where nothing shows it.
+/// True if the resonance ended at its upper bound, beyond the excited band, where the records do not
+/// determine it.
 fn beyond_the_records(found: &Identification) -> bool {
     let ranges = found.bounds.iter().flat_map(|bounds| &bounds.ranges);
     let mut ranges = ranges.filter(|range| range.name == "natural_frequency");
@@ -168,9 +168,8 @@ fn beyond_the_records(found: &Identification) -> bool {
     ranges.next().zip(value).is_some_and(|(range, value)| range.to_unit(value) >= 1.0 - 1e-9)
 }
 
-/// Whether a fit with fewer parameters is as good by the Bayesian information criterion, n ln Σ e² + p ln n,
-/// with the independent samples n of the richer fit's residual: of a model outside the class of the device
-/// they are few.
+/// True if the fit with fewer parameters is as good by the Bayesian information criterion, n ln Σ e² + p ln
+/// n, with n the independent samples of the richer fit's residual (few where the model class is wrong).
 fn as_good(fewer: &Identification, richer: &Identification) -> bool {
     let residual = |fit: &RecordFit| -> Vec<f64> {
         let modelled = fit.simulated.iter().map(|y| y + fit.scores.offset);
@@ -205,7 +204,7 @@ fn check_common_demands(options: &Options) -> Result<(), IdentifyError> {
     Ok(())
 }
 
-/// FNV-1a over 64-bit words: tells the checkpoint of another problem.
+/// FNV-1a over 64-bit words: detects the checkpoint of another problem.
 fn fingerprint(values: impl Iterator<Item = u64>) -> u64 {
     values.fold(0xcbf2_9ce4_8422_2325, |hash, value| (hash ^ value).wrapping_mul(0x0100_0000_01b3))
 }

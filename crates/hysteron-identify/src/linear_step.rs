@@ -1,4 +1,4 @@
-//! Step 2 by polynomial models and refined instrumental variables: the hysteresis output against the
+//! Step 2 by polynomial models and refined instrumental variables, from the hysteresis output to the
 //! displacement.
 
 use super::IdentifyError;
@@ -23,7 +23,7 @@ const NOISE: (usize, usize) = (2, 2);
 /// Result of the linear step.
 pub(super) struct LinearStep {
     pub(super) dynamics: Dynamics,
-    /// Delay beside that of the hysteresis block \[s\].
+    /// Delay in addition to that of the hysteresis block \[s\].
     pub(super) delay_s: f64,
     pub(super) parameters: Vec<Parameter>,
     pub(super) correlation: Option<Correlation>,
@@ -66,7 +66,7 @@ impl LinearStep {
         Ok(Self::of_polynomial(&best.fit, wanted, tried))
     }
 
-    /// The scheme that suits the block where none is asked for: continuous time for a continuous-time model.
+    /// Default scheme of the block: continuous time for a continuous-time model.
     pub(super) fn scheme(&self) -> Scheme {
         match self.dynamics {
             Dynamics::Integer(_) => Scheme::BandLimited,
@@ -149,5 +149,5 @@ impl LinearStep {
 }
 
 fn unfinished(converged: bool) -> &'static str {
-    if converged { "" } else { "; the iterations did not settle" }
+    if converged { "" } else { "; the iterations did not converge" }
 }

@@ -9,7 +9,7 @@ use hysteron_model::record::{InputOutput, InterSample};
 use hysteron_optimize::Algorithm;
 use serde::{Deserialize, Serialize};
 
-/// A record of the campaign and what it is for.
+/// A record of the campaign and its role.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CampaignRecord {
     /// Input and output.
@@ -55,7 +55,9 @@ impl Method {
     pub fn summary(self) -> &'static str {
         match self {
             Self::Joint => "All records, both blocks, delay and initial states in one fit",
-            Self::TwoStep => "The article's way: hysteresis from slow records, then dynamics from the others",
+            Self::TwoStep => {
+                "The article's procedure: hysteresis from slow records, then dynamics from the others"
+            }
         }
     }
 }
@@ -64,7 +66,8 @@ impl Method {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Initial {
-    /// `Rest`, but a record that starts off 0 V may have been switched on from there; judged by the record.
+    /// `Rest`; for a record that does not begin at 0 V, also at rest at 0 V before a step, if that fits
+    /// better.
     #[default]
     Auto,
     /// At rest at u(0), with an unknown hysteresis memory.
@@ -73,8 +76,8 @@ pub enum Initial {
     Periodic,
     /// At rest at 0 V, without memory.
     Zero,
-    /// As `Rest`, with motion left over from before, fitted as responses to two impulses and a step at the
-    /// first sample.
+    /// `Rest` with a free transient from before the record, fitted as responses to two impulses and a step at
+    /// the first sample.
     Free,
 }
 
@@ -96,11 +99,11 @@ impl Initial {
     /// Description in one line.
     pub fn summary(self) -> &'static str {
         match self {
-            Self::Auto => "Rest, judged by the record",
+            Self::Auto => "Rest, chosen from the record",
             Self::Rest => "Rest at the first sample, with an unknown hysteresis memory",
             Self::Periodic => "The record is a steady state that repeats",
             Self::Zero => "Rest at 0 V without memory",
-            Self::Free => "Rest, with motion left over from before",
+            Self::Free => "Rest, with a residual transient",
         }
     }
 }
@@ -171,7 +174,7 @@ impl DynamicsChoice {
     /// Description in one line.
     pub fn summary(self) -> &'static str {
         match self {
-            Self::Auto => "What the records support",
+            Self::Auto => "Chosen from the records",
             Self::None => "Static model",
             Self::Integer => "Whole orders: pairs of poles and, for an odd order, a lag in series",
             Self::Modes => "Resonances in parallel and, for an odd order, a lag behind them",
@@ -185,7 +188,7 @@ impl DynamicsChoice {
         }
     }
 
-    /// Whether the block is a regression of the displacement on the output of an identified hysteresis block.
+    /// True if the block is a regression of the displacement on the output of an identified hysteresis block.
     pub fn takes_two_steps(self) -> bool {
         matches!(self, Self::Arx | Self::OutputError | Self::BoxJenkins | Self::Srivc)
     }
@@ -223,8 +226,8 @@ pub enum Choice<T> {
 pub struct Options {
     /// Joint fit or two steps.
     pub method: Method,
-    /// Family of the hysteresis block; another than Bouc–Wen takes the joint fit. `Auto`: Bouc–Wen; plays
-    /// with activated edges where small oscillations lie beside wide moves in a record on uneven stamps, then
+    /// Family of the hysteresis block; any but Bouc–Wen needs the joint fit. `Auto`: Bouc–Wen; plays with
+    /// activated edges where a non-uniformly sampled record holds small oscillations beside large moves, then
     /// with [`DynamicsChoice::Auto`] and [`Creep::None`] fractional dynamics without creep.
     pub hysteresis: Choice<HysteresisForm>,
     /// Dynamic block.
@@ -232,11 +235,11 @@ pub struct Options {
     /// Poles of [`DynamicsChoice::Integer`] in a joint fit, 1 to 12, or of [`DynamicsChoice::Modes`], 2 to
     /// 12.
     pub order: usize,
-    /// Creep factor of a joint fit. With [`DynamicsChoice::Auto`] and [`Creep::None`] it gets a fractional
-    /// one where the records ask for it.
+    /// Creep factor of a joint fit. With [`DynamicsChoice::Auto`] and [`Creep::None`] a fractional one is
+    /// added where the records support it.
     pub creep: Creep,
-    /// The records are consecutive parts of one run on one clock: memory, creep and offset carry over. One
-    /// that begins before the one before it ends starts another run.
+    /// The records are consecutive parts of one run on one clock: memory, creep and offset carry over. A
+    /// record that begins before the previous one ends starts another run.
     pub continued: bool,
     /// State before each record of a joint fit.
     pub initial: Initial,
@@ -254,21 +257,21 @@ pub struct Options {
     pub degree: Choice<usize>,
     /// Bouc–Wen exponent n; `Auto` searches it (`--n free`).
     pub n: Choice<f64>,
-    /// Delay \[s\]. A given delay is taken as the whole time shift between input and output: unless dynamics
-    /// are asked for, no lag is fitted beside it to a quasi-static record.
+    /// Delay \[s\]. A given delay is the whole time shift between input and output: unless dynamics are
+    /// requested, no lag is fitted to a quasi-static record.
     pub delay_s: Choice<f64>,
     /// Single parameters fixed or bounded.
     pub demands: Demands,
-    /// Model whose parameters are the first start of every search; written as a model file is.
+    /// Model whose parameters are the first start of every search; serialised as a model file.
     #[serde(with = "as_model_file")]
     pub start: Option<Model>,
     /// Simulation scheme of the dynamic block; `Auto`: `band-limited` in a joint fit of records that start
     /// smoothly, whose estimates do not depend on the sample rate, else `tustin`.
     pub scheme: Choice<Scheme>,
-    /// Drive between its samples. `Auto`: in a joint fit with dynamics chosen by the records, where they can
-    /// tell ([`InterSampleChoice`](super::InterSampleChoice)); else `linear`.
+    /// Inter-sample behaviour of the drive. `Auto`: in a joint fit with dynamics, chosen by likelihood where
+    /// the records discriminate ([`InterSampleChoice`](super::InterSampleChoice)); else `linear`.
     pub inter_sample: Choice<InterSample>,
-    /// Least fit \[%\] for which a model is handed out at all.
+    /// Least fit \[%\] for which a model is returned.
     pub least_fit_percent: f64,
 }
 
@@ -303,7 +306,7 @@ impl Default for Options {
 pub const HIGHEST_DEGREE: usize = 9;
 
 impl Options {
-    /// The rule between samples: that given, else the one that is tried first.
+    /// The inter-sample rule given, else the one tried first.
     pub(super) fn inter_sample(&self) -> InterSample {
         match self.inter_sample {
             Choice::Given(rule) => rule,
@@ -359,7 +362,7 @@ impl Options {
     }
 }
 
-/// A Hammerstein model as the data of its file.
+/// Serialises a Hammerstein model as its model file.
 mod as_model_file {
     use super::Model;
     use hysteron_model::model_file::{ModelFile, SignalUnits};

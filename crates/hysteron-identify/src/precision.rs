@@ -9,12 +9,12 @@ use hysteron_optimize::StopReason;
 
 /// A parameter whose standard error exceeds this share of its value is called undetermined.
 const UNDETERMINED: f64 = 0.5;
-/// A fall of the best cost by more than this share says that a search was still under way.
+/// A search whose best cost fell by more than this share was still converging.
 const STILL_IMPROVING: f64 = 0.01;
-/// Fewest last generations over which that is judged.
+/// Fewest last generations over which this is judged.
 const LAST_GENERATIONS: usize = 5;
 
-/// Which parameters the records leave open, by their standard errors alone.
+/// Parameters that the records do not determine, by their standard errors alone.
 pub(super) fn precision(result: &Identification) -> Vec<Finding> {
     let mut findings = Vec::new();
     let undetermined: Vec<&str> = result
@@ -28,8 +28,8 @@ pub(super) fn precision(result: &Identification) -> Vec<Finding> {
     if !undetermined.is_empty() {
         findings.push(
             Finding::new(FindingKind::Warning, "precision", format!(
-                "No standard errors: the records do not determine {} apart from the other parameters. Lower \
-                 the degree, add records, or hold one of them.",
+                "No standard errors: the records do not determine {} separately from the other parameters. \
+                 Lower the degree, add records, or hold one of them.",
                 undetermined.join(", ")
             ))
             .with_advice(Advice::Hold { parameter: None }),
@@ -56,8 +56,7 @@ pub(super) fn precision(result: &Identification) -> Vec<Finding> {
 }
 
 /// Warning about a population search that ran out of generations while it was still improving: by more than
-/// [`STILL_IMPROVING`] over the last tenth of them (over the last [`LAST_GENERATIONS`] at least, or over all
-/// there are).
+/// [`STILL_IMPROVING`] over the last tenth of them (at least the last [`LAST_GENERATIONS`], or all).
 pub(super) fn still_improving(search: &Search) -> Option<String> {
     let outcome = &search.outcome;
     if !matches!(outcome.stopped, StopReason::Generations | StopReason::Budget) || !outcome.starts.is_empty()

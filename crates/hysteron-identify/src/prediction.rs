@@ -1,9 +1,9 @@
-//! Prediction bands out of a model file: what the errors of its numbers mean for its output.
+//! Prediction bands from a model file: the covariance of its parameters propagated to the output.
 //!
 //! With the covariance C = Σ_k d_k d_kᵀ of the numbers (d_k the eigenvectors of their correlation, scaled),
 //! the variance of the output is Σ_k (∂y/∂d_k)², each derivative by a central difference of two simulations.
-//! As in [`super::OutputUncertainty`], which differentiates analytically but needs the fit, the band is that
-//! of the output about its mean: a sensor has its own zero.
+//! [`super::OutputUncertainty`] differentiates analytically but needs the fit. In both the band is that of
+//! the output about its mean: a sensor has an arbitrary zero.
 
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -15,13 +15,13 @@ use hysteron_model::hammerstein::{Model, SimulationError};
 use hysteron_model::model_file::{ModelFile, number_mut};
 use hysteron_model::record::Timing;
 
-/// Step of the differences, in standard deviations along d_k: their error is a millionth of what is not
-/// linear.
+/// Step of the differences, in standard deviations along d_k: the truncation error is a millionth of the
+/// nonlinear part.
 const STEP: f64 = 1e-3;
 
 impl PredictionBand {
-    /// Band of a model file's output for `drive` \[V\]. Its `noise` is the RMSE of the file's scores
-    /// together; 0 where it has none, and then only [`Self::of_output`] means something.
+    /// Band of a model file's output for `drive` \[V\]. Its `noise` is the RMSE over all scores of the file;
+    /// 0 without scores, when only [`Self::of_output`] is meaningful.
     ///
     /// # Errors
     /// [`IdentifyError`]: no correlation in the file, a drive that the model cannot be simulated on.
@@ -38,7 +38,7 @@ impl PredictionBand {
         let correlation = covariance.map_with_location(|i, j, c| c / (errors[i] * errors[j]));
         let eigen = correlation.symmetric_eigen();
         let directions: Vec<DVector<f64>> = (0..names.len())
-            // Eigenvalues below zero are so by rounding.
+            // Negative eigenvalues are rounding errors.
             .filter(|&k| eigen.eigenvalues[k] > 0.0)
             .map(|k| eigen.eigenvectors.column(k).component_mul(&errors) * eigen.eigenvalues[k].sqrt())
             .collect();
@@ -51,7 +51,7 @@ impl PredictionBand {
                 let (up, down) = (simulated(STEP, direction)?, simulated(-STEP, direction)?);
                 Ok(about_mean(up.iter().zip(&down).map(|(u, d)| (u - d) / (2.0 * STEP)).collect()))
             })
-            // In order, whatever the threads.
+            // In order, independently of the threads.
             .collect::<Result<Vec<_>, SimulationError>>()?;
         let mut variance = vec![0.0; drive.len()];
         for derivative in derivatives {

@@ -5,8 +5,9 @@
 
 use hysteron_numeric::{dot, project_out, subtract};
 
-/// Orthonormal basis Q (and R) of a growing set of columns, by Gram–Schmidt done twice, which is orthogonal
-/// to working accuracy (Giraud et al. 2005, doi:10.1007/s00211-005-0615-4). Column storage is allocated once.
+/// Orthonormal basis Q (and R) of a growing set of columns, by Gram–Schmidt with reorthogonalisation,
+/// orthogonal to working accuracy (Giraud et al. 2005, doi:10.1007/s00211-005-0615-4). Column storage is
+/// allocated once.
 #[derive(Clone, Debug)]
 pub(super) struct Projection {
     rows: usize,
@@ -17,8 +18,7 @@ pub(super) struct Projection {
     capacity: usize,
 }
 
-/// A column whose part outside the span of the earlier ones is smaller than this share of its norm adds
-/// nothing.
+/// A column whose component orthogonal to the earlier ones is below this share of its norm is dependent.
 const DEPENDENT: f64 = 1e-11;
 
 impl Projection {
@@ -30,7 +30,7 @@ impl Projection {
         self.columns = 0;
     }
 
-    /// Forgets all columns but the first `columns`.
+    /// Keeps the first `columns` columns only.
     pub(super) fn truncate(&mut self, columns: usize) {
         self.columns = self.columns.min(columns);
     }
@@ -40,7 +40,7 @@ impl Projection {
         self.columns
     }
 
-    /// Room for columns.
+    /// Maximum number of columns.
     pub(super) fn capacity(&self) -> usize {
         self.capacity
     }
@@ -85,12 +85,12 @@ impl Projection {
         self.columns += 1;
     }
 
-    /// Takes off `x` its part in the span of the columns.
+    /// Projects `x` onto the orthogonal complement of the columns.
     pub(super) fn project(&self, x: &mut [f64]) {
         project_out(&self.q[..self.columns * self.rows], x);
     }
 
-    /// The columns of `matrix` in place of all others.
+    /// Replaces all columns by those of `matrix`.
     pub(super) fn decompose(&mut self, matrix: &[f64]) {
         self.clear();
         for column in matrix.chunks_exact(self.rows.max(1)) {
@@ -134,7 +134,7 @@ impl Projection {
     }
 }
 
-/// Takes its mean off `x`.
+/// Subtracts the mean from `x`.
 pub(super) fn centre(x: &mut [f64]) {
     let mut sums = [0.0; 8];
     let eights = x.chunks_exact(8);

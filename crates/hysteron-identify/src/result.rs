@@ -26,8 +26,7 @@ pub struct Identification {
     pub model: Model,
     /// Its parameters by name, with standard errors.
     pub parameters: Vec<Parameter>,
-    /// Correlations of the parameters of each step; none of a step whose parameters the records do not
-    /// determine.
+    /// Correlations of the parameters of each step, except where the records do not determine them.
     pub correlations: Vec<Correlation>,
     /// The main searches, in order (the small fits that choose start and degree are not among them).
     pub searches: Vec<Search>,
@@ -43,9 +42,9 @@ pub struct Identification {
     /// determine them, and for two steps.
     pub covariance: Option<Covariance>,
     /// Covariance of the model's own numbers, named as a model file names them; `None` where the records do
-    /// not determine them, and where they come from two steps, which know nothing of each other.
+    /// not determine them, and for two steps, which give no cross-covariance.
     pub of_numbers: Option<Covariance>,
-    /// Bands of the output for any drive; as `covariance`.
+    /// Bands of the output for any drive; `None` where `covariance` is.
     pub output_uncertainty: Option<OutputUncertainty>,
     /// Thinning while searching; `None` where every sample was used throughout.
     pub reduction: Option<Reduction>,
@@ -57,7 +56,7 @@ pub struct Identification {
     pub excited_hz: Option<(f64, f64)>,
     /// The search was stopped early; the model is the best so far.
     pub cancelled: bool,
-    /// State to go on from.
+    /// State to resume from.
     pub resume: Searches,
 }
 
@@ -72,7 +71,7 @@ pub struct Parameter {
     pub value: f64,
     /// Standard error; `None` where the parameter was held or the data do not determine it.
     pub std_error: Option<f64>,
-    /// Interval that holds the true value in 95 of 100 campaigns; a joint fit only.
+    /// 95 % confidence interval; a joint fit only.
     pub interval: Option<Interval>,
     /// It was held at this value: by demand, or because this fit does not search it.
     pub held: bool,
@@ -115,19 +114,19 @@ impl Parameter {
     }
 }
 
-/// Thinning of oversampled records while searching. The estimates handed out come from all samples.
+/// Thinning of oversampled records while searching. The estimates returned come from all samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reduction {
     /// Samples of all records.
     pub samples: usize,
     /// Samples the search worked on.
     pub searched: usize,
-    /// Largest move of a parameter from the reduced to the whole records, in standard errors.
+    /// Largest change of a parameter from the reduced to the whole records, in standard errors.
     pub moved: f64,
 }
 
 impl Reduction {
-    /// Moves up to this many standard errors are nothing to speak of.
+    /// Changes up to this many standard errors are negligible.
     pub const SMALL: f64 = 0.1;
 
     /// Samples of the search and the change by the fit of all samples, in a sentence or two.
@@ -137,9 +136,9 @@ impl Reduction {
             format!("moved no parameter by more than {moved:.2} standard errors.")
         } else {
             format!(
-                "moved a parameter by {moved:.2} standard errors: what thinning leaves out (fast motion, the \
-                 ends of the records) has a say in it, or the scheme has. Intervals by profile have their \
-                 place and scale from all samples, their shape from the thinned ones."
+                "moved a parameter by {moved:.2} standard errors, because of data removed by thinning (fast \
+                 motion, the ends of the records) or of the scheme. Profile intervals take location and \
+                 scale from all samples, shape from the thinned ones."
             )
         };
         format!(
@@ -160,17 +159,17 @@ pub struct RecordFit {
     pub start: Start,
     /// Scores (simulation, offset estimated).
     pub scores: Scores,
-    /// Simulated output, with the model's own offset \[output unit\]; NaN where it was not simulated, the fit
-    /// being stopped.
+    /// Simulated output, with the model's own offset \[output unit\]; NaN where a stopped fit was not
+    /// simulated.
     pub simulated: Vec<f64>,
     /// Uncertainty of the simulated output from that of the parameters; a joint fit only.
     pub band: Option<PredictionBand>,
-    /// Gain and phase at its sines, where it holds segments of them; the model's with errors in a joint fit.
+    /// Gain and phase at its sine segments, if any; those of the model with standard errors in a joint fit.
     pub sines: Vec<SineResponse>,
 }
 
 impl RecordFit {
-    /// The fit of a run as those of its parts, with the offset of the run.
+    /// Splits the fit of a run into those of its parts, with the offset of the run.
     pub(super) fn in_parts(&self, run: &MeasurementRun) -> Result<Vec<Self>, ScoreError> {
         let fixed = Scoring { offset: OffsetTreatment::Fixed, ..Scoring::default() };
         let part = |(index, part): (usize, &RunPart)| {
@@ -189,7 +188,7 @@ impl RecordFit {
         run.parts.iter().enumerate().map(part).collect()
     }
 
-    /// The scores with what they are of; simulated from the start that was fitted.
+    /// Scores of the record, simulated from the fitted start.
     pub fn score(&self) -> Score {
         let simulation = Simulation::of_single(self.simulated.clone(), self.start, self.data.u_unit.clone());
         Score::of_single(&self.data, self.data.y_unit.clone(), self.scores.clone(), simulation)
@@ -201,7 +200,7 @@ impl RecordFit {
     }
 }
 
-/// Those that lie within a part of the record, counted from its first sample.
+/// Sines within a part of the record, with samples counted from its beginning.
 fn sines_in(sines: &[SineResponse], part: &Range<usize>) -> Vec<SineResponse> {
     let within = |sine: &&SineResponse| part.start <= sine.samples.start && sine.samples.end <= part.end;
     let moved = |sine: &SineResponse| SineResponse {
@@ -226,8 +225,8 @@ pub struct StructureChoice {
     pub creeps: Vec<f64>,
     /// Samples left out at the start of each quasi-static record.
     pub left_out: Vec<usize>,
-    /// Roughness penalty on the weights of a plane.
+    /// Roughness penalty on the Preisach weights.
     pub smoothing: Option<Smoothing>,
-    /// Choice of the rule between samples, where the records could tell.
+    /// Choice of the inter-sample rule, where the records discriminate.
     pub between: Option<InterSampleChoice>,
 }

@@ -6,8 +6,8 @@ use hysteron_model::model_file::ModesFile;
 use hysteron_optimize::Checkpoint;
 use serde::{Deserialize, Serialize};
 
-/// State of an identification: the searches done and the one under way. Serialise it to interrupt an
-/// identification and go on later to the same final bits.
+/// State of an identification: the searches done and the current one. Serialised, it resumes an interrupted
+/// identification with a bit-identical result.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Searches {
@@ -20,15 +20,15 @@ pub struct Searches {
     pub modes: Option<Box<ModesCheckpoint>>,
 }
 
-/// Where the search for modes stands.
+/// State of the search for modes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModesCheckpoint {
-    /// Of the records and options.
+    /// Fingerprint of the records and options.
     pub problem: String,
-    /// Searches done.
+    /// Number of searches done.
     pub stage: usize,
-    /// Iterations of the one under way.
+    /// Iterations of the current search.
     pub iteration: usize,
     /// Damping of its next step.
     pub damping: f64,

@@ -1,4 +1,4 @@
-//! The model of a search under way.
+//! Intermediate model of a running search.
 
 use hysteron_model::dynamics::Dynamics;
 use hysteron_model::hammerstein::Model;
@@ -8,7 +8,7 @@ use hysteron_model::model_file::{ModelFile, SignalUnits};
 use super::RecordFacts;
 use super::options::Options;
 
-/// A model under way as it would be handed out, without errors and scores.
+/// The intermediate model, without standard errors and scores.
 pub(super) fn shown(
     hysteresis: &BoucWen,
     dynamics: Dynamics,

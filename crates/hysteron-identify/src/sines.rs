@@ -1,8 +1,8 @@
-//! Gain and phase at the sines of a record in segments, measured and of the model, with their errors.
+//! Gain and phase at the sine segments of a record, measured and modelled, with standard errors.
 //!
-//! Both are H = Y/U, components of the output and of the drive at the sine under one window. Y is linear in
-//! the output, so that the derivatives of the model's H are those of its output, put through the same window;
-//! with the covariance of the parameters they give the error of |H| and arg H.
+//! Both are H = Y/U, Fourier components of output and drive at the sine's frequency under one window. Y is
+//! linear in the output, so that the derivatives of the model's H follow from those of its output under the
+//! same window; with the covariance of the parameters they give the errors of |H| and arg H.
 
 use std::ops::Range;
 
@@ -28,7 +28,7 @@ pub struct GainPhase {
 }
 
 impl GainPhase {
-    /// Of a segment by itself; `None` where it is not a sine or wave.
+    /// Measured response of a segment; `None` where it is not a sine or wave.
     fn of_segment(segment: &Segment) -> Option<Self> {
         Some(Self {
             gain: segment.gain?,
@@ -63,9 +63,9 @@ pub struct SineResponse {
     pub samples: Range<usize>,
     /// Frequency \[Hz\].
     pub frequency_hz: f64,
-    /// Measured; its error is the scatter of the output about the sine.
+    /// Measured; its standard error is from the scatter of the output about the sine.
     pub measured: GainPhase,
-    /// Of the model's free run; its error follows from those of the parameters.
+    /// From the model's free run; its standard error follows from the parameter covariance.
     pub model: GainPhase,
 }
 
@@ -80,8 +80,8 @@ pub struct RecordSines {
 }
 
 impl SineResponse {
-    /// Those of a record and of the model's output for it, without the model's errors; none of a record on
-    /// even samples.
+    /// Sines of a record, measured and simulated, without standard errors of the model; empty for a uniformly
+    /// sampled record.
     pub fn of_record(data: &InputOutput, simulated: &[f64]) -> Vec<Self> {
         let one = |segment: Segment| {
             Some(Self {
@@ -95,8 +95,8 @@ impl SineResponse {
     }
 }
 
-/// Gives `sines` the errors of the model. `columns`: derivatives of the output of the record in the
-/// parameters with this covariance.
+/// Sets the standard errors of the model in `sines`. `columns`: derivatives of the record's output with
+/// respect to the parameters with this covariance.
 pub(crate) fn give_errors<'a>(
     sines: impl Iterator<Item = &'a mut SineResponse>,
     data: &InputOutput,

@@ -11,8 +11,7 @@ use hysteron_model::record::InputOutput;
 use hysteron_optimize::{Bounds, LeastSquaresProblem, Problem};
 
 /// Step 1 of the article on one record: RMSE (Eq. 7) of the improved Bouc–Wen block (Eq. 1) over the search
-/// box that [`super::identify`] would use, every parameter searched, none eliminated but an offset that is
-/// not held.
+/// box that [`super::identify`] would use, every parameter searched and only a free offset eliminated.
 ///
 /// The search vector is, in the order of [`Problem::bounds`], the coefficients of u, u², …, then α, β, γ (and
 /// n where it is free).
@@ -22,11 +21,10 @@ pub struct StaticFit {
 }
 
 impl StaticFit {
-    /// The problem of `record` under `options` (degree, n, demands); the device rested as `start` says.
+    /// The problem of `record` under `options` (degree, n, demands), from the initial state `start`.
     ///
     /// # Errors
-    /// [`IdentifyError`]: a degree that is not given, demands that cannot be met, a start that does not suit
-    /// the record.
+    /// [`IdentifyError`]: a missing degree, demands that cannot be met, an unsuitable start.
     pub fn new(record: &InputOutput, start: &Start, options: &Options) -> Result<Self, IdentifyError> {
         options.validate()?;
         let Choice::Given(degree) = options.degree else {

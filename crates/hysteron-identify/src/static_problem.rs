@@ -33,9 +33,9 @@ pub(super) struct StaticRecord {
     pub(super) sample_rate_hz: Option<f64>,
     /// Scheme that the lag is simulated by: the model's.
     pub(super) scheme: Scheme,
-    /// Allows for a slow creep ln(1 + t/1 s) beside the offset.
+    /// Allows for a slow creep ln(1 + t/1 s) in addition to the offset.
     pub(super) creep: bool,
-    /// Offset held at this value, without creep; `output` is counted from it.
+    /// Offset held at this value, without creep; it is subtracted from `output`.
     pub(super) held_offset: Option<f64>,
 }
 
@@ -90,11 +90,11 @@ pub(super) struct StaticProblem {
     identity: String,
     /// Orthonormal nuisance columns (offset, creep) of each record over its scored samples.
     nuisance: Vec<Projection>,
-    /// Scored outputs of all records without nuisance.
+    /// Scored outputs of all records with the nuisance projected out.
     target: Vec<f64>,
     /// u, u², … of each record.
     powers: Vec<Vec<Vec<f64>>>,
-    /// Finished columns of u, u², … where no candidate changes them: delay and lag are held.
+    /// Columns of u, u², … computed once where delay and lag are held.
     held_columns: Vec<Vec<f64>>,
 }
 
@@ -166,7 +166,7 @@ impl StaticProblem {
             .collect();
     }
 
-    /// The column of u^(index + 1) after delay and lag, without nuisance.
+    /// The column of u^(index + 1) after delay and lag, nuisance projected out.
     fn power_column(&self, index: usize, delay_s: f64, lag_s: f64, signal: &mut [f64], column: &mut [f64]) {
         let mut at = 0;
         for ((record, nuisance), powers) in self.records.iter().zip(&self.nuisance).zip(&self.powers) {
@@ -245,7 +245,7 @@ impl StaticProblem {
         if !self.eliminate(x, &mut ws) {
             return None;
         }
-        // Coefficients of the projected columns, against the target with the known columns taken off.
+        // Coefficients of the projected columns, fitted to the target less the fixed columns.
         let mut known = self.workspace();
         let mut measured = self.target.clone();
         let mut roles = Vec::new();
@@ -280,8 +280,8 @@ impl StaticProblem {
         Some(solution)
     }
 
-    /// Derivatives of the residuals at `x` along a lag of everything \[µm/s\], a column: the velocity of the
-    /// model's output, by the chord over both neighbouring samples. `None` for records without a rate.
+    /// Derivatives of the residuals at `x` with respect to a lag of the whole output \[µm/s\]: the velocity
+    /// of the model's output by central differences. `None` for records without a rate.
     pub(super) fn along_a_lag(&self, x: &[f64]) -> Option<Vec<f64>> {
         let solution = self.solve(x)?;
         let mut columns = Vec::with_capacity(self.target.len());
@@ -315,8 +315,8 @@ pub(super) fn simulate(record: &StaticRecord, solution: &StaticSolution) -> Opti
     Some(v.split_off(record.prologue))
 }
 
-/// Delays and lags `signal`, which rested at `rest`, and writes its scored samples without nuisance to the
-/// front of `column`; returns how many they are.
+/// Delays and lags `signal`, at rest at `rest` before, and writes its scored samples, nuisance projected out,
+/// to the front of `column`; returns their number.
 fn finish(
     record: &StaticRecord,
     nuisance: &Projection,
@@ -453,7 +453,7 @@ mod tests {
         let term = |coefficient, order| Term { coefficient, order };
         let g = TransferFunction::new(vec![term(1.0, 0.0)], vec![term(1.0, 0.0), term(0.0143, 1.0)]).unwrap();
         for scheme in Scheme::ALL {
-            // A start with a jump, but for the scheme that only knows smooth drives.
+            // A start with a jump, except for the scheme that requires smooth drives.
             let smooth = scheme == Scheme::BandLimited;
             let wave = |t: f64| if smooth { 1.0 - t.cos() } else { 1.0 + t.sin() };
             let x: Vec<f64> = (0..400).map(|k| wave(0.031 * f64::from(k))).collect();

@@ -1,4 +1,4 @@
-//! Step 1 in practice: which start, which degree, whether delay and lag can be told, then the search.
+//! Step 1 in practice: choice of start and degree, test for delay and lag, then the search.
 
 use super::engine::{Engine, Search};
 use super::layout::{BoxBuilder, Demands, Role};
@@ -19,7 +19,7 @@ pub(super) const HIGHEST_AUTOMATIC_DEGREE: usize = 5;
 /// Evidence asked for one more degree: a fall of BIC by 10 ("very strong", Kass & Raftery 1995,
 /// doi:10.1080/01621459.1995.10476572).
 pub(super) const BIC_FALL: f64 = 10.0;
-/// A first move of more than this share of the drive's range is a start from rest that shows dynamics.
+/// An initial step above this share of the drive's range is a start from rest that excites the dynamics.
 const JUMP: f64 = 0.02;
 /// Longest delay and lag searched, as a share of the period (or of the record).
 const LONGEST_SHIFT: f64 = 0.1;
@@ -35,7 +35,7 @@ pub(super) struct StaticStep {
     pub(super) solution: StaticSolution,
     /// Start of each record.
     pub(super) starts: Vec<Start>,
-    /// Whether delay and lag were searched in this step.
+    /// Delay and lag were searched in this step.
     pub(super) shift_searched: bool,
     /// Degrees tried: degree, RMSE \[µm\], BIC.
     pub(super) degrees: Vec<(usize, f64, f64)>,
@@ -105,9 +105,8 @@ pub(super) fn identify_static(
     Ok(StaticStep { problem, layout, search, solution, starts, shift_searched, degrees, left_out })
 }
 
-/// Samples at the start of a record that say nothing about the static block: a rest before the drive moves
-/// (what the device remembers of earlier drive is unknown there), and a jump that only a model with lag can
-/// follow.
+/// Samples at the start of a record without information on the static block: a rest before the drive moves
+/// (with unknown hysteresis memory), and a jump that only a model with lag can follow.
 fn left_out(facts: &RecordFacts, start: &Start, shift: Shift) -> usize {
     let rest = facts.samples_at_rest();
     let jumps = if rest > 0 { facts.jumps_after_rest(JUMP) } else { jump_share(facts, start) > JUMP };
@@ -199,7 +198,7 @@ pub(super) fn choose_start(
         let name = format!("start of {}, {index}", facts.data.name);
         match engine.quick_fit(&name, &problem, guesses) {
             Ok(search) if search.outcome.cost < best.0 => best = (search.outcome.cost, start),
-            // A start that cannot be simulated is simply not the one.
+            // A start that cannot be simulated is discarded.
             Ok(_) | Err(OptimizeError::NoFeasiblePoint { .. }) => {}
             Err(other) => return Err(other.into()),
         }
@@ -207,8 +206,8 @@ pub(super) fn choose_start(
     Ok(best.1)
 }
 
-/// Every how many samples tell a start from another as well as all do: some thousand samples, a hundred a
-/// swing, a whole number of them a period.
+/// Thinning factor for comparing starts: at least 4000 samples in the record and 100 in a swing, and a
+/// divisor of the period.
 fn thinning(facts: &RecordFacts) -> usize {
     let most = (facts.data.u.len() / 4000).min(facts.shortest_swing / 100).max(1);
     let period = facts.period_samples().unwrap_or(0);
@@ -249,7 +248,7 @@ impl Setup<'_> {
         let linear = |name: &str, low: f64, high: f64| Range::linear(name, low, high);
         // The loop's half width is about α/β: with β over 20 / range the loop is a pure offset switch.
         let steepest = 20.0 / range_v;
-        // Shape parameters demanded in the article's symbols need α at hand.
+        // Shape parameters demanded in the article's symbols need a known α.
         let demanded = ["beta", "gamma"].iter().any(|n| demands.names().any(|d| d == *n));
         let mut polynomial = Vec::with_capacity(degree);
         for power in 1..=degree {
@@ -342,7 +341,7 @@ impl Setup<'_> {
     }
 }
 
-/// Degree by BIC over the information that the record really holds: repeats of one loop are not new data.
+/// Degree by BIC over the independent samples: repeats of one loop are not new data.
 fn choose_degree(
     setup: &Setup<'_>,
     records: &[&RecordFacts],
@@ -372,7 +371,7 @@ fn choose_degree(
         .zip(setup.records)
         .map(|(facts, record)| facts.period_samples().unwrap_or(usize::MAX).min(record.scored.len()))
         .sum();
-    // `time` is that of the richest fit, whose residual is the least structured.
+    // `time` is the correlation time of the richest fit, whose residual is the least structured.
     let information = (samples as f64 / time).min(distinct as f64).max(2.0);
     let bic = |cost: f64, parameters: usize| {
         information * (cost * cost).max(f64::MIN_POSITIVE).ln() + parameters as f64 * information.ln()
@@ -392,7 +391,7 @@ fn choose_degree(
     Ok(chosen.map_or(demanded, |(degree, ..)| degree))
 }
 
-/// FNV-1a over the bits of the records: tells a checkpoint of other data.
+/// FNV-1a over the bits of the records: detects a checkpoint of other data.
 fn fingerprint(records: &[StaticRecord]) -> u64 {
     let values = records.iter().flat_map(|r| {
         r.input.iter().chain(&r.output).map(|x| x.to_bits()).chain(r.scored.iter().map(|&k| k as u64))

@@ -7,7 +7,7 @@ use super::result::Identification;
 use hysteron_model::Start;
 use hysteron_numeric::display::short;
 
-/// One sentence a record: role, samples, start, offset, and what was left out of it.
+/// One sentence per record: role, samples, start, offset, and omitted samples.
 pub(super) fn treatment(facts: &[RecordFacts], options: &Options, result: &Identification) -> Vec<String> {
     let mut list = Vec::new();
     if let Some(reduction) = result.reduction {
@@ -51,8 +51,8 @@ pub(super) fn treatment(facts: &[RecordFacts], options: &Options, result: &Ident
         {
             list.push(format!(
                 "{name}: the first of several cycles ({cycle} samples) has {UNKNOWN_PAST} of the weight of \
-                 the others in the fit, because what the device did before it is not known; the scores count \
-                 it as any other."
+                 the others in the fit, because the history before it is unknown; the scores count it as any \
+                 other."
             ));
         }
         if fit.data.valid != facts.data.valid {

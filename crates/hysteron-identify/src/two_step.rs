@@ -44,7 +44,7 @@ pub(super) fn identify(
     for facts in &dynamic {
         dynamic_starts.push(static_step::choose_start(facts, options, &mut engine)?);
     }
-    // Without a second step nothing needs one sample rate.
+    // Only the second step needs one sample rate for all records.
     let outputs = if follow {
         dynamic_step::hysteresis_outputs(&step1.solution.hysteresis, &dynamic, &dynamic_starts)?
     } else {
@@ -178,7 +178,7 @@ impl Step2 {
     }
 }
 
-/// Every demand must be one that this fit can meet: none is passed over in silence.
+/// Rejects demands that this fit cannot meet.
 fn check_demands(options: &Options, dynamics: bool) -> Result<(), IdentifyError> {
     let highest = match options.degree {
         Choice::Given(degree) => degree,
@@ -253,8 +253,8 @@ fn assemble(
     }
 }
 
-/// The offset that suits the whole first record: the fit's own is that of its start where it allowed for
-/// creep.
+/// Sets the offset to the best one for the whole first record: where creep was fitted, the fit's offset is
+/// that at the start.
 fn settle_offset(model: &mut Model, step1: &StaticStep, first: &RecordFacts) -> Result<(), IdentifyError> {
     let simulated = model.simulate_at_own_rate(&first.data.u, &first.data.time, &step1.starts[0])?;
     let fitted = first.data.without_first(step1.left_out[0]);
@@ -297,8 +297,8 @@ fn parameters(
     options: &Options,
 ) -> Result<EstimatedParameters, IdentifyError> {
     let (problem, x) = static_step::in_article_symbols(step1, static_records, options)?;
-    // Slow drive does not tell a lag from the width of the loop: it is left out of the model, but not of the
-    // errors.
+    // Under slow drive a lag cannot be distinguished from loop width: the model omits it, but the standard
+    // errors allow for it.
     let no_lag = matches!(step2, Step2::None) && !step1.shift_searched && options.delay_s == Choice::Auto;
     let left_out = if no_lag { problem.along_a_lag(&x) } else { None };
     let covariance1 = covariance(&problem, &x, left_out.as_deref());
@@ -377,7 +377,7 @@ fn parameters(
         parameter.held = !searched.contains(&parameter.name);
     }
     let of_numbers = covariance1.filter(|_| matches!(step2, Step2::None)).map(|matrix| Covariance {
-        // The lag is 1 + T s in the model.
+        // The model file holds the lag as the denominator 1 + T s.
         names: names
             .iter()
             .map(|&n| if n == "lag" { "denominator[1].coefficient" } else { n }.into())

@@ -12,9 +12,9 @@ use nalgebra::{DMatrix, DVector};
 /// Central difference step, as a share of the parameter's search range.
 const STEP: f64 = 1e-6;
 
-/// Covariance of the search vector at `x`; `None` where the data do not determine every parameter. With
-/// `left_out`, the derivatives of the residuals along something that the model does without: how far its best
-/// value would move the parameters, and that value's own error, count as an error of theirs.
+/// Covariance of the search vector at `x`; `None` where the data do not determine every parameter.
+/// `left_out`: derivatives of the residuals with respect to a parameter that the model omits; the bias from
+/// omitting it and the variance of its estimate are added.
 pub(super) fn covariance<P: LeastSquaresProblem>(
     problem: &P,
     x: &[f64],
@@ -126,14 +126,14 @@ pub(super) fn initial_positive_sum(products: &[f64]) -> f64 {
     1.0 + lags.map(|product| 2.0 * product / power).take_while(|&share| share > 0.0).sum::<f64>()
 }
 
-/// Σ_i e_i e_{i+k} for k = 0 … N − 1 first of all, by the power spectrum of the series
-/// followed by as many zeros.
+/// Σ_i e_i e_{i+k} for k = 0 … N − 1 (and more values after these), by the power spectrum of the zero-padded
+/// series.
 pub(super) fn autocorrelation(e: &[f64]) -> Vec<f64> {
     let fft = RealFft::new(fast_length(2 * e.len()));
     let mut time = fft.forward.make_input_vec();
     let mut spectrum = fft.forward.make_output_vec();
     time[..e.len()].copy_from_slice(e);
-    // All lengths come from the plan, so the transforms cannot refuse them.
+    // All lengths come from the plan, so the transforms cannot fail.
     fft.transform(&mut time, &mut spectrum);
     let scale = 1.0 / fft.len() as f64;
     spectrum.iter_mut().for_each(|bin| *bin = (bin.norm_sqr() * scale).into());
@@ -251,9 +251,9 @@ mod tests {
         assert!(covariance(&line, &[1.0, 0.0], None).is_none());
     }
 
-    /// y = 2 + 3 t + ½ t² met by a line: the variance of its slope grows by the square of what the parabola
-    /// moves it by, with the variance of the parabola's own coefficient, both by textbook formulas for t = −5
-    /// … 5, where t² is orthogonal to t.
+    /// y = 2 + 3 t + ½ t² fitted by a line: the variance of its slope grows by the squared bias from the
+    /// omitted t² and the variance of that coefficient, both by textbook formulas for t = −5 … 5, where t² is
+    /// orthogonal to t.
     #[test]
     fn what_is_left_out_counts_as_far_as_it_moves_the_parameters() {
         let t: Vec<f64> = (-5..=5).map(f64::from).collect();

@@ -1,4 +1,4 @@
-//! Progress of everything that takes time, and the right to stop it.
+//! Progress reports of long computations, and their cancellation.
 
 use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
@@ -13,8 +13,7 @@ use crate::searches::Searches;
 pub struct Event<'a> {
     /// Current stage.
     pub stage: &'a str,
-    /// Share of the whole work that is done, 0 to 1, by the time that its stages usually take; it never
-    /// falls.
+    /// Share of the whole work done, 0 to 1, by the usual duration of its stages; it never decreases.
     pub fraction: f64,
     /// Best cost so far: RMSE in the unit of the output, in a joint fit weighted.
     pub cost: Option<f64>,
@@ -29,7 +28,7 @@ pub(crate) struct State<'a> {
 }
 
 impl<'a> Event<'a> {
-    /// Of work that has no model on its way.
+    /// Event of work without intermediate models.
     pub fn new(stage: &'a str, fraction: f64, cost: Option<f64>) -> Self {
         Self { stage, fraction, cost: cost.filter(|cost| cost.is_finite()), state: State::default() }
     }
@@ -43,13 +42,12 @@ impl<'a> Event<'a> {
         self.state.model.and_then(|model| model())
     }
 
-    /// Everything needed to go on from here, worth saving now and then; `None` where the work cannot be
-    /// resumed.
+    /// State to resume from, to be saved from time to time; `None` where the work cannot be resumed.
     pub fn searches(&self) -> Option<Searches> {
         self.state.searches.map(|searches| searches())
     }
 
-    /// Time left after `elapsed` of the work; `None` at its beginning.
+    /// Estimated time left after `elapsed`; `None` at the beginning.
     pub fn time_left(&self, elapsed: Duration) -> Option<Duration> {
         (self.fraction > 0.0)
             .then(|| elapsed.as_secs_f64() * (1.0 - self.fraction) / self.fraction)
@@ -59,8 +57,8 @@ impl<'a> Event<'a> {
 
 type Told<'a> = dyn FnMut(&Event<'_>) -> ControlFlow<()> + Send + 'a;
 
-/// Who is told about work, and who may stop it: the one told, by [`ControlFlow::Break`], or anyone who holds
-/// the [`Stop`]. The best so far is kept.
+/// Listener and stop signal of a computation. The listener, by [`ControlFlow::Break`], or any holder of the
+/// [`Stop`] can stop it; the best result so far is kept.
 pub struct Watch<'a> {
     told: Option<Mutex<Box<Told<'a>>>>,
     stop: Stop,
@@ -79,7 +77,7 @@ impl<'a> Watch<'a> {
         Self { told: None, stop: Stop::new(), furthest: Mutex::new(0.0) }
     }
 
-    /// `told` is told, from one thread at a time.
+    /// Reports events to `told`, from one thread at a time.
     pub fn new(told: impl FnMut(&Event<'_>) -> ControlFlow<()> + Send + 'a) -> Self {
         Self { told: Some(Mutex::new(Box::new(told))), ..Self::silent() }
     }
@@ -95,12 +93,12 @@ impl<'a> Watch<'a> {
         &self.stop
     }
 
-    /// Whether the work is asked to stop.
+    /// True if a stop is requested.
     pub fn is_stopped(&self) -> bool {
         self.stop.is_requested()
     }
 
-    /// Tells that something was done. Threads tell in any order; the fraction told never falls.
+    /// Reports progress. Threads report in any order; the reported fraction never decreases.
     pub fn tell(&self, event: Event<'_>) -> ControlFlow<()> {
         if let Some(told) = &self.told {
             let fraction = {
@@ -123,7 +121,7 @@ pub(crate) struct Plan(pub &'static [(&'static str, f64)]);
 
 impl Plan {
     /// Share of the whole work done when the share `within` of a stage is; `None` for a stage that is not in
-    /// the plan. A stage is found by the beginning of its name.
+    /// the plan. A stage is matched by the beginning of its name.
     pub(crate) fn fraction(&self, stage: &str, within: f64) -> Option<f64> {
         let whole: f64 = self.0.iter().map(|(_, share)| share).sum();
         let begins = |(name, _): &&(&str, f64)| stage.starts_with(name);

@@ -12,7 +12,8 @@ use hysteron_model::model_file::{
 use crate::{Choice, DynamicsChoice, Identification, Method, Options, RecordFit, RecordRole};
 
 impl Identification {
-    /// The model as data: numbers with standard errors, range, how it was made with these `options`, scores.
+    /// Model file: parameters with standard errors, range of validity, provenance with these `options`,
+    /// scores.
     pub fn model_file(&self, options: &Options, maker: &Maker) -> ModelFile {
         model_file(self, options, maker)
     }
@@ -47,7 +48,7 @@ fn model_file(found: &Identification, options: &Options, maker: &Maker) -> Model
     file
 }
 
-/// Standard errors of two steps, which know nothing of each other: there is no correlation between them.
+/// Writes the standard errors of the two steps, which give no correlation between them.
 fn give_errors(file: &mut ModelFile, found: &Identification) {
     for parameter in &found.parameters {
         let name = match parameter.name.as_str() {
@@ -77,8 +78,7 @@ fn coefficient(name: &str) -> Option<String> {
     Some(format!("{list}[{place}].coefficient"))
 }
 
-/// State of the device before the first record; a rest at that record's own first sample holds for each
-/// record separately.
+/// State of the device before the first record; a rest at its first sample applies to each record separately.
 fn start(record: &RecordFit) -> Start {
     match record.start {
         Start::Rest { voltage_v } | Start::Remembering { voltage_v, .. }

@@ -1,4 +1,4 @@
-//! Zip archives: which format one is of is told by what it holds.
+//! Zip archives, whose contents determine the format.
 
 use std::io::Cursor;
 

@@ -95,7 +95,7 @@ pub(crate) fn assemble(mut columns: Columns, options: &ReadOptions) -> Result<As
     Ok(Assembled { record, chosen, file_samples, notes })
 }
 
-/// Keeps the samples at which columns of texts hold the texts asked for.
+/// Keeps the samples at which text columns hold the requested texts.
 fn retain_texts(
     record: &str,
     columns: &mut Columns,
@@ -126,8 +126,7 @@ fn retain_texts(
     Ok(())
 }
 
-/// All columns that are read have one length, of at least two samples. Time, else the first of them, says
-/// which.
+/// Checks that all columns read have one length, that of time or else of the first, of at least two samples.
 fn check_lengths(columns: &Columns, roles: &[Role]) -> Result<usize, IoError> {
     let file = &columns.headings.file;
     let read = || (0..roles.len()).filter(|&i| roles[i] != Role::Skipped);

@@ -16,13 +16,13 @@ pub struct NamedFile {
 }
 
 impl NamedFile {
-    /// With this content.
+    /// A file with this content.
     pub fn new(name: impl Into<String>, bytes: impl Into<Vec<u8>>) -> Self {
         Self { name: name.into(), bytes: bytes.into() }
     }
 }
 
-/// A folder for what is done with and removed when dropped.
+/// A temporary folder, removed when dropped.
 ///
 /// # Errors
 /// Where the operating system refuses.
@@ -99,7 +99,7 @@ fn check(path: &Path, mark: &[u8]) -> Result<(), IoError> {
     let refused = |kind: ErrorKind| failed("writing", path)(kind.into());
     match std::fs::metadata(path) {
         Ok(found) if found.is_dir() => Err(refused(ErrorKind::IsADirectory)),
-        // A device or a pipe: it was not written so, and reading it might wait for ever.
+        // A device or a pipe bears no mark, and reading it might block.
         Ok(found) if !found.is_file() => Err(IoError::Foreign { path: path.to_owned() }),
         Ok(_) => {
             let old = std::fs::read(path).map_err(failed("reading", path))?;
@@ -132,7 +132,7 @@ fn put(from: &Path, path: &Path) -> io::Result<()> {
     std::fs::rename(from, path)
 }
 
-/// Undoes [`replace`] as well as can be.
+/// Undoes [`replace`] as far as possible.
 fn put_back(folder: &Path, old: &Path, name: &str) {
     let (path, kept) = (folder.join(name), old.join(name));
     if kept.exists() {

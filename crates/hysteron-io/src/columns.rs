@@ -1,4 +1,4 @@
-//! Named columns of numbers: what every reader gives.
+//! Named columns of numbers, the result of every reader.
 
 use hysteron_model::record::{Quantity, Unit, header_of, split_header};
 
@@ -9,14 +9,14 @@ use crate::place::{FilePart, Place};
 /// Characters between the components of a path.
 pub(crate) const SEPARATORS: [char; 3] = ['.', '/', '!'];
 
-/// Header of one column, taken apart.
+/// Parsed header of one column.
 #[derive(Clone, Debug)]
 pub(crate) struct Heading {
     /// As written in the file; of an array, its whole path.
     pub header: String,
     pub name: String,
     pub unit: Unit,
-    /// In a file of named arrays, the one that the column is or stands in.
+    /// In a file of named arrays, the array of the column.
     pub array: Option<ArrayHeading>,
 }
 
@@ -29,7 +29,7 @@ pub(crate) struct ArrayHeading {
     /// Number of samples; `None` where it is no column, by its shape.
     pub length: Option<usize>,
     pub kind: Kind,
-    /// Whether it is an array above by another path.
+    /// Whether it is an alias, another path of an array above.
     pub is_alias: bool,
     /// Whether the file gives a sample rate for it.
     pub has_rate: bool,
@@ -39,7 +39,7 @@ pub(crate) struct ArrayHeading {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Numbers,
-    /// Something that is not read as numbers: its name.
+    /// A type that is not read as numbers: its name.
     Other(String),
 }
 
@@ -56,10 +56,10 @@ pub(crate) struct Headings {
 #[derive(Debug)]
 pub(crate) struct Columns {
     pub headings: Headings,
-    /// One list of numbers a heading; empty for those not read. Of a column of texts, which of its
+    /// One list of numbers a heading; empty for those not read. For a text column, indices into its
     /// [`Self::texts`].
     pub values: Vec<Vec<f64>>,
-    /// One list a heading: the different texts of a column of texts, in the order in which they first stand.
+    /// One list a heading: the distinct texts of a text column, in the order of first occurrence.
     pub texts: Vec<Vec<String>>,
     /// Lines that the samples stand in; none for a binary file.
     pub lines: SampleLines,
@@ -84,7 +84,7 @@ pub(crate) struct Rate {
 pub(crate) enum ColumnForm {
     Nothing,
     Numbers,
-    /// Texts, as numbers of different ones.
+    /// Texts, as indices of the distinct ones.
     Texts,
 }
 
@@ -93,7 +93,7 @@ pub(crate) enum ColumnForm {
 pub(crate) struct SampleLines(Vec<(usize, u64)>);
 
 impl Headings {
-    /// Takes headers apart into names and units, and checks them.
+    /// Splits headers into names and units, and checks them.
     pub fn new(file: &str, line: Option<u64>, headers: Vec<String>) -> Result<Self, IoError> {
         let mut headings = Headings { file: file.to_owned(), line, columns: Vec::new() };
         if headers.len() > MAX_COLUMNS {
@@ -153,7 +153,7 @@ impl Heading {
             && ["t", "time", "timestamp"].contains(&self.name.to_lowercase().as_str())
     }
 
-    /// Whether it is a column above by another path.
+    /// Whether it is an alias, another path of a column above.
     pub fn is_alias(&self) -> bool {
         self.array.as_ref().is_some_and(|array| array.is_alias)
     }

@@ -1,5 +1,4 @@
-//! Files of named arrays: what they hold, and how it becomes columns. The rules are the same for every such
-//! format.
+//! Files of named arrays: contents, and conversion to columns by the same rules for every format.
 
 use std::ops::Range;
 
@@ -14,11 +13,11 @@ use crate::reader::Input;
 
 /// Most arrays of a file that are looked at.
 pub(crate) const MAX_ARRAYS: usize = 1 << 16;
-/// Longest path of an array in a format that puts one together.
+/// Longest path of an array in a format that composes it.
 pub(crate) const MOST_PATH_BYTES: usize = 1024;
 /// Most columns of a matrix; a larger one is an image or a table of something else.
 const MAX_MATRIX_COLUMNS: usize = 16;
-/// Relative difference of two sample rates that mean the same: a period written with few digits.
+/// Relative tolerance for equal sample rates, as of a period written with few digits.
 const RATE_TOLERANCE: f64 = 1e-6;
 
 /// One array of a file.
@@ -38,7 +37,7 @@ pub(crate) struct HeldArray {
     pub sample_rate_hz: Option<f64>,
     /// Time of its first sample \[s\], beside a rate.
     pub start_s: f64,
-    /// Whether it is an array above by another path.
+    /// Whether it is an alias, another path of an array above.
     pub is_alias: bool,
 }
 
@@ -61,7 +60,7 @@ enum Slice {
 impl HeldArray {
     /// An array without anything but name and shape; `group` with the separator behind it.
     pub fn new(group: &str, name: &str, shape: Vec<usize>, kind: Kind) -> Self {
-        // Paths stand in messages.
+        // Paths are shown in messages.
         let path = format!("{group}{name}").replace(char::is_control, "\u{FFFD}");
         let group_bytes = group.replace(char::is_control, "\u{FFFD}").len();
         HeldArray {
@@ -77,7 +76,7 @@ impl HeldArray {
         }
     }
 
-    /// Number of values; `None` where a computer cannot count them.
+    /// Number of values; `None` on overflow.
     pub fn values(&self) -> Option<usize> {
         self.shape.iter().try_fold(1usize, |product, &n| product.checked_mul(n))
     }
@@ -151,7 +150,7 @@ impl HeldArray {
         }
     }
 
-    /// The array as no column: listed, but refused where it is chosen.
+    /// The array as an unusable column: listed, but refused where it is chosen.
     fn apart(&self, index: usize) -> Column {
         let (name, unit) = self.name_and_unit();
         let array = ArrayHeading {
@@ -181,7 +180,7 @@ impl HeldArray {
     }
 }
 
-/// Shape of MATLAB's texts: without the letters, in which they are one text or a column of them.
+/// Shape of an array of MATLAB texts, without the dimension of their characters; empty for a single one.
 pub(crate) fn shape_of_texts(letters: &[usize]) -> Vec<usize> {
     let texts = letters.split_last().map(|(_, texts)| texts).unwrap_or_default();
     if texts.iter().all(|&n| n == 1) { Vec::new() } else { texts.to_vec() }
@@ -272,7 +271,7 @@ pub(crate) fn columns(
     Ok(Columns { headings, values: numbers, texts, lines: SampleLines::default(), rate, sha256 })
 }
 
-/// The columns and behind them whatever else the file holds.
+/// The columns, followed by everything else in the file.
 fn headings(file: &str, held: &[HeldArray]) -> (Vec<Column>, Headings) {
     let has_lists = held.iter().any(|array| array.kind == Kind::Numbers && array.values() != Some(1));
     let (mut columns, mut apart) = (Vec::new(), Vec::new());
@@ -288,7 +287,7 @@ fn headings(file: &str, held: &[HeldArray]) -> (Vec<Column>, Headings) {
     (columns, Headings { file: file.to_owned(), line: None, columns: headings })
 }
 
-/// Refuses what is no column of numbers.
+/// Rejects anything but a column of numbers.
 fn check(array: &HeldArray, column: &Column, place: Place) -> Result<(), IoError> {
     if let Kind::Other(found) = &array.kind {
         return Err(IoError::ArrayType { place, found: found.clone() });
@@ -306,7 +305,7 @@ impl HeldArray {
     }
 }
 
-/// The rate that stands nearest to the columns; those equally near must agree, unless the user gives one.
+/// The rate nearest to the columns by path; those equally near must agree, unless the user gives one.
 fn nearest(rates: Vec<(usize, Rate)>, file: &str, is_given: bool) -> Result<Option<Rate>, IoError> {
     let Some(near) = rates.iter().map(|(near, _)| *near).max() else { return Ok(None) };
     let mut rates = rates.into_iter().filter(|(own, _)| *own == near).map(|(_, rate)| rate);

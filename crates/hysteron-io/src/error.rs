@@ -26,7 +26,7 @@ pub enum IoError {
     /// The file cannot be read to its end.
     #[error("{place}: cannot be read: {source}")]
     Read {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// Error of the operating system.
         source: std::io::Error,
@@ -55,7 +55,7 @@ pub enum IoError {
         place.in_brackets("")
     )]
     HeaderOnly {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
     },
     /// Numbers in the first line.
@@ -64,7 +64,7 @@ pub enum IoError {
          `{suggestion}`, with the units that hold"
     )]
     NoHeader {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// Fields in it.
         columns: usize,
@@ -78,7 +78,7 @@ pub enum IoError {
         place.in_brackets("")
     )]
     OneSample {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
     },
     /// Columns of different lengths.
@@ -87,11 +87,11 @@ pub enum IoError {
          other columns"
     )]
     LengthMismatch {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// Its number of samples.
         found: usize,
-        /// Number of samples of the column it is held against.
+        /// Number of samples of the column it is compared with.
         expected: usize,
         /// Header of that column.
         reference: String,
@@ -99,7 +99,7 @@ pub enum IoError {
     /// A binary file that does not hold what its format says.
     #[error("{place}: no sound {format} file: {problem}; write it again, or save the record as CSV")]
     Malformed {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// The format.
         format: &'static str,
@@ -112,7 +112,7 @@ pub enum IoError {
          (`.astype(float)`), or choose other columns"
     )]
     ArrayType {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// The type, as the file names it.
         found: String,
@@ -123,7 +123,7 @@ pub enum IoError {
          its own, or choose other columns"
     )]
     ArrayShape {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// The shape.
         found: String,
@@ -139,10 +139,10 @@ pub enum IoError {
         /// The shape.
         found: String,
     },
-    /// A sample rate in the file that cannot be one.
+    /// An invalid sample rate in the file.
     #[error("{place}: no sample rate follows from {value}, expected a finite number above 0; correct it")]
     BadRate {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// The number found.
         value: f64,
@@ -150,7 +150,7 @@ pub enum IoError {
     /// Sample rates in the file that differ.
     #[error("{place}: {hz} Hz, but {other_hz} Hz by `{other}`; give the sample rate that holds")]
     ChooseRate {
-        /// Where one of them stands.
+        /// Place of one of them.
         place: Place,
         /// That rate \[Hz\].
         hz: f64,
@@ -162,7 +162,7 @@ pub enum IoError {
     /// A sample rate in the file that its time column contradicts.
     #[error("{place}: {source}")]
     RateContradictsTime {
-        /// Where the rate stands.
+        /// Place of the rate.
         place: Place,
         /// Both rates.
         source: Box<RecordError>,
@@ -175,7 +175,7 @@ pub enum IoError {
         place.in_brackets("stopped in ")
     )]
     TooLarge {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// The limit.
         limit_bytes: u64,
@@ -183,15 +183,15 @@ pub enum IoError {
     /// More numbers than allowed.
     #[error("{place}: more than {limit} numbers to keep; choose the columns needed, or crop the file")]
     TooManyValues {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// The limit.
         limit: usize,
     },
-    /// More columns than a record can mean.
+    /// More columns than a record may have.
     #[error("{place}: {found} columns, more than {limit}; is this a record with one line a sample?")]
     TooManyColumns {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// Columns found.
         found: usize,
@@ -204,7 +204,7 @@ pub enum IoError {
          one with other line ends?"
     )]
     LineTooLong {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// The limit.
         limit: usize,
@@ -212,13 +212,13 @@ pub enum IoError {
     /// Carriage returns within a line.
     #[error("{place}: carriage return within the line; save the file with LF or CRLF line ends")]
     BareCarriageReturn {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
     },
     /// Bytes that are no UTF-8.
     #[error("{place}: byte 0x{byte:02X} is not UTF-8 text; save the file as UTF-8 ({hint})")]
     NotUtf8 {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// First byte that does not fit.
         byte: u8,
@@ -228,19 +228,19 @@ pub enum IoError {
     /// A quote that is not closed in its line.
     #[error("{place}: a quoted field is not closed on its line; remove or close the quote")]
     UnclosedQuote {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
     },
     /// A column without a name.
     #[error("{place}: no column name; give every column one, e.g. `u_V`")]
     UnnamedColumn {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
     },
     /// Two columns of one name.
     #[error("{place}: columns {first} and {second} are both called `{name}`; rename one")]
     DuplicateColumn {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// The name.
         name: String,
@@ -252,7 +252,7 @@ pub enum IoError {
     /// A chosen column that is not there.
     #[error("{place}: no column `{asked}` to be the {role}; the columns are {available}")]
     NoSuchColumn {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// Column asked for.
         asked: String,
@@ -267,7 +267,7 @@ pub enum IoError {
          column's number"
     )]
     AmbiguousColumn {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// Column asked for, or looked for.
         asked: String,
@@ -276,10 +276,10 @@ pub enum IoError {
         /// The columns it could be.
         candidates: String,
     },
-    /// Arrays that make no single record as long as none are chosen.
+    /// Arrays that make no single record unless some are chosen.
     #[error("{place}: {problem}; the file holds {held}")]
     ChooseArrays {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// The problem.
         problem: String,
@@ -289,7 +289,7 @@ pub enum IoError {
     /// A chosen time column that is not in a unit of time.
     #[error("{place}: column `{name}` cannot be the time, it is in {unit}; expected s, ms, us, ns or min")]
     NotTime {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// The column.
         name: String,
@@ -302,9 +302,9 @@ pub enum IoError {
          expected columns such as `t_s,u_V,y_um`"
     )]
     FrequencyResponse {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
-        /// The column that gives it away.
+        /// The column that indicates it.
         column: String,
     },
     /// The file holds no frequency response.
@@ -316,7 +316,7 @@ pub enum IoError {
          of comma, semicolon, tab?"
     )]
     NoChannels {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// The columns found.
         found: String,
@@ -324,7 +324,7 @@ pub enum IoError {
     /// Text where a number should be.
     #[error("{place}: found `{found}`, expected a number{hint}")]
     NotANumber {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// The text found, cut to a readable length.
         found: String,
@@ -337,7 +337,7 @@ pub enum IoError {
          column"
     )]
     MissingValue {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
     },
     /// NaN, an infinity, or a number too large for a double.
@@ -346,7 +346,7 @@ pub enum IoError {
          `valid` column"
     )]
     NotFinite {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// The text found.
         found: String,
@@ -354,11 +354,11 @@ pub enum IoError {
     /// Decimal commas in a comma-separated file.
     #[error(
         "{place}: {found} fields where the header has {expected}: decimal commas in a comma-separated file \
-         cannot be told from delimiters; export it with semicolons or tabs between the columns, or with \
-         decimal points"
+         cannot be distinguished from delimiters; export it with semicolons or tabs between the columns, or \
+         with decimal points"
     )]
     DecimalCommas {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// Fields found.
         found: usize,
@@ -371,7 +371,7 @@ pub enum IoError {
          not read, write all numbers in one way"
     )]
     MixedDecimalMarks {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// The text found.
         found: String,
@@ -383,7 +383,7 @@ pub enum IoError {
     /// A line with too few or too many fields.
     #[error("{place}: {found} fields where the header (line {header_line}) has {expected}{hint}")]
     Ragged {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// Fields found.
         found: usize,
@@ -400,7 +400,7 @@ pub enum IoError {
          interrupted? Delete that line to use the rest"
     )]
     Truncated {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// Fields found.
         found: usize,
@@ -410,7 +410,7 @@ pub enum IoError {
     /// A mask value that is neither 0 nor 1.
     #[error("{place}: found `{found}`, expected 0 (do not score) or 1")]
     BadMask {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// The text found.
         found: String,
@@ -421,14 +421,14 @@ pub enum IoError {
          the clock was reset"
     )]
     TimeDecreases {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// Time of the line before \[s\].
         before: f64,
         /// Time of this line \[s\].
         after: f64,
     },
-    /// A text asked of a column that holds numbers by its format.
+    /// A text condition on a column that is numeric by its format.
     #[error("{place}: holds numbers, `{text}` is none; ask for a number or a range")]
     TextCondition {
         /// The array.
@@ -441,7 +441,7 @@ pub enum IoError {
         "{place}: `{name}` is in {unit}, and a new name `{to}` converts no number; scale it to another unit"
     )]
     RenamedUnit {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// Header of the column.
         name: String,
@@ -458,7 +458,7 @@ pub enum IoError {
         /// The reason.
         source: Box<RecordError>,
     },
-    /// A file in the folder is not one that was written so before.
+    /// An existing file in the folder lacks the mark of files written before.
     #[error("{} is there already and was not written by an export", path.display())]
     Foreign {
         /// The file.

@@ -1,4 +1,4 @@
-//! Where an error stands, for front ends that show file, line and column apart, and its remedy.
+//! Place of an error (file, line and column, for front ends), and its remedy.
 
 use hysteron_model::Advice;
 use hysteron_model::advice::ColumnRole;
@@ -7,7 +7,7 @@ use crate::IoError;
 use crate::place::{FilePart, Place};
 
 impl IoError {
-    /// Where in which file, but for model files and for what is written.
+    /// Place in the file; `None` for model files and files written.
     pub fn place(&self) -> Option<Place> {
         match self {
             Self::Read { place, .. }

@@ -13,12 +13,11 @@ use crate::columns::{ColumnForm, Columns, Heading, Headings, SEPARATORS};
 use crate::read::{open, read_columns};
 use crate::{IoError, ReadOptions, ResponseFileError};
 
-/// Which of a file's responses is wanted.
+/// Choice among a file's responses.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ResponseOptions {
-    /// Name of the response, what its columns have before `_re`, `_im` and the like; needed where there are
-    /// several.
+    /// Name of the response, the prefix of its columns before `_re`, `_im` and the like; needed for several.
     pub response: Option<String>,
     /// Name of a response that it is divided by, e.g. an amplifier's, measured from the same command.
     pub over: Option<String>,
@@ -71,7 +70,7 @@ fn read(file: &str, source: impl Read, options: &ResponseOptions) -> Result<Freq
     Ok(response)
 }
 
-/// Makes hertz of the frequency column by a factor; all must be positive.
+/// Converts the frequency column to hertz by a factor; all must be positive.
 fn to_hertz(columns: &mut Columns, (column, factor): (usize, f64)) -> Result<(), ResponseFileError> {
     let values = columns.values.get_mut(column).map(Vec::as_mut_slice).unwrap_or_default();
     let below = values.iter().position(|&value| value.is_nan() || value * factor <= 0.0);
@@ -90,7 +89,7 @@ enum ComplexPart {
     Imaginary,
     Magnitude,
     Decibels,
-    /// The factor makes radians of it.
+    /// With its factor to radians.
     Phase(f64),
     Deviation,
 }
@@ -103,9 +102,9 @@ struct Group {
     parts: Vec<(ComplexPart, usize)>,
 }
 
-/// Where frequency and the wanted responses stand.
+/// Columns of frequency and the wanted responses.
 struct Layout {
-    /// Column, and the factor that makes hertz of it.
+    /// Column, and its factor to hertz.
     frequency: (usize, f64),
     response: Group,
     over: Option<Group>,
@@ -253,8 +252,7 @@ impl Group {
     }
 }
 
-/// Of several frequency columns the one in the group of the response, or next around it: the column, and its
-/// factor to hertz.
+/// Frequency column, with its factor to hertz, in the group of the response or the nearest enclosing one.
 fn nearest_frequency(
     columns: &[Heading],
     frequencies: &[(usize, f64)],

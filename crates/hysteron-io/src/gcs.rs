@@ -1,4 +1,4 @@
-//! GCS arrays: what the data recorder of a controller of Physik Instrumente gives, as its programs save it.
+//! GCS arrays: data-recorder files of Physik Instrumente controllers, as saved by PI software.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! Which file it was: SHA-256.
+//! SHA-256 hash that identifies a file.
 
 use sha2::{Digest, Sha256};
 

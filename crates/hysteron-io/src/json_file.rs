@@ -1,5 +1,4 @@
-//! JSON files of what is neither a record nor a model: settings of the bench, searches of an interrupted fit,
-//! results.
+//! JSON files other than records and models: settings of the bench, searches of an interrupted fit, results.
 
 use std::fs::File;
 use std::io::Read;
@@ -23,7 +22,7 @@ pub enum JsonFileError {
         /// Error of the operating system.
         cause: std::io::Error,
     },
-    /// The file is too large to be what it should be.
+    /// The file exceeds the size limit.
     #[error("{}: it has more than {most_bytes} bytes", path.display())]
     TooLarge {
         /// The file.
@@ -31,7 +30,7 @@ pub enum JsonFileError {
         /// Largest size read \[bytes\].
         most_bytes: u64,
     },
-    /// It is not JSON, or not of what was expected.
+    /// It is not JSON, or not of the expected content.
     #[error("{}: {cause}", path.display())]
     Content {
         /// The file.

@@ -1,5 +1,4 @@
-//! Text files with a header block in front of columns of numbers: what LVM files and GCS arrays have in
-//! common.
+//! Text files with a header block above columns of numbers: code shared by LVM and GCS files.
 
 use std::borrow::Cow;
 

@@ -7,7 +7,7 @@
 //!
 //! # Formats
 //! Delimited text (CSV), MAT, HDF5, TDMS, NPY and NPZ, XLSX, LVM, GCS arrays, JPK archives. The format is
-//! told by the first bytes, else by the extension; anything else is text.
+//! detected by the first bytes, else by the extension; anything else is text.
 //!
 //! # Columns, in every format
 //! * A header is a name with its unit behind the last underscore (`u_V`, `u_cmd_V`, `H_A_per_m`) or in
@@ -29,7 +29,7 @@
 //! MAT, HDF5, TDMS, XLSX, NPZ, LVM, GCS and JPK files list what they hold ([`contents`]). The rules for
 //! headers hold for the last component of a path (`rec.u`, `signals(2).values`, `group/channel`, `sheet!B`);
 //! a unit that the file gives counts where the name has none. A column is named by its whole path or by any
-//! end of it that only one has. Vectors are columns, a matrix of at most 16 columns or rows gives one each; a
+//! unambiguous end of it. Vectors are columns, a matrix of at most 16 columns or rows gives one each; a
 //! single number is none, but may give the sample rate. Where several arrays could be the record, the error
 //! lists them with shape and unit.
 //!

@@ -90,7 +90,7 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
 }
 
 impl Channel {
-    /// Whether x is that of the header to half a step: its text is then rounded, the step exact.
+    /// Whether x agrees with start and step of the header to half a step: its text is then a rounding of it.
     fn follows_its_step(&self) -> bool {
         let expected = |k: usize| self.start + k as f64 * self.step;
         self.step > 0.0
@@ -98,7 +98,7 @@ impl Channel {
             && self.x.iter().enumerate().all(|(k, x)| (x - expected(k)).abs() <= 0.5 * self.step)
     }
 
-    /// The x behind the last one.
+    /// The x after the last one.
     fn next_x(&self) -> f64 {
         self.start + self.values.len() as f64 * self.step
     }
@@ -184,7 +184,7 @@ impl Layout {
                 ));
             }
         };
-        // A comma splits its own line, so that nothing of it is left.
+        // A comma as separator splits its own line and is lost.
         let decimal_comma = header.contains_key("Decimal_Separator") && entry("Decimal_Separator") != ".";
         if decimal_comma && separator == ',' {
             let problem = "commas separate both columns and decimals".to_owned();
@@ -288,7 +288,7 @@ impl Segment {
         Ok(())
     }
 
-    /// Whether the segment goes on with the channels of the one in front of it, in time.
+    /// Whether the segment continues the channels of the previous one in time.
     fn continues(&self, before: &Segment) -> bool {
         let goes_on = |(own, before): (&Channel, &Channel)| {
             let gap = match (own.x.first(), before.x.last()) {
@@ -302,7 +302,7 @@ impl Segment {
     }
 }
 
-/// Joins segments that go on with those in front of them.
+/// Joins segments that continue the previous ones.
 fn join(segments: Vec<Segment>) -> Vec<Segment> {
     let mut joined: Vec<Segment> = Vec::new();
     for mut segment in segments {

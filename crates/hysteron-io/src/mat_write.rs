@@ -28,8 +28,8 @@ const MATRIX: u32 = 14;
 /// is complete or not there.
 ///
 /// # Errors
-/// Those of [`write_csv`](crate::write_csv); [`IoError::Malformed`] for a channel whose name is none of
-/// MATLAB, or of more than 4 GiB.
+/// Those of [`write_csv`](crate::write_csv); [`IoError::Malformed`] for a channel whose name MATLAB does not
+/// allow, or of more than 4 GiB.
 pub fn write_mat(path: &Path, record: &Record) -> Result<(), IoError> {
     check(path, record)?;
     let headers = headers(record);

@@ -71,7 +71,7 @@ pub(crate) struct Array {
 pub(crate) enum Type {
     Number(Number),
     Fields(Vec<Field>),
-    /// Something that is not read: text, complex numbers, dates; its name.
+    /// A type that is not read: text, complex numbers, dates; its name.
     Other(String),
 }
 
@@ -185,7 +185,7 @@ impl Array {
         self.shape.iter().product()
     }
 
-    /// Whether the array is one column or one row; its order in memory then says nothing.
+    /// Whether the array is one column or one row; its order in memory then does not matter.
     fn is_vector(&self) -> bool {
         !self.shape.is_empty() && self.shape.iter().filter(|&&n| n != 1).count() <= 1
     }
@@ -196,7 +196,7 @@ impl Array {
         if lengths.len() == 1 { format!("({},)", lengths[0]) } else { format!("({})", lengths.join(", ")) }
     }
 
-    /// The shape; lengths that no memory holds as the largest one.
+    /// The shape; lengths beyond the address space as the largest one.
     pub fn shape(&self) -> Vec<usize> {
         self.shape.iter().map(|&n| usize::try_from(n).unwrap_or(usize::MAX)).collect()
     }
@@ -212,7 +212,7 @@ impl Array {
         let block_elements = (BLOCK_BYTES / self.element_bytes.max(1)).max(1) as u64;
         let mut block = Vec::new();
         let mut left = self.len();
-        // Memory grows with what is there, not with what the header promises.
+        // Memory grows with the data present, not with the length in the header.
         while left > 0 && self.element_bytes > 0 {
             let elements = left.min(block_elements);
             let bytes = elements * self.element_bytes as u64;
@@ -371,14 +371,14 @@ impl Literal {
     }
 }
 
-/// The one literal that the text is.
+/// Parses a text of one literal.
 fn literal(text: &str) -> Option<Literal> {
     let mut rest = text;
     let value = parse(&mut rest, MAX_DEPTH)?;
     rest.trim().is_empty().then_some(value)
 }
 
-/// Takes a literal off the text, nested at most `depth` deep.
+/// Parses a literal at the beginning of the text, nested at most `depth` deep.
 fn parse(rest: &mut &str, depth: usize) -> Option<Literal> {
     let deeper = depth.checked_sub(1)?;
     *rest = rest.trim_start();

@@ -17,7 +17,7 @@ use crate::write::{check, headers};
 /// where there is a mask. The same record makes the same bytes. The file is complete or not there.
 ///
 /// # Errors
-/// Those of [`write_csv`](crate::write_csv); [`IoError::Malformed`] for a record that no archive holds.
+/// Those of [`write_csv`](crate::write_csv); [`IoError::Malformed`] for a record too large for an archive.
 pub fn write_npz(path: &Path, record: &Record) -> Result<(), IoError> {
     check(path, record)?;
     let bytes = archive(record).map_err(|problem| IoError::Malformed {

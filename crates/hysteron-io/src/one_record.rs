@@ -1,4 +1,4 @@
-//! Which of a file's named arrays can stand in one record.
+//! Selection of a file's named arrays for one record.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -10,12 +10,12 @@ use crate::IoError;
 use crate::columns::{Heading, Headings, list_arrays};
 use crate::place::{FilePart, Place};
 
-/// For each column, whether it is outside of the record that the chosen ones make: of another length, of
-/// another group although the record has a column of this name, or not readable. Without a choice, all
-/// columns must make one record. In a text, all do.
+/// For each column, whether it is outside of the record of the chosen ones: of another length, of a name that
+/// the record has from a nearer group, or not readable. Without a choice, all columns must make one record.
+/// In a text, all do.
 ///
 /// # Errors
-/// [`IoError::ChooseArrays`] where nothing is chosen and lengths or names speak against one record.
+/// [`IoError::ChooseArrays`] where nothing is chosen and lengths or names rule out one record.
 pub(crate) fn set_apart(
     headings: &Headings,
     chosen: &[Option<usize>],
@@ -75,15 +75,15 @@ pub(crate) fn set_apart(
     Ok(apart)
 }
 
-/// Bytes of a column's group and one where a chosen column stands in this group, else 0.
+/// Length of a column's group path plus one where a chosen column is in this group, else 0.
 fn nearness(columns: &[Heading], column: usize, chosen: &[usize]) -> usize {
     let group = columns[column].group();
     let holds = |i: &usize| columns.get(*i).is_some_and(|own| own.header.starts_with(group));
     if chosen.iter().any(holds) { group.len() + 1 } else { 0 }
 }
 
-/// The length of all candidates, else that of the only ones that make a record by their names; empty arrays
-/// do not count beside others.
+/// Common length of all candidates, else that of the only ones whose names make a record; empty arrays are
+/// ignored beside others.
 fn common_length(headings: &Headings, candidates: &[usize]) -> Result<Option<usize>, IoError> {
     let columns = &headings.columns;
     let mut by_length: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
@@ -110,7 +110,7 @@ fn common_length(headings: &Headings, candidates: &[usize]) -> Result<Option<usi
     Err(choose(headings, &columns[other], format!("{own} samples where `{first}` has {samples}")))
 }
 
-/// Whether columns of one length have an input and an output by name or unit, and the file no time that only
+/// Whether columns of one length include an input and an output by name or unit, and do not lack a time that
 /// others have.
 fn names_a_record(columns: &[Heading], own: &[usize], all: &[usize]) -> bool {
     let is_time = |i: &usize| columns[*i].is_named_as_time();
@@ -150,7 +150,7 @@ pub(crate) fn left_out(
     (!others.is_empty()).then_some(note)
 }
 
-/// The refusal of a file without a channel.
+/// Error for a file without a channel.
 pub(crate) fn no_channels(headings: &Headings) -> IoError {
     let place = headings.place();
     if headings.columns.iter().all(|column| column.array.is_none()) {

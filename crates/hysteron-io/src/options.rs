@@ -22,10 +22,10 @@ pub struct ReadOptions {
     pub sample_rate_hz: Option<f64>,
     /// Columns that are not read, by name or number: they may hold anything.
     pub leave_out: Vec<String>,
-    /// New names of columns; whatever else names a column names it by its new name.
+    /// New names of columns, by which all other options refer to them.
     pub rename: Vec<Rename>,
     /// Part of the record that is kept. Outside of it, numbers may be missing or not finite. A condition may
-    /// ask for a text in a column of texts of a text file; the record is without that column.
+    /// match a text column of a text file, which the record then leaves out.
     pub cut: Cut,
     /// Delimiter; `None`: detected.
     pub delimiter: Option<u8>,
@@ -55,8 +55,8 @@ impl Default for ReadOptions {
 }
 
 impl ReadOptions {
-    /// Most bytes that a file of this size may unpack to: far more than measured data do. A limit on the size
-    /// that the user chose holds as it is.
+    /// Most bytes that a file of this size may unpack to: far more than measured data do. A size limit chosen
+    /// by the user applies unchanged.
     pub(crate) fn most_unpacked_bytes(&self, file_bytes: u64) -> u64 {
         if self.max_bytes != ReadOptions::default().max_bytes {
             return self.max_bytes;

@@ -1,4 +1,4 @@
-//! Any file to record: the reader is chosen by content and extension, the rest is the same for all.
+//! Any file to record: the reader is chosen by content and extension, all else is common.
 
 use std::fs::File;
 use std::io::Read;
@@ -22,7 +22,7 @@ static READERS: [Reader; 7] =
 /// Bytes at the start of a file that [`Reader::recognises`] looks at.
 const HEAD_BYTES: u64 = 1024;
 
-/// Input and output of a file, and what was decided without being told.
+/// Input and output of a file, and notes on automatic choices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadOutcome {
     /// The two channels, ready for a fit.
@@ -31,7 +31,7 @@ pub struct ReadOutcome {
     pub notes: Vec<Finding>,
 }
 
-/// A record and how much of its file it is.
+/// A record and its part of the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartRead {
     /// The record.
@@ -144,7 +144,7 @@ pub(crate) fn open(path: &Path) -> Result<File, IoError> {
     Ok(file)
 }
 
-/// Whether a file is of a format of named arrays rather than a table of text; its first bytes tell.
+/// Whether a file is of a format of named arrays rather than a table of text, by its first bytes.
 ///
 /// # Errors
 /// [`IoError::Open`], [`IoError::Read`].

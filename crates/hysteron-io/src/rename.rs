@@ -21,7 +21,7 @@ pub struct Rename {
     pub to: String,
 }
 
-/// Text that is no [`Rename`].
+/// Error of a text that is no [`Rename`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("expected OLD=NEW, e.g. ch1=u_V")]
 pub struct RenameError;

@@ -15,7 +15,7 @@ pub enum ResponseFileError {
          `f_Hz,magnitude,phase_deg`"
     )]
     NoFrequency {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// The columns found.
         found: String,
@@ -26,7 +26,7 @@ pub enum ResponseFileError {
          `stage_re,stage_im`) or magnitude and phase (`magnitude,phase_deg`, `magnitude_dB,phase_rad`)"
     )]
     NoResponse {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// The columns found.
         found: String,
@@ -34,7 +34,7 @@ pub enum ResponseFileError {
     /// Several responses, or none of the name asked for.
     #[error("{place}: {problem}; the responses are {available}; choose one")]
     Choose {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// The problem.
         problem: String,
@@ -46,7 +46,7 @@ pub enum ResponseFileError {
     /// A frequency that is not positive.
     #[error("{place}: found `{found}`, expected a frequency above 0; delete the line")]
     BadFrequency {
-        /// Where it stands.
+        /// Place in the file.
         place: Place,
         /// The text found.
         found: String,

@@ -13,11 +13,11 @@ use crate::{IoError, ReadOptions};
 /// Role of a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Role {
-    /// Time; the factor makes seconds of it.
+    /// Time, with its factor to seconds.
     Time(f64),
     Mask,
     Channel,
-    /// Texts that a condition asks for; no channel of the record.
+    /// Texts of a condition; no channel of the record.
     Texts,
     /// Not read.
     Skipped,
@@ -46,7 +46,7 @@ pub(crate) struct Roles {
 }
 
 impl Roles {
-    /// Understands a file's headers.
+    /// Assigns roles by a file's headers.
     pub fn new(headings: &Headings, options: &ReadOptions) -> Result<Self, IoError> {
         let columns = &headings.columns;
         let input = chosen(headings, options.input.as_deref(), ColumnRole::Input)?;
@@ -112,7 +112,7 @@ impl Roles {
     }
 }
 
-/// Columns that a cut looks at, by their numbers.
+/// Columns that a cut depends on, by their numbers.
 struct Conditions {
     /// One a condition.
     columns: Vec<usize>,
@@ -156,7 +156,7 @@ impl Conditions {
         self.columns.iter().zip(&self.texts).any(|(own, text)| *own == column && text.is_some())
     }
 
-    /// The cut with the columns' headers in the record, and apart from it the conditions on columns of texts.
+    /// The cut with the columns' headers in the record, and separately the conditions on text columns.
     fn of_record(
         self,
         mut cut: Cut,
@@ -169,7 +169,7 @@ impl Conditions {
         for ((condition, column), text) in conditions.into_iter().zip(self.columns).zip(self.texts) {
             match text.filter(|_| roles.get(column) == Some(&Role::Texts)) {
                 Some(text) => of_texts.push((column, text)),
-                // The record says that a channel of numbers is no column of texts.
+                // A text condition on a channel of numbers is rejected by the record.
                 None => cut
                     .conditions
                     .push(Condition { column: header(column).unwrap_or_default(), is: condition.is }),
@@ -182,7 +182,7 @@ impl Conditions {
     }
 }
 
-/// Names of a record's channels. In a file of named arrays the path tells channels of one name apart.
+/// Names of a record's channels. In a file of named arrays the path distinguishes channels of one name.
 fn channel_names(columns: &[Heading], roles: &[Role]) -> Vec<String> {
     let mut uses: HashMap<&str, usize> = HashMap::new();
     for (column, _) in columns.iter().zip(roles).filter(|(_, role)| **role == Role::Channel) {
@@ -220,7 +220,7 @@ pub(crate) fn chosen(
     {
         found.push(number - 1);
     }
-    // Something within what is listed but not gone through.
+    // A path within an array that is listed but not read.
     if found.is_empty() {
         found.extend(columns.iter().position(|column| column.is_unreadable() && column.holds(asked)));
     }

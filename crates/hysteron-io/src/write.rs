@@ -27,7 +27,7 @@ pub(crate) fn headers(record: &Record) -> Vec<String> {
     time.into_iter().chain(record.channels.iter().map(|c| c.header())).chain(mask).collect()
 }
 
-/// A record that reads back: sound, and no channel has the header of time or mask.
+/// Checks that a record reads back: sound, and no channel has the header of time or mask.
 pub(crate) fn check(path: &Path, record: &Record) -> Result<(), IoError> {
     let failed = |source| IoError::Record { file: path.display().to_string(), source: Box::new(source) };
     record.check().map_err(failed)?;

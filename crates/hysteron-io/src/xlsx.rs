@@ -1,6 +1,6 @@
 //! XLSX: the sheets of a workbook. A column is called `sheet!header`, without a header `sheet!B`.
 //!
-//! Cells are read one by one: a sheet may say that it has 16 000 million of them, and have two.
+//! Cells are read one by one: a sheet may declare 16 000 million of them and have two.
 
 use std::collections::BTreeMap;
 use std::io::{Cursor, Read};
@@ -86,7 +86,7 @@ pub(crate) fn read(input: Input<'_>, bytes: &[u8], mut archive: Archive<'_>) -> 
             let in_seconds = column.first_date.is_some();
             let kind = match column.refused {
                 Some(found) => Kind::Other(found),
-                // A program that has no formulas computed leaves their cells without values.
+                // A program that does not compute formulas leaves their cells without values.
                 None if column.values.is_empty() && sheet.rows > 0 => {
                     Kind::Other("empty cells, or formulas without values".to_owned())
                 }
@@ -107,7 +107,7 @@ pub(crate) fn read(input: Input<'_>, bytes: &[u8], mut archive: Archive<'_>) -> 
     container::columns(input, &held, sha256(bytes), |index| Ok(std::mem::take(&mut values[index])))
 }
 
-/// Unpacks all parts of the file once, so that nothing that it holds is larger than allowed.
+/// Unpacks all parts of the file once, to check that none is larger than allowed.
 fn check_size(archive: &mut Archive<'_>, file: &str, max_bytes: u64) -> Result<(), IoError> {
     let place = || Place::new(file, FilePart::Whole);
     let malformed = |problem| IoError::Malformed { place: place(), format: "XLSX", problem };
@@ -152,7 +152,7 @@ impl Sheet {
             let Some(cell) = Cell::new(next.get_value()) else { continue };
             if number != row_number {
                 if number < row_number {
-                    return Err(Err(format!("row {} stands behind row {}", number + 1, row_number + 1)));
+                    return Err(Err(format!("row {} follows row {}", number + 1, row_number + 1)));
                 }
                 sheet.push(&mut row, row_number);
                 row_number = number;
@@ -164,7 +164,7 @@ impl Sheet {
         Ok(sheet)
     }
 
-    /// Takes up a row: the first one as header, where it is not all numbers.
+    /// Adds a row: the first one as header, where it is not all numbers.
     fn push(&mut self, row: &mut Vec<(u32, Cell)>, number: u32) {
         // Comments stand in lines of their own.
         let is_comment =
@@ -199,13 +199,13 @@ impl Sheet {
 }
 
 impl Column {
-    /// Takes up the cell of a row; `before` rows of the sheet stand above it.
+    /// Adds the cell of a row; `before` rows of the sheet stand above it.
     fn push(&mut self, cell: Cell, before: usize, number: u32) {
         if self.values.len() < before {
             self.refuse(format!("numbers with gaps (above row {})", number + 1));
             self.values.resize(before, f64::NAN);
         }
-        // Dates and numbers do not mix: a first date says that all are.
+        // Dates and numbers do not mix: the first value decides.
         let dates = self.first_date.is_some();
         let value = match cell {
             Cell::Number(number) if !dates => number,

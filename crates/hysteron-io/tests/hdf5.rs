@@ -60,7 +60,7 @@ fn references_that_lead_back_to_their_cells_end() {
         held.iter().map(|own| (own.path.as_str(), own.kind.as_str())).collect();
     let expected = [
         ("c{1}", "numbers"),
-        ("c{2}.again{1}", "a reference to what it stands in"),
+        ("c{2}.again{1}", "a reference to an enclosing group or cell array"),
         ("c{2}.u", "numbers"),
         ("c{3}", "a reference to nothing"),
         ("c{4}", "an empty array"),

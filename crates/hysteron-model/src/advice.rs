@@ -1,4 +1,4 @@
-//! Remedies for findings and errors, typed, for a front end to word.
+//! Typed remedies for findings and errors; each front end words them.
 
 use std::fmt;
 
@@ -12,7 +12,7 @@ pub enum Advice {
     ChooseColumn {
         /// Role of the column.
         role: ColumnRole,
-        /// A column that could be meant.
+        /// A candidate column.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         example: Option<String>,
     },
@@ -20,7 +20,7 @@ pub enum Advice {
     ChooseColumns,
     /// Choose one of the responses of a file.
     ChooseResponse {
-        /// Whether it is the response divided by.
+        /// True if it is the divisor of a ratio of responses.
         divisor: bool,
     },
     /// State the factor and the unit of a column.
@@ -30,32 +30,32 @@ pub enum Advice {
     },
     /// Give the sample rate.
     GiveSampleRate,
-    /// Resample the record to a uniform rate, or give the rate if its stamps are only badly written.
+    /// Resample the record to a uniform rate, or give the rate if the time stamps are merely imprecise.
     Resample,
     /// Take the records as parts of one run.
     ContinueRun,
-    /// Keep another part of the record.
+    /// Crop the record differently.
     CutOtherwise,
-    /// Say what the device did before the record.
+    /// State the initial condition of the device.
     GiveStart {
-        /// Whether it may have rested at a voltage.
+        /// True if rest at a voltage is a possible initial condition.
         at_voltage: bool,
     },
     /// Score the beginning of the record, too.
     ScoreAll,
     /// Give the length of a period.
     GivePeriod,
-    /// Name the record that carries dynamics.
+    /// Name the record that identifies the dynamics.
     NameDynamicRecord,
     /// Give another range of the drive.
     DriveRange,
     /// Allow a higher rate of the drive.
     DriveRate,
-    /// Identify the model with creep that ends.
+    /// Identify the model with bounded creep.
     CreepThatEnds,
-    /// Take points between two frequencies only.
+    /// Restrict the frequency range.
     NarrowBand,
-    /// Take another hysteresis family.
+    /// Choose another hysteresis family.
     OtherHysteresis,
     /// Take the joint fit.
     FitJointly,
@@ -74,7 +74,7 @@ pub enum Advice {
     },
     /// Let the search run longer, or leave the choice of the optimiser to the program.
     SearchLonger,
-    /// Give the exponent with which modes follow the level.
+    /// Give the exponent of the modes' dependence on drive level.
     GiveExponent,
 }
 

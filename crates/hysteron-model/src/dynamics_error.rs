@@ -1,4 +1,4 @@
-//! Errors of fractional calculus of samples and of the dynamic block.
+//! Errors of sampled fractional calculus and of the dynamic block.
 
 use crate::fractional::Scheme;
 use hysteron_numeric::display::short;
@@ -61,7 +61,7 @@ pub enum DynamicsError {
         /// Allowed values.
         allowed: &'static str,
     },
-    /// No inverse up to this frequency.
+    /// The bandwidth of an inverse is out of range.
     #[error(
         "the bandwidth of the inverse is {bandwidth_hz} Hz: it must be above 0 and below {highest_hz} Hz, \
          half the sample rate, and the plant must pass something there"
@@ -72,7 +72,7 @@ pub enum DynamicsError {
         /// Half the sample rate \[Hz\].
         highest_hz: f64,
     },
-    /// Not as many values as a form has parameters.
+    /// The number of values differs from the number of parameters.
     #[error("the form of the dynamics has {expected} parameters, but {found} values are given")]
     ParameterCount {
         /// Parameters of the form.
@@ -80,7 +80,7 @@ pub enum DynamicsError {
         /// Values given.
         found: usize,
     },
-    /// A response was made for another number of derivatives.
+    /// The response was allocated for another number of derivatives.
     #[error(
         "the response has room for {found} derivatives, but the form has {expected} with that of the delay: \
          make it with `empty_response` for as many parameters"
@@ -91,13 +91,13 @@ pub enum DynamicsError {
         /// Number of derivatives that the response has room for.
         found: usize,
     },
-    /// A derivative was asked for that was not computed.
+    /// The requested derivative was not computed.
     #[error(
         "derivative {which} of the response is not there; it has {found} (none unless last computed with \
          tangents)"
     )]
     NoTangent {
-        /// The derivative asked for, from 0.
+        /// The derivative requested, from 0.
         which: usize,
         /// Number of derivatives computed.
         found: usize,
@@ -141,7 +141,7 @@ pub enum DynamicsError {
         "the simulated output is not finite: the coefficients are too large or too small for the sample rate"
     )]
     OutputNotFinite,
-    /// Tustin was asked for an improper transfer function.
+    /// The transfer function is improper under `Tustin`.
     #[error(
         "the tustin scheme needs a proper transfer function, but the highest orders are {numerator} over \
          {denominator}; use grunwald-letnikov or bdf2"
@@ -152,7 +152,7 @@ pub enum DynamicsError {
         /// Highest order of the denominator.
         denominator: f64,
     },
-    /// G(0) = ∞ under an initial condition that needs it.
+    /// G(0) is infinite under an initial condition that needs it finite.
     #[error(
         "the gain at zero frequency is infinite (lowest orders {numerator} over {denominator}), so a state \
          of rest or a steady state does not exist; give the model a low-frequency corner, or start from zero"
@@ -169,7 +169,7 @@ pub enum DynamicsError {
          without bound"
     )]
     Unstable {
-        /// Poles in the right half-plane, each of a pair counted; under a scheme, those of the sampled
+        /// Poles in the right half-plane, both of a pair counted; under a scheme, those of the sampled
         /// system.
         poles: usize,
     },
@@ -182,13 +182,13 @@ pub enum DynamicsError {
         /// Frequency of the pole \[Hz\].
         frequency_hz: f64,
     },
-    /// A periodic steady state was asked of the causal recursion.
+    /// A periodic steady state was requested of the causal recursion.
     #[error("the causal recursion starts from rest or from zero; it has no periodic steady state")]
     PeriodicRecursion,
     /// An ARX model has a pole on or outside the unit circle where a steady state is needed.
     #[error("the ARX model has a pole on or outside the unit circle, so a steady state does not exist")]
     UnstableArx,
-    /// An ARX model without input coefficients was asked for.
+    /// The ARX model has no input coefficients.
     #[error("an ARX model needs at least one input coefficient (nb ≥ 1)")]
     NoInputCoefficients,
     /// The data do not determine a coefficient of a linear fit.
@@ -223,7 +223,7 @@ pub enum DynamicsError {
         /// The scheme given.
         scheme: Scheme,
     },
-    /// Tustin was asked for an improper operator: its response at the Nyquist frequency is infinite.
+    /// The operator is improper under `Tustin`: its response at the Nyquist frequency is infinite.
     #[error(
         "tustin needs a proper operator (numerator order ≤ denominator order), but the orders are \
          {numerator} over {denominator} and it would diverge; use grunwald-letnikov or bdf2"

@@ -1,4 +1,4 @@
-//! Errors of the whole crate: a caller that only distinguishes crates takes [`Error`].
+//! Errors of the whole crate in one type, [`Error`].
 
 use crate::Advice;
 use crate::axes::AxesError;
@@ -60,7 +60,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// Remedy, where there is one that the user can choose.
+    /// Remedy available to the user, if any.
     pub fn advice(&self) -> Option<Advice> {
         match self {
             Self::Record(e) => e.advice(),

@@ -26,9 +26,9 @@ pub struct Finding {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FindingKind {
-    /// Good to know.
+    /// Information.
     Verdict,
-    /// The records leave something undetermined; what to measure.
+    /// The records do not determine something; states what to measure.
     Advice,
     /// Do not use the model without having read this.
     Warning,
@@ -50,7 +50,7 @@ impl Finding {
         self.advice = Some(advice);
     }
 
-    /// Whether it stands in the way of a good model.
+    /// True if it is a warning.
     pub fn is_warning(&self) -> bool {
         self.kind == FindingKind::Warning
     }

@@ -6,7 +6,7 @@
 //! offset, and the static gain of G as 1.
 //!
 //! On time stamps that are not uniform every step is exact ([`StampedPlan`]), whatever the scheme; the drive
-//! goes along straight lines between them, or is held.
+//! is linear between them, or held.
 
 use crate::Memory;
 use crate::dynamics::delay::delay_in_place;
@@ -40,22 +40,23 @@ pub struct Model {
     pub sample_rate_hz: Option<f64>,
 }
 
-/// Periods run before a record that starts [`Start::Settled`]: Bouc–Wen memory fades as e^(−β · path length).
+/// Periods simulated before a record that starts [`Start::Settled`]: Bouc–Wen memory fades as e^(−β · path
+/// length).
 pub const SETTLING_PERIODS: usize = 4;
 
-/// Steps a sample period in which a hysteresis operator follows a band-limited drive: a turning point between
-/// samples is missed by less than (π/2/8)²/2 = 2 % of the amplitude at half the sample rate, and less as the
-/// square of the frequency.
+/// Hysteresis steps per sample period under a band-limited drive: a turning point between samples is missed
+/// by less than (π/2/8)²/2 = 2 % of the amplitude at half the sample rate, falling as the square of the
+/// frequency.
 pub const FINER: usize = 8;
 
-/// Whether the output of the hysteresis block is joined by straight lines through samples that keep its
-/// means: for a piecewise linear drive and a scheme that implies no inter-sample rule.
+/// True if the hysteresis output is approximated by a polygon that preserves its means: for a piecewise
+/// linear drive and a scheme that implies no inter-sample rule.
 #[doc(hidden)]
 pub fn joins_means(scheme: Scheme, inter_sample: InterSample) -> bool {
     scheme == Scheme::BandLimited && inter_sample == InterSample::Linear
 }
 
-/// Drive with what ran before it, the number of samples put in front, and the voltage before all that.
+/// Drive with its prologue, the number of prologue samples, and the voltage before the prologue.
 #[doc(hidden)]
 pub fn extend<'a>(start: &Start, u: &'a [f64]) -> Result<(Cow<'a, [f64]>, usize, f64), SimulationError> {
     match *start {
@@ -129,9 +130,9 @@ impl Model {
     }
 
     /// [`Self::simulate`] for a model that belongs to one sample rate (an ARX block, the `grunwald-letnikov`
-    /// scheme) over a drive of another rate: the drive is read at the model's rate and the output at the
-    /// record's, both linearly between samples. Right for a drive that is slow against both rates. Other
-    /// models are simulated as they are.
+    /// scheme) over a drive of another rate: the drive is resampled to the model's rate and the output to the
+    /// record's, both by linear interpolation. Valid for a drive that is slow against both rates. Other
+    /// models are simulated directly.
     ///
     /// # Errors
     /// Those of [`Self::simulate`] except [`SimulationError::SampleRate`].
@@ -204,7 +205,7 @@ impl Model {
         Ok(y)
     }
 
-    /// Memory before the first sample in the operator's own scale, and where the operator starts.
+    /// Memory before the first sample in the operator's scale, and the operator's start.
     fn origin(
         &self,
         start: &Start,
@@ -224,8 +225,8 @@ impl Model {
         })
     }
 
-    /// Output v of the static block \[µm\], before delay and dynamics. Hysteresis that sees the rate asks
-    /// when the samples were taken.
+    /// Output v of the static block \[µm\], before delay and dynamics. Rate-dependent hysteresis uses
+    /// `timing`.
     ///
     /// # Errors
     /// [`SimulationError::Hysteresis`], [`SimulationError::Period`].
@@ -248,7 +249,7 @@ impl Model {
     ) -> Result<(Vec<f64>, usize, f64), SimulationError> {
         let grid = |finer, factor| DriveGrid::new(timing.sample_rate_hz(), finer, factor);
         let (extended, prologue, rest_voltage_v) = extend(start, u)?;
-        // On stamps the moves differ in duration.
+        // On time stamps the steps differ in duration.
         let times_s = match timing {
             Timing::Stamps(times_s) => {
                 check_length("time stamps", times_s.len(), u.len())?;
@@ -267,7 +268,7 @@ impl Model {
             polygon_of_means(&fine, &mut v);
         } else if self.inter_sample == InterSample::BandLimited && extended.len() > 1 {
             let fine = self.inter_sample.upsample(&extended, FINER, RecordEnds::Open)?;
-            // Between samples time goes on evenly.
+            // Time is interpolated linearly between samples.
             let even = |times_s: Vec<f64>| InterSample::Linear.upsample(&times_s, FINER, RecordEnds::Open);
             let paces = times_s.map(even).transpose()?.map(|times_s| paces_on(&times_s, &fine));
             let grid = DriveGrid { paces: paces.as_deref(), ..grid(FINER, FINER) };
@@ -301,7 +302,7 @@ impl Model {
         }
     }
 
-    /// Gain of the dynamics for what they were at rest at.
+    /// Static gain of the dynamics; 1 where G(0) is infinite.
     #[doc(hidden)]
     pub fn gain_at_rest(&self) -> f64 {
         let gain = match &self.dynamics {
@@ -309,7 +310,7 @@ impl Model {
             Dynamics::Arx(arx) => arx.dc_gain(),
             Dynamics::Integer(g) | Dynamics::Fractional(g) => g.dc_gain(),
         };
-        // Unbounded creep never comes to rest: the creep before the record is in the offset.
+        // Unbounded creep never settles: the creep before the record is in the offset.
         if gain.is_finite() { gain } else { 1.0 }
     }
 
@@ -340,7 +341,7 @@ impl Model {
     }
 }
 
-/// Times with those of `prologue` samples in front, whole repetitions of the first of them.
+/// Time stamps with those of a prologue of `prologue` samples, whole repetitions of the first period.
 fn with_prologue(times_s: Vec<f64>, prologue: usize) -> Vec<f64> {
     let period = prologue / SETTLING_PERIODS;
     if period == 0 {
@@ -349,8 +350,8 @@ fn with_prologue(times_s: Vec<f64>, prologue: usize) -> Vec<f64> {
     times_before(&times_s, period, 0..period).chain(times_s.iter().copied()).collect()
 }
 
-/// Times of `rows` of a cycle of `period` samples, that a record begins with, in every cycle that ran before
-/// it ([`Start::Settled`]).
+/// Times of the samples `rows` of the first `period` samples in every period simulated before the record
+/// ([`Start::Settled`]).
 #[doc(hidden)]
 pub fn times_before(
     times_s: &[f64],
@@ -378,8 +379,8 @@ fn between(x: &[f64], at: f64) -> f64 {
     (1.0 - fraction) * x.get(k).copied().unwrap_or(0.0) + fraction * x.get(next).copied().unwrap_or(0.0)
 }
 
-/// The signal `v` at its knots, read at the times `wanted` less a delay: held or on straight lines, 0 before
-/// the first knot.
+/// `v`, given at its knots, delayed and read at the times `wanted_s`: held or linear between knots, 0 before
+/// the first.
 fn delayed(knots_s: &[f64], v: &[f64], wanted_s: &[f64], delay_s: f64, hold: bool) -> Vec<f64> {
     let mut at = 0;
     let read = |time: &f64| {

@@ -1,10 +1,10 @@
 //! Feedforward: the drive that makes a model's output follow a reference known ahead.
 //!
-//! The controller's converter holds each voltage for one period, and hysteresis is rate independent, so that
-//! its output v is held as well: v is what the linear part sees of a staircase, whatever the family. The
-//! reference goes backwards through the model: through the regularised inverse of the dynamics as they answer
-//! held samples ([`crate::dynamics::Inverse`]: delay, hold and creep included, looking ahead), then through
-//! the hysteresis, exact in one step ([`Hysteresis::follow`]).
+//! The controller's converter holds each voltage for one period, and hysteresis is rate independent, so its
+//! output v, the input of the linear part, is held as well, whatever the family. The reference passes the
+//! inverse model: the regularised inverse of the dynamics under a zero-order hold
+//! ([`crate::dynamics::Inverse`]: delay, hold and creep included, non-causal), then the inverse hysteresis,
+//! exact in one step ([`Hysteresis::follow`]).
 //!
 //! [`Hysteresis::follow`]: crate::hysteresis::Hysteresis::follow
 
@@ -27,48 +27,46 @@ use crate::hysteresis::{DriveGrid, DriveLimits, Followed, HysteresisError};
 use crate::realise::RealiseError;
 use crate::start::{Memory, Start};
 
-/// Default share of the reference that is missing at the bandwidth.
+/// Default relative error at the bandwidth.
 pub const ERROR_AT_BANDWIDTH: f64 = 1e-3;
 /// Default bandwidth, as a share of the sample rate.
 pub const BANDWIDTH_SHARE: f64 = 0.05;
 
-/// Share of the reference that is missing at what counts as the bandwidth of a law that works sample by
-/// sample.
+/// Relative error that defines the bandwidth of a law that works sample by sample.
 const ERROR_OF_A_LAW: f64 = 0.01;
-/// Cycles of the bandwidth, at the beginning of a record, over which learning sets in.
+/// Cycles of the bandwidth over which learning fades in at the beginning of a record.
 const FIRST_CYCLES: f64 = 2.0;
-/// Parts of the range in which a fall of the output is looked for.
+/// Intervals of the range searched for a falling output.
 const LOOKED_AT: usize = 256;
 
 /// Options of an inverse drive.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InverseOptions {
-    /// Frequency up to which the output follows \[Hz\]; `None`: [`BANDWIDTH_SHARE`] of the sample rate.
+    /// Tracking bandwidth \[Hz\]; `None`: [`BANDWIDTH_SHARE`] of the sample rate.
     pub bandwidth_hz: Option<f64>,
-    /// Share of the reference that is missing there.
+    /// Relative error there.
     pub error_at_bandwidth: f64,
     /// Least and largest voltage \[V\].
     pub range_v: [f64; 2],
     /// Largest rate of the drive \[V/s\]; infinite for none.
     #[serde(with = "crate::unlimited")]
     pub slew_v_per_s: f64,
-    /// State of the device before the reference. [`Start::AsIdentified`]: it rests where it gives the first
-    /// value of the reference; [`Start::Settled`]: it has been following the reference, a whole number of
-    /// periods, for long.
+    /// State of the device before the reference. [`Start::AsIdentified`]: at rest at the first value of the
+    /// reference; [`Start::Settled`]: in the periodic steady state of the reference, a whole number of
+    /// periods.
     pub start: Start,
-    /// Voltage \[V\] at which it was free of hysteresis memory and from which it was driven, without turning,
-    /// to where it rests; `None`: where it rests.
+    /// Voltage \[V\] at which it was demagnetised and from which it was driven monotonically to rest; `None`:
+    /// demagnetised at rest.
     pub virgin_v: Option<f64>,
 }
 
 impl InverseOptions {
-    /// Default voltage at which a device with this drive was free of hysteresis memory: switched on, 0 V, if
-    /// the range holds it.
+    /// Default voltage at which the device was demagnetised: 0 V at switch-on, if within the range.
     pub fn switched_on([low, high]: [f64; 2]) -> Option<f64> {
         (low..=high).contains(&0.0).then_some(0.0)
     }
 
-    /// Within these voltages \[V\], the rest as usual.
+    /// Default options within these voltages \[V\].
     pub fn within(range_v: [f64; 2]) -> Self {
         Self {
             bandwidth_hz: None,
@@ -81,18 +79,18 @@ impl InverseOptions {
     }
 }
 
-/// A drive and what the model does with it.
+/// An inverse drive and the model's response to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InverseDrive {
-    /// Drive \[V\], one sample a sample of the reference, held.
+    /// Held drive \[V\], one value per sample of the reference.
     pub drive: Vec<f64>,
     /// Output of the model for it \[µm\].
     pub predicted: Vec<f64>,
     /// State before the first sample; `None` where the reference repeats.
     pub rest: Option<Start>,
-    /// Samples at which the range held the drive back.
+    /// Samples limited by the range.
     pub at_range: usize,
-    /// Samples at which its largest rate did.
+    /// Samples limited by the slew rate.
     pub at_slew: usize,
     /// Figures of the inverse of the dynamics; `None` for a static model, whose inverse is exact at every
     /// frequency.
@@ -111,19 +109,18 @@ pub struct LastRun<'a> {
 /// Figures of the inverse of the dynamics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InverseOfDynamics {
-    /// Frequency up to which the output follows \[Hz\].
+    /// Tracking bandwidth \[Hz\].
     pub bandwidth_hz: f64,
-    /// Share of the reference missing there.
+    /// Relative error there.
     pub error_at_bandwidth: f64,
     /// Largest gain.
     pub peak: f64,
-    /// Factor from white noise on the reference to noise on the output of the hysteresis, both rms.
+    /// Gain from white noise on the reference to noise on the hysteresis output, both rms.
     pub noise_gain: f64,
 }
 
 impl Model {
-    /// The drive that makes the output follow `reference` \[µm\] at `sample_rate_hz`, the rate of the
-    /// controller.
+    /// The drive whose output tracks `reference` \[µm\] at `sample_rate_hz`, the rate of the controller.
     ///
     /// # Errors
     /// [`InversionError`].
@@ -141,13 +138,13 @@ impl Model {
         task.drive(&wanted)
     }
 
-    /// The drive for the next run after a `last` one of the same reference, from its tracking error
-    /// (iterative learning, S. Arimoto, S. Kawamura, F. Miyazaki, *J. Robot. Syst.* 1 (1984) 123–140,
-    /// doi:10.1002/rob.4620010203): v ← v + W (r − y), v the output of the hysteresis, W the inverse of the
-    /// dynamics. One run removes the error that model and device share; the residual shrinks by |1 − W P'| a
-    /// run, P' the device's response, and so falls wherever the model is within 100 % of it. The mean error
-    /// counts as the sensor's zero and is not learned: learned, it would be a jump from rest. Errors that do
-    /// not repeat (noise, drift) are not learned away but passed on.
+    /// Iterative learning control: the drive of the next run from the tracking error of the `last` (S.
+    /// Arimoto, S. Kawamura, F. Miyazaki, *J. Robot. Syst.* 1 (1984) 123–140, doi:10.1002/rob.4620010203): v
+    /// ← v + W (r − y), v the output of the hysteresis, W the inverse of the dynamics. One run removes the
+    /// error that model and device share; the residual shrinks by |1 − W P'| per run, P' the device's
+    /// response, so it falls wherever the model is within 100 % of it. The mean error is attributed to the
+    /// sensor's zero and not learned: it would become a jump from rest. Errors that do not repeat (noise,
+    /// drift) are not removed but passed on.
     ///
     /// # Errors
     /// [`InversionError`].
@@ -194,7 +191,7 @@ impl Model {
         task.drive(&wanted)
     }
 
-    /// The voltage at which the device rests at this output, driven there from where it was virgin.
+    /// Rest voltage for this output, reached monotonically from the virgin state.
     pub(crate) fn rest_for(
         &self,
         output: f64,
@@ -217,7 +214,7 @@ impl Model {
             return Err(InversionError::Begins { reference: output, low, high, from, to });
         }
         let (mut below, mut above) = if from <= to { (low, high) } else { (high, low) };
-        // Halves of a range of doubles end within 2100 steps; 60 leave 1e-18 of it.
+        // 60 bisections leave 1e-18 of the range.
         for _ in 0..60 {
             let middle = 0.5 * (below + above);
             if at(middle)? <= output { below = middle } else { above = middle }
@@ -227,13 +224,13 @@ impl Model {
 }
 
 impl Compensation {
-    /// The drive along `reference` \[µm\], made one sample at a time: what the law previews is known ahead,
-    /// what lies beyond is not looked at; after its end the reference stays where it is. Of `options` the
-    /// limits and the start count; bandwidth and error are the law's.
+    /// The drive along `reference` \[µm\], computed sample by sample: the law uses the reference only within
+    /// its preview; after its end the reference stays constant. Of `options` only the limits and the start
+    /// are used; bandwidth and error are the law's.
     ///
     /// # Errors
-    /// [`InversionError`]; a reference that repeats is refused, for its steady state belongs to the whole of
-    /// it.
+    /// [`InversionError`]; a periodic reference is refused, since its steady state depends on the whole
+    /// period.
     pub fn follow(
         &self,
         reference: &[f64],
@@ -282,11 +279,11 @@ struct Task<'a> {
     sample_rate_hz: f64,
     linear: Linear,
     periodic: bool,
-    /// Voltage before the first sample; of a periodic reference, at which the first period begins.
+    /// Voltage before the first sample; for a periodic reference, at the start of its first period.
     rest_v: f64,
     /// Hysteresis memory there, in the operator's scale.
     memory: Option<f64>,
-    /// Outputs of hysteresis and model that deviations count from.
+    /// Operating point: output of the hysteresis and of the model at rest.
     level: f64,
     output_at_rest: f64,
 }
@@ -341,7 +338,7 @@ impl<'a> Task<'a> {
         })
     }
 
-    /// The drive that makes the hysteresis put out `wanted`, and what the model then does.
+    /// The drive for the hysteresis output `wanted`, and the model's response to it.
     fn drive(&self, wanted: &[f64]) -> Result<InverseDrive, InversionError> {
         let Self { options, rest_v, .. } = *self;
         let limits = DriveLimits {
@@ -382,7 +379,8 @@ impl<'a> Task<'a> {
     }
 }
 
-/// The linear part over a record, both ways. Inputs and outputs are deviations from rest, or periodic.
+/// The linear part over a record, forward and inverse. Inputs and outputs are deviations from rest, or
+/// periodic.
 struct Linear(Option<Both>);
 
 struct Both {

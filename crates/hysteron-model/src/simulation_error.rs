@@ -1,4 +1,4 @@
-//! Why a model of one input and one output could not be simulated.
+//! Errors of simulating a single-input single-output model.
 
 use crate::dynamics::DynamicsError;
 use crate::hysteresis::HysteresisError;
@@ -23,12 +23,12 @@ pub enum SimulationError {
         /// Rate of the record \[Hz\].
         record_hz: f64,
     },
-    /// The record is too short to have started settled.
+    /// The period of a settled start is out of range.
     #[error("a settled start needs a period of 2 to {samples} samples, found {period_samples}")]
     Period {
         /// Samples of the record.
         samples: usize,
-        /// Samples of the period asked for.
+        /// Samples of the period requested.
         period_samples: usize,
     },
     /// The hysteresis block failed.
@@ -77,7 +77,7 @@ pub enum SimulationError {
         /// Its value.
         value: f64,
     },
-    /// A sample rate that is none.
+    /// The sample rate is invalid.
     #[error("the sample rate is {value} Hz: it must be finite and above 0")]
     BadSampleRate {
         /// The rate given.
@@ -94,10 +94,10 @@ pub enum SimulationError {
         /// Samples of the output.
         found: usize,
     },
-    /// A steady state was asked for under a force that ends.
+    /// A periodic steady state was requested under a force that does not repeat.
     #[error("a periodic start needs a force that repeats, but this one was made with open ends")]
     NotPeriodic,
-    /// The motion leaves the range of numbers.
+    /// The motion overflows.
     #[error(
         "the motion runs away before sample {index}: the parameters let z grow without limit (for α > 0 keep \
          β + γ > 0 and β − γ ≥ 0) or the motion is not damped"
@@ -118,9 +118,7 @@ pub enum SimulationError {
         change: f64,
     },
     /// The steady state does not determine its own derivatives.
-    #[error(
-        "the steady state has no derivatives: what a period leaves of a difference of states does not decay"
-    )]
+    #[error("the steady state has no derivatives: state differences do not decay over a period")]
     NotContracting,
     /// The force could not be interpolated.
     #[error("the force between its samples: {0}")]

@@ -28,41 +28,41 @@ pub enum Start<M = Memory> {
         /// Hysteresis memory there.
         memory: M,
     },
-    /// The record repeats: its first period has been running for long.
+    /// Periodic steady state: the first period repeated for long before the record.
     Settled {
         /// Samples of a period; `None`: the record's own, which for a block of a model is the whole record.
         period_samples: Option<usize>,
-        /// Voltage at which the device was virgin before it moved, without turning, to where the first period
-        /// began \[V\]; `None`: it was virgin there.
+        /// Voltage at which the device was virgin before it moved monotonically to the start of the first
+        /// period \[V\]; `None`: virgin at that start.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         virgin_at_v: Option<f64>,
     },
 }
 
-/// The start of a linear block, whose memory follows from the input before: [`Start::AsIdentified`]: at rest
-/// at the first sample's input, so that v − v(0) is simulated and G(0) v(0) added; [`Start::Rest`]: at rest
-/// at this input.
+/// The start of a linear block, whose memory follows from its past input: [`Start::AsIdentified`]: at rest at
+/// the first sample's input, so that v − v(0) is simulated and G(0) v(0) added; [`Start::Rest`]: at rest at
+/// this input.
 pub type LinearStart = Start<std::convert::Infallible>;
 
 /// Memory of a hysteresis operator where a record begins, as one number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Memory {
-    /// Hysteretic displacement z \[µm\], of Bouc–Wen.
+    /// Hysteretic displacement z \[µm\], for Bouc–Wen.
     Displacement(f64),
-    /// Voltage \[V\] at which the device was virgin before it moved, without turning, to where it rested; of
-    /// every other family.
+    /// Voltage \[V\] at which the device was virgin before it moved monotonically to rest; for every other
+    /// family.
     VirginAt(f64),
 }
 
 impl<M> Start<M> {
-    /// The record repeats with its own period.
+    /// Periodic steady state with the record's own period.
     pub const PERIODIC: Self = Self::Settled { period_samples: None, virgin_at_v: None };
 
     /// At rest at 0, without memory: all signals zero before the first sample (the article).
     pub const ZERO: Self = Self::Rest { voltage_v: 0.0 };
 
-    /// A period of so many samples has been running for long.
+    /// Periodic steady state with a period of `period_samples`.
     pub fn settled(period_samples: usize) -> Self {
         Self::Settled { period_samples: Some(period_samples), virgin_at_v: None }
     }
@@ -92,7 +92,8 @@ impl Start {
         }
     }
 
-    /// Voltage before the first sample \[V\]; `None` where the record repeats, or the model file says.
+    /// Voltage before the first sample \[V\]; `None` where the record repeats or the model file determines
+    /// it.
     pub fn voltage_v(&self) -> Option<f64> {
         match *self {
             Self::Rest { voltage_v } | Self::Remembering { voltage_v, .. } => Some(voltage_v),
@@ -109,7 +110,7 @@ impl Memory {
         }
     }
 
-    /// In words, the number as it is to read, with the units of input and output.
+    /// In words, with the formatted `number` and the units of input and output.
     pub fn in_words(self, number: &str, input: &str, output: &str) -> String {
         let words = match self {
             Self::Displacement(_) => format!("with the hysteresis memory z = {number} {output}"),
@@ -127,7 +128,7 @@ impl Memory {
         }
     }
 
-    /// That of the operator whose output is `gain` times as large.
+    /// The memory of the operator with its output scaled by `gain`.
     #[must_use]
     pub fn scaled(self, gain: f64) -> Self {
         match self {

@@ -1,6 +1,6 @@
 //! Names of closed sets, as users type them.
 
-/// A name that nothing in a closed set has.
+/// A name that is not in a closed set.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("no {what} is called `{name}`: expected one of {known}")]
 pub struct UnknownName {
@@ -13,7 +13,7 @@ pub struct UnknownName {
 }
 
 impl UnknownName {
-    /// The one of `all` with this name.
+    /// The element of `all` with this name.
     ///
     /// # Errors
     /// [`UnknownName`] where there is none.

@@ -1,4 +1,4 @@
-//! Limits that may be none: infinite in memory, null in JSON, which has no infinity.
+//! Optional limits: infinite in memory, null in JSON, which has no infinity.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 

@@ -7,8 +7,8 @@ use super::elementary::{exp_m1, sin_cos};
 /// Largest angle that [`sin_cos`] takes.
 const LARGEST_ANGLE: f64 = 1e5;
 
-/// e^(pt) − 1 for each t of `times` ≥ 0, as real and imaginary parts, on the shortest of the slices; with all
-/// its digits, relative to its size, where pt is small. The real part of pt is limited to \[−708, 709\].
+/// e^(pt) − 1 for each t of `times` ≥ 0, as real and imaginary parts, on the shortest of the slices; with
+/// full relative precision where pt is small. The real part of pt is limited to \[−708, 709\].
 pub fn exponentials_less_one(
     set: InstructionSet,
     pole: Complex64,

@@ -35,7 +35,7 @@ impl CausalConvolver {
     /// The convolution with `input`, one period of it; valid until the next call.
     pub fn convolve(&mut self, input: &[f64]) -> &[f64] {
         fill(&mut self.time, input);
-        // All lengths come from the plan, so the transforms cannot refuse them.
+        // All lengths come from the plan, so the transforms cannot fail.
         self.fft.transform(&mut self.time, &mut self.spectrum);
         let scale = 1.0 / self.fft.len() as f64;
         for (x, k) in self.spectrum.iter_mut().zip(&self.kernel) {

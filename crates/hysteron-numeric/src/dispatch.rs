@@ -89,7 +89,7 @@ macro_rules! dispatched {
             }
             match set.0 {
                 Level::Baseline => $kernel($($arg),*),
-                // SAFETY: this level is only ever made after the processor was seen to have the feature.
+                // SAFETY: this level is only constructed after the feature was detected on the processor.
                 #[cfg(target_arch = "x86_64")]
                 Level::Avx2 => unsafe { avx2($($arg),*) },
                 // SAFETY: as above.
@@ -184,7 +184,7 @@ dispatched! {
 
 dispatched! {
     /// `out[i]` = Σ_j kernel\[j\] · x\[i · step + j\], for as many as `x` reaches: a filter of which every
-    /// `step`-th output is worked out. In eight interleaved sums each.
+    /// `step`-th output is computed, each in eight interleaved sums.
     filter_every => filter_every_kernel(kernel: &[f64], step: usize, x: &[f64], out: &mut [f64])
 }
 
@@ -199,7 +199,7 @@ dispatched! {
 }
 
 dispatched! {
-    /// Takes off `x` its part in four orthonormal columns, one after the other in `q`.
+    /// Projects four orthonormal columns, stored one after the other in `q`, out of `x`.
     project_out_four => project_out_four_kernel(q: &[f64], x: &mut [f64])
 }
 
@@ -238,7 +238,7 @@ dispatched! {
 }
 
 dispatched! {
-    /// Propagators of a pole from their first, which is there.
+    /// Propagators of a pole from the first, which is given.
     propagators => propagators_kernel(
         inverse: Complex64, lengths_s: &[f64], with_derivatives: bool, of: &mut Propagators)
 }
@@ -447,7 +447,7 @@ fn scale_kernel(from: &[f64], before: f64, coarse: f64, fine: &[f64], after: f64
     let mut largest = 0u64;
     for ((to, from), fine) in to.iter_mut().zip(from).zip(fine) {
         *to = (from + before) * (coarse * fine) + after;
-        // Without its sign, the pattern of what is not finite is the largest there is.
+        // Without the sign, non-finite values have the largest bit patterns.
         largest = largest.max(to.to_bits() & (u64::MAX >> 1));
     }
     largest < f64::INFINITY.to_bits()

@@ -1,4 +1,4 @@
-//! Numbers as people read them in messages.
+//! Numbers formatted for messages.
 
 /// Digits that matter to a reader.
 const DIGITS: usize = 5;

@@ -56,7 +56,7 @@ pub(super) fn exp(x: f64) -> f64 {
     (1.0 + m) * scale
 }
 
-/// eˣ − 1 with all its digits near 0, the argument limited as by [`exp`].
+/// eˣ − 1 with full relative precision near 0, the argument limited as by [`exp`].
 #[inline(always)]
 pub(super) fn exp_m1(x: f64) -> f64 {
     let (scale, m) = exp_parts(x);

@@ -4,13 +4,13 @@
 use super::InstructionSet;
 use super::dispatch::feedback_tangent;
 
-/// Parameters followed at once: with them all, the derivatives of some forty states stay in the first cache.
+/// Parameters processed at once: the derivatives of some forty states then stay in the first-level cache.
 pub const LANES: usize = 32;
 
-/// One derivative a parameter of the block.
+/// One derivative per parameter of the block.
 pub type Lanes = [f64; LANES];
 
-/// Where a parameter acts.
+/// Target of a parameter's action.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
     /// On a channel z before its law.
@@ -46,33 +46,33 @@ pub struct FeedbackTangent<'a> {
     pub channels: &'a [f64],
     /// Length of a row of `channels`.
     pub row: usize,
-    /// Weights of the plays, `plays` a channel.
+    /// Weights of the plays, `plays` per channel.
     pub weights: &'a [f64],
-    /// Plays a channel.
+    /// Plays per channel.
     pub plays: usize,
     /// H: rows of `strains` numbers.
     pub strain_input: &'a [f64],
     /// Number of strains.
     pub strains: usize,
-    /// C: a row an output.
+    /// C: one row per output.
     pub output: &'a [f64],
-    /// D: rows of `strains` numbers, one an output.
+    /// D: rows of `strains` numbers, one per output.
     pub strain_feedthrough: &'a [f64],
-    /// Signals of every step, `width` a step.
+    /// Signals of every step, `width` per step.
     pub signals: &'a [f64],
-    /// Signals a step.
+    /// Signals per step.
     pub width: usize,
-    /// Slope of each channel's law while no play moves, a row a step.
+    /// Slope of each channel's law while no play moves, one row per step.
     pub slopes: &'a [f64],
-    /// Plays that moved, a bit each, a row a step.
+    /// Bit masks of the plays that moved, one row per step.
     pub moved: &'a [u32],
     /// Steps before the first sample.
     pub before: usize,
-    /// Steps a sample.
+    /// Steps per sample.
     pub steps: usize,
 }
 
-/// Where the derivatives stand.
+/// Current derivatives.
 #[derive(Clone, Debug, Default)]
 pub struct TangentState {
     x: Vec<Lanes>,
@@ -85,9 +85,9 @@ pub struct TangentState {
 
 impl FeedbackTangent<'_> {
     /// Derivatives of every output at every sample, from derivatives 0 at the first step: `out` holds, output
-    /// by output, one [`Lanes`] a sample.
+    /// by output, one [`Lanes`] per sample.
     ///
-    /// `out` has outputs · samples entries; what the trajectory does not reach stays as it is.
+    /// `out` has outputs · samples entries; entries beyond the trajectory are unchanged.
     pub fn run(&self, set: InstructionSet, forcing: &[Forcing], state: &mut TangentState, out: &mut [Lanes]) {
         let zero = [0.0; LANES];
         let channels = self.channels.len() / self.row.max(1);

@@ -1,4 +1,4 @@
-//! Real FFT plans of good lengths, shared by the whole process.
+//! Real FFT plans of fast lengths, shared by the whole process.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -45,8 +45,8 @@ impl RealFft {
         debug_assert!(transformed.is_ok(), "{transformed:?}");
     }
 
-    /// Signal of `spectrum`, which is overwritten; both of the plan's lengths. The imaginary parts at 0 and at
-    /// half the sample rate, which no real signal has, are taken as 0.
+    /// Signal of `spectrum`, which is overwritten; both of the plan's lengths. The imaginary parts at 0 and
+    /// at half the sample rate, which no real signal has, count as 0.
     pub fn invert(&self, spectrum: &mut [Complex64], time: &mut [f64]) {
         let mut scratch = self.inverse.make_scratch_vec();
         self.invert_with(&mut scratch, spectrum, time);
@@ -69,10 +69,10 @@ impl RealFft {
     }
 }
 
-/// Work of a transform a sample, in passes of radix 2, of each factor of its length, measured with AVX2 and
+/// Work of a transform per sample, in passes of radix 2, of each factor of its length, measured with AVX2 and
 /// AVX-512: lengths with many factors of 5 take a sixth longer than their neighbours with few.
 const WORK_OF: [(usize, f64); 3] = [(2, 1.0), (3, 1.9), (5, 3.3)];
-/// Work a sample that does not depend on the factors: spectra are written, multiplied and read.
+/// Work per sample that does not depend on the factors: spectra are written, multiplied and read.
 const WORK_OF_SPECTRA: f64 = 6.0;
 
 /// The even 2ᵃ3ᵇ5ᶜ ≥ `at_least` (at least 2) whose transform takes least work; saturates at the largest power

@@ -15,7 +15,7 @@ pub fn subtract(x: &mut [f64], factor: f64, column: &[f64]) {
     subtract_multiple(InstructionSet::detected(), x, factor, column);
 }
 
-/// Takes off `x` its part in the span of `orthonormal` columns, which stand one after the other.
+/// Projects the span of `orthonormal` columns, stored one after the other, out of `x`.
 pub fn project_out(orthonormal: &[f64], x: &mut [f64]) {
     // Four at a time, which takes less than half of the memory traffic; among them the order does not
     // matter.
@@ -52,7 +52,7 @@ pub(super) fn subtract_multiple_kernel(x: &mut [f64], factor: f64, column: &[f64
     }
 }
 
-/// Takes off `x` its part in four orthonormal columns, one after the other in `q`.
+/// Projects four orthonormal columns, stored one after the other in `q`, out of `x`.
 #[inline(always)]
 pub(super) fn project_out_four_kernel(q: &[f64], x: &mut [f64]) {
     let rows = x.len();
@@ -80,7 +80,7 @@ pub(super) fn project_out_four_kernel(q: &[f64], x: &mut [f64]) {
 /// √(Σ rᵢ² / N), the cost of a residual vector (article Eq. 7); +∞ if any residual is not finite or there is
 /// none.
 pub fn root_mean_square(residuals: &[f64]) -> f64 {
-    // Eight interleaved sums do not wait for one another; the order of summation is fixed.
+    // Eight interleaved sums are independent; the order of summation is fixed.
     let mut sums = [0.0; 8];
     let eights = residuals.chunks_exact(8);
     let rest: f64 = eights.remainder().iter().map(|r| r * r).sum();

@@ -5,17 +5,18 @@ use nalgebra::{ComplexField, DMatrix};
 /// Solution of a linear least-squares problem.
 #[derive(Clone, Debug)]
 pub struct LeastSquares<T: ComplexField<RealField = f64>> {
-    /// X that minimises ‖A X − B‖, a column a right side.
+    /// X that minimises ‖A X − B‖, one column per right-hand side.
     pub solution: DMatrix<T>,
-    /// ‖A X − B‖² of each right side.
+    /// ‖A X − B‖² of each right-hand side.
     pub left: Vec<f64>,
-    /// R of A with columns of length 1, and their lengths.
+    /// R of A with columns scaled to length 1, and their lengths.
     triangle: DMatrix<T>,
     lengths: Vec<f64>,
 }
 
 impl<T: ComplexField<RealField = f64>> LeastSquares<T> {
-    /// Standard deviation of each unknown for an error of 1 in every row; `None` where one is not determined.
+    /// Standard deviation of each unknown for uncorrelated errors of unit standard deviation; `None` where
+    /// one is not determined.
     pub fn deviations(&self) -> Option<Vec<f64>> {
         let columns = self.lengths.len();
         let inverse = self.triangle.solve_upper_triangular(&DMatrix::identity(columns, columns))?;
@@ -26,8 +27,8 @@ impl<T: ComplexField<RealField = f64>> LeastSquares<T> {
 /// Minimises ‖A X − B‖ by Householder reflections of A with its columns scaled to length 1.
 ///
 /// # Errors
-/// The first column that is zero, not finite, or of which less than the share `dependent` is not in the span
-/// of those before it.
+/// The first column that is zero, not finite, or of which no more than the share `dependent` lies outside the
+/// span of those before it.
 pub fn least_squares<T: ComplexField<RealField = f64>>(
     mut a: DMatrix<T>,
     mut b: DMatrix<T>,

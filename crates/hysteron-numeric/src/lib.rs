@@ -1,7 +1,7 @@
 //! Array kernels under the dynamics: exp(α(a + iθ)), power series, FFT plans, convolution.
 //!
-//! Everything here is arithmetic without physics. The kernels give the same bits whichever instruction
-//! set runs them (no fused multiply-add); the FFTs do not promise that across processors.
+//! Everything here is arithmetic without physics. The kernels are bit-identical on every instruction set (no
+//! fused multiply-add); the FFTs need not be across processors.
 
 mod complex_exponential;
 pub mod convolution;

@@ -1,4 +1,4 @@
-//! Least squares with coefficients that are not negative.
+//! Non-negative least squares.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -31,7 +31,7 @@ pub fn non_negative_least_squares(columns: &[&[f64]], target: &[f64]) -> Vec<f64
     let mut c = DVector::zeros(count);
     let mut free: Vec<usize> = Vec::new();
     let mut barred = vec![false; count];
-    // Each round frees one column; the method ends, but for rounding, long before this.
+    // Each round frees one column; apart from rounding, the method ends long before this.
     for _ in 0..10 * count.max(1) {
         let gradient = unit.tr_mul(&(&target - &unit * &c));
         let next = (0..count)
@@ -122,7 +122,7 @@ mod tests {
         let c = non_negative_least_squares(&[&[1.0, 1.0], &[1.0, 1.0], &[0.0, 0.0]], &[3.0, 3.0]);
         assert!((c[0] + c[1] - 3.0).abs() < 1e-12 && c[2] == 0.0, "{c:?}");
         assert_eq!(non_negative_least_squares(&[], &[1.0]), [0.0; 0]);
-        // No answer is not the answer 0.
+        // No solution is not the solution 0.
         assert!(non_negative_least_squares(&[&[f64::NAN, 1.0]], &[1.0, 1.0])[0].is_nan());
     }
 }

@@ -2,8 +2,8 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-/// Value that a standard normal variable stays below with probability `p`, 0 < p < 1: Φ(x) = p, by Newton's
-/// method from 0, which cannot overshoot because Φ is concave above 0.
+/// Quantile of the standard normal distribution at probability `p`, 0 < p < 1: Φ(x) = p, by Newton's method
+/// from 0, which cannot overshoot because Φ is concave above 0.
 pub fn quantile(p: f64) -> f64 {
     if !(p > 0.0 && p < 1.0) {
         return f64::NAN;

@@ -2,7 +2,7 @@
 
 /// Exponents of ten outside of which a number is written as m × 10ⁿ.
 const PLAIN: std::ops::RangeInclusive<i32> = -4..=6;
-/// An error of this many times the value leaves no digit of it.
+/// Ratio of error to value above which no digit is significant.
 const LOST: f64 = 20.0;
 
 /// `value` with `digits` significant digits: `0.0123`, `12.3`, `5.26 × 10⁷`; `—` when it is not finite.

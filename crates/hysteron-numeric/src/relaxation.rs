@@ -1,12 +1,12 @@
-//! Exponential relaxation over many moves at once: all that hysteresis with n = 1 needs to know of a move
-//! before it knows where it starts from.
+//! Exponential relaxation over many moves at once: the coefficients of a move of hysteresis with n = 1 that
+//! do not depend on its start.
 
 use super::InstructionSet;
 use super::dispatch::{relaxations, relaxations_with_slopes};
 use super::elementary::exp;
 
-/// A row of moves Δu and, with d = |Δu| and κ ≥ 0 the rate in the direction of each, what a relaxation makes
-/// of them.
+/// A row of moves Δu and, with d = |Δu| and κ ≥ 0 the rate in the direction of each, their relaxation
+/// coefficients.
 #[derive(Clone, Debug)]
 pub struct Relaxations {
     /// Δu.
@@ -23,7 +23,7 @@ impl Relaxations {
     /// Moves a row can hold.
     pub const MOST: usize = 64;
 
-    /// Moves that are computed together, whether wanted or not.
+    /// Moves computed together, whether needed or not.
     const LANES: usize = 8;
 
     /// A row of no moves.
@@ -33,8 +33,8 @@ impl Relaxations {
     }
 
     /// Computes `decay` and `reach` of the first `count` moves at the rates `up` and `down` ≥ 0, and `slope`
-    /// where asked for; what the row holds beyond them is void. The first two are within 3, the slope within
-    /// 30 units in the last place.
+    /// where requested; entries beyond them are invalid. The first two are within 3, the slope within 30
+    /// units in the last place.
     pub fn compute(&mut self, set: InstructionSet, (up, down): (f64, f64), count: usize, slopes: bool) {
         let count = count.next_multiple_of(Self::LANES).min(Self::MOST);
         if slopes {
@@ -84,7 +84,7 @@ pub(super) fn relaxations_with_slopes_kernel(up: f64, down: f64, count: usize, r
     kernel::<true>(up, down, count, row);
 }
 
-/// The whole row takes the way its longest move needs, so that nothing in the loops branches.
+/// The whole row uses the formula that its longest move needs, so that the loops do not branch.
 #[inline(always)]
 fn kernel<const SLOPES: bool>(up: f64, down: f64, count: usize, row: &mut Relaxations) {
     let rate = |du: f64| if du < 0.0 { down } else { up };

@@ -1,20 +1,20 @@
-//! Many relaxations behind each of several inputs that go along straight lines, moved together.
+//! A bank of relaxations for each of several piecewise linear inputs, advanced together.
 //!
 //! Between two corners of the input, ξ' = λ (u − ξ) with u = u₀ + s t has the solution ξ(t) = ξ₀ + g (u₀ − ξ₀
-//! − s/λ) + s t, g = 1 − e^(−λt): one exponential function a relaxation and a step, whatever the step's
-//! length and however many inputs there are. Where λt is small for a whole row of relaxations, a few terms of
-//! the series of g are enough.
+//! − s/λ) + s t, g = 1 − e^(−λt): one exponential per relaxation and step, whatever the step's length and the
+//! number of inputs. Where λt is small for a whole row of relaxations, a few terms of the series of g are
+//! enough.
 
 use super::dispatch::{InstructionSet, bank_advance, bank_read};
 use super::elementary::exp_m1;
 
-/// Lengths that differ by less than this share are taken to be equal: what rounding makes of equal ones.
+/// Lengths that differ by less than this share count as equal: the effect of rounding.
 const EQUAL: f64 = 1e-8;
 
 /// Inputs side by side in vector code.
 pub const ABREAST: usize = 8;
 
-/// One number an input, [`ABREAST`] to a row.
+/// One number per input, [`ABREAST`] to a row.
 pub type Abreast = [f64; ABREAST];
 
 /// Straight lines of several inputs that begin at one time.
@@ -49,7 +49,7 @@ struct Gains {
     of: Vec<[f64; LANES]>,
 }
 
-/// Relaxations in a row: loops that are much shorter do not become vector code.
+/// Relaxations in a row: much shorter loops are not vectorised.
 const LANES: usize = 32;
 
 impl Default for Gains {
@@ -84,21 +84,21 @@ pub struct BankWeights {
 }
 
 impl BankWeights {
-    /// Takes the weights of ξₖ. Keeps its buffer.
+    /// Sets the weights of ξₖ. Keeps its buffer.
     pub fn set(&mut self, states: &[f64]) {
         in_lanes(states.iter().copied(), &mut self.states);
         self.is_zero = states.iter().all(|w| *w == 0.0);
     }
 
-    /// Whether the sum is 0 whatever the states.
+    /// True if the sum is 0 whatever the states.
     pub fn is_zero(&self) -> bool {
         self.is_zero
     }
 }
 
 impl RelaxationBank {
-    /// Takes these rates λₖ > 0 \[rad/s\], best in ascending order, and the states 0 of so many inputs. Keeps
-    /// its buffers.
+    /// Sets the rates λₖ > 0 \[rad/s\], best in ascending order, and zero states for this number of inputs.
+    /// Keeps its buffers.
     pub fn reset(&mut self, rates: &[f64], inputs: usize) {
         in_lanes(rates.iter().copied(), &mut self.rates);
         self.fastest.clear();
@@ -112,15 +112,15 @@ impl RelaxationBank {
         self.reading.reset(rows);
     }
 
-    /// Moves the states along a line of each input, for so long \[s\].
+    /// Advances the states along a line of each input, for `length_s` \[s\].
     pub fn advance(&mut self, set: InstructionSet, lines: &Lines, length_s: f64) {
         if !self.rates.is_empty() {
             bank_advance(set, self, lines, length_s);
         }
     }
 
-    /// One sum over the states of each input after so long \[s\] on its line for each of `weights`, added to
-    /// `sums`: all inputs of the first weights, in rows, then of the next. The states stay where they are.
+    /// One sum over the states of each input `length_s` \[s\] along its line for each of `weights`, added to
+    /// `sums`: all inputs of the first weights, in rows, then of the next. The states do not change.
     pub fn read(
         &mut self,
         set: InstructionSet,
@@ -135,7 +135,7 @@ impl RelaxationBank {
     }
 }
 
-/// So many at a time, 0 in front of the first: what is fast is together.
+/// [`LANES`] at a time, padded with 0 at the front, so that fast ones are together.
 fn in_lanes(numbers: impl ExactSizeIterator<Item = f64>, into: &mut Vec<[f64; LANES]>) {
     into.clear();
     into.resize(numbers.len().div_ceil(LANES), [0.0; LANES]);

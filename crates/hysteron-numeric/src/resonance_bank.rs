@@ -1,19 +1,19 @@
-//! Resonances behind each of several inputs that go along straight lines, moved together.
+//! A bank of resonances for each of several piecewise linear inputs, advanced together.
 //!
 //! x' = p x + u with u = u₀ + s t has the solution x(t) = x₀ + m x₀ + a u₀ + b s, m = e^(pt) − 1, a = m/p, b
-//! = (a − t)/p. Where they are asked for, derivatives D = ∂x/∂p go along: D(t) = D₀ + m D₀ + m' x₀ + a' u₀ +
-//! b' s, with m' = t e^(pt), a' = (m' − a)/p, b' = (a' − b)/p. Six numbers a pole and a length are all that
-//! depends on these; they are worked out for a stretch of lengths at once and serve every input.
+//! = (a − t)/p. If requested, derivatives D = ∂x/∂p are carried along: D(t) = D₀ + m D₀ + m' x₀ + a' u₀ + b'
+//! s, with m' = t e^(pt), a' = (m' − a)/p, b' = (a' − b)/p. Six numbers per pole and length are needed; they
+//! are computed for a stretch of lengths at once and shared by all inputs.
 
 use super::Complex64;
 use super::complex_exponential::exponentials_less_one;
 use super::dispatch::{InstructionSet, propagators, resonances_advance, resonances_read};
 use super::relaxation_bank::{ABREAST, Abreast, Lines};
 
-/// Lengths whose propagators are worked out together.
+/// Lengths whose propagators are computed together.
 const STRETCH: usize = 64;
 
-/// x of every pole and input and, where asked for, ∂x/∂p.
+/// x of every pole and input and, if requested, ∂x/∂p.
 #[derive(Clone, Debug, Default)]
 pub struct ResonanceBank {
     poles: Vec<Complex64>,
@@ -47,7 +47,7 @@ pub struct Propagators([[[f64; STRETCH]; 2]; 6]);
 type Propagator = [Complex64; 6];
 
 impl Stretch {
-    /// Place of length `index` within the stretch, which is made anew from there on where it is not in it.
+    /// Place of length `index` within the stretch, which is recomputed from there on if it lies outside.
     fn place(
         &mut self,
         set: InstructionSet,
@@ -81,19 +81,19 @@ impl Propagators {
 }
 
 impl ResonanceBank {
-    /// At rest at 0 behind so many inputs; with derivatives where asked for. Keeps its buffers.
+    /// Resets to rest at 0 for this number of inputs, with derivatives if requested. Keeps its buffers.
     pub fn reset(&mut self, poles: &[Complex64], inputs: usize, with_derivatives: bool) {
         self.poles.clear();
         self.poles.extend_from_slice(poles);
         self.states.clear();
         self.states.resize(poles.len() * inputs.div_ceil(ABREAST), State::default());
         self.with_derivatives = with_derivatives;
-        // The poles may be others than last time.
+        // The poles may differ from the last ones.
         self.steps.lengths_s.clear();
         self.readings.lengths_s.clear();
     }
 
-    /// Moves the states along the `index`-th line of each input; `length_s`: how long the lines are \[s\].
+    /// Advances the states along the `index`-th line of each input; `length_s`: lengths of the lines \[s\].
     pub fn advance(
         &mut self,
         set: InstructionSet,
@@ -108,8 +108,8 @@ impl ResonanceBank {
     }
 
     /// Adds the weighted sum of x and ∂x/∂p over the poles, its real part, on the line of each input, to
-    /// `sums`: all inputs of the first weights, in rows, then of the next. `length_s`: how far along the
-    /// lines the `index`-th reading is \[s\]. The states stay where they are.
+    /// `sums`: all inputs of the first weights, in rows, then of the next. `length_s`: positions of the
+    /// readings along the lines \[s\]. The states do not change.
     pub fn read(
         &mut self,
         set: InstructionSet,
@@ -125,7 +125,7 @@ impl ResonanceBank {
     }
 }
 
-/// All but m, which is there.
+/// All but m, which is given.
 #[inline(always)]
 pub(super) fn propagators_kernel(
     inverse: Complex64,

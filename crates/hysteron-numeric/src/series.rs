@@ -1,4 +1,4 @@
-//! Power series of many short stretches at once, one lane a stretch: multiplied, raised to a power,
+//! Power series of many short stretches at once, one lane per stretch: multiplied, raised to a power,
 //! evaluated.
 
 use super::InstructionSet;

@@ -7,16 +7,16 @@ use super::InstructionSet;
 use super::dispatch::reflect;
 use super::inner_product::{inner_product_kernel, subtract_multiple_kernel};
 
-/// Rows that one reduction takes in: with its columns they stay in the cache.
+/// Rows per reduction, small enough to stay in the cache.
 const BLOCK: usize = 256;
-/// Rows that one thread takes at a time.
+/// Rows per task of a thread.
 const SHARE: usize = 16 * BLOCK;
 
 /// R of the QR factorisation of `columns`, all of one length.
 ///
 /// Householder reflections over blocks of rows, the factor of the blocks before on top of each; then of the
-/// factors of all shares (Demmel, Grigori, Hoemmen and Langou 2012, doi:10.1137/080731992). Which rows come
-/// together does not depend on the threads.
+/// factors of all shares (Demmel, Grigori, Hoemmen and Langou 2012, doi:10.1137/080731992). The grouping of
+/// rows does not depend on the threads.
 pub fn triangular(columns: &[&[f64]]) -> DMatrix<f64> {
     let width = columns.len();
     let rows = columns.first().map_or(0, |column| column.len());
@@ -51,7 +51,7 @@ pub fn triangular(columns: &[&[f64]]) -> DMatrix<f64> {
     DMatrix::from_vec(width, width, factor)
 }
 
-/// Columns shorter than this are as good as zero: their squares underflow.
+/// Columns of smaller norm count as zero: their squares underflow.
 const NOTHING: f64 = 1e-140;
 
 /// Reflects the columns of `work`, `height` rows each, to an upper triangle, and writes that to `factor`.
@@ -91,7 +91,7 @@ mod tests {
         ((k * (2 * j + 3)) as f64 * 0.37).sin() + 0.1 * j as f64
     }
 
-    /// RᵀR = JᵀJ, which with an upper R says all.
+    /// RᵀR = JᵀJ, which determines an upper triangular R.
     #[test]
     fn is_the_factor_of_matrices_of_any_height() {
         for rows in [0, 1, 3, 6, 255, 256, 257, 5000] {

@@ -2,9 +2,9 @@
 //!
 //! Employed bees and onlookers (roulette on 1/(1 + J)) move one random component, v_j = x_j + φ (x_j − x_kj)
 //! with φ uniform in [−1, 1] and a random partner k ≠ i; clipped to the box, accepted if better. A source
-//! that failed more often than its limit gives way to a random one, at most one a generation. Phases propose
-//! all, evaluate all, then accept in index order. A generation costs 2·SN evaluations, and one more where the
-//! scout fires.
+//! with more failures than its limit is replaced by a random one, at most one per generation. Phases propose
+//! all, evaluate all, then accept in index order. A generation costs 2·SN evaluations, and one more with a
+//! scout.
 
 use super::OptimizeError;
 use super::algorithm::check_population;
@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 pub struct AbcOptions {
     /// Food sources SN, at least 2.
     pub population: usize,
-    /// Failures a source may have before a random one takes its place; `None`: SN·D.
+    /// Failures of a source after which a random one replaces it; `None`: SN·D.
     pub limit: Option<usize>,
 }
 

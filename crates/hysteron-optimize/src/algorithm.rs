@@ -1,4 +1,4 @@
-//! The closed set of algorithms behind one enum.
+//! The algorithms and their options.
 
 use super::{
     AbcOptions, CmaEsOptions, DeAbcOptions, DeOptions, LeastSquaresOptions, OptimizeError, PsoOptions,
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub struct UnknownAlgorithm {
     /// The name given.
     pub name: String,
-    /// The names there are.
+    /// The known names.
     pub known: String,
 }
 
@@ -47,8 +47,7 @@ impl Algorithm {
         }
     }
 
-    /// The algorithm of this name, with its own options but for the `population` (of least squares: the
-    /// number of starts).
+    /// The algorithm of this name with default options except `population` (least squares: number of starts).
     ///
     /// # Errors
     /// [`UnknownAlgorithm`].
@@ -93,7 +92,7 @@ impl Algorithm {
     }
 }
 
-/// Refuses a population too small for its mutation.
+/// Rejects a population too small for its mutation.
 pub(super) fn check_population(
     population: usize,
     least: usize,
@@ -105,7 +104,7 @@ pub(super) fn check_population(
     Ok(())
 }
 
-/// Refuses a real option outside its range.
+/// Rejects a real option outside its range.
 pub(super) fn check_option(
     option: &'static str,
     value: f64,

@@ -1,4 +1,4 @@
-//! Linear least squares in a box: the subproblem of one Levenberg–Marquardt step.
+//! Bounded linear least squares: the subproblem of one Levenberg–Marquardt step.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -8,9 +8,9 @@ const MULTIPLIER_TOLERANCE: f64 = 1e-13;
 /// Minimiser of ‖A p − b‖ over low ≤ p ≤ high, for A of full column rank and a box that contains 0.
 ///
 /// Primal active set from p = 0 (Stark and Parker 1995, "Bounded-variable least-squares", Computational
-/// Statistics 10, 129–141): solve for the free variables, go towards that solution until a bound blocks, fix
-/// the blocking variable; where none blocks, release the bound with the most wrong multiplier. Every pass
-/// lowers ‖A p − b‖ or fixes a variable, so whatever is returned is no worse than p = 0 and inside the box.
+/// Statistics 10, 129–141): solve for the free variables, move towards that solution until a bound blocks,
+/// fix the blocking variable; where none blocks, release the bound with the largest multiplier of wrong sign.
+/// Every pass reduces ‖A p − b‖ or fixes a variable, so the result is no worse than p = 0 and inside the box.
 pub(super) fn solve(a: &DMatrix<f64>, b: &DVector<f64>, low: &[f64], high: &[f64]) -> DVector<f64> {
     let n = a.ncols();
     let norms: Vec<f64> = a.column_iter().map(|column| column.norm()).collect();

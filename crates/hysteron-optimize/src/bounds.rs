@@ -1,4 +1,4 @@
-//! The search box and its map onto the unit box.
+//! Search box and its mapping onto the unit box.
 
 use super::OptimizeError;
 use serde::{Deserialize, Serialize};
@@ -58,7 +58,7 @@ impl Range {
         if t > 0.0 { t.min(1.0) } else { 0.0 }
     }
 
-    /// Whether the parameter value `x` is one of the ends, to 1e-9 of the range.
+    /// True if the parameter value `x` is at a bound, to 1e-9 of the range.
     pub fn is_end(&self, x: f64) -> bool {
         !(1e-9..=1.0 - 1e-9).contains(&self.to_unit(x))
     }

@@ -16,8 +16,8 @@ const VERSION: u32 = 1;
 const SAME_COST: f64 = 1e-6;
 
 /// The whole state of a run, serialisable: problem, search box, algorithm, settings, population, the position
-/// in the random streams and the history. [`minimize`](super::minimize()) goes on from it to the same final
-/// bits.
+/// in the random streams and the history. [`minimize`](super::minimize()) resumes from it with a
+/// bit-identical result.
 ///
 /// Get one from [`Progress::checkpoint`](super::Progress::checkpoint) each generation or from
 /// [`Outcome::checkpoint`](super::Outcome::checkpoint) at the end. JSON needs `serde_json` with
@@ -33,7 +33,7 @@ pub struct Checkpoint {
     pub(super) settings: Settings,
     pub(super) ledger: Ledger,
     pub(super) state: State,
-    /// Why the run ended by itself; `None` while it can go on.
+    /// Reason why the run ended by itself; `None` while it can be resumed.
     pub(super) finished: Option<StopReason>,
 }
 
@@ -99,7 +99,7 @@ impl Checkpoint {
         self.ledger.best_cost
     }
 
-    /// Refuses to go on with anything but what this run was started with.
+    /// Rejects a problem, box, algorithm or settings other than those of this run.
     pub(super) fn check_same_run(
         &self,
         problem: &str,
@@ -152,14 +152,14 @@ impl Checkpoint {
         }
     }
 
-    /// Refuses a best point whose cost is `now` where the checkpoint has another.
+    /// Rejects a cost `now` at the best point that differs from the stored one.
     pub(super) fn check_cost(&self, now: f64) -> Result<(), OptimizeError> {
         let stored = self.ledger.best_cost;
         let same = if stored.is_finite() { (now - stored).abs() <= SAME_COST * stored.abs() } else { true };
         if same { Ok(()) } else { Err(OptimizeError::CheckpointCost { stored, now }) }
     }
 
-    /// Refuses a state no run can be in: a damaged file must not make a run panic.
+    /// Rejects an inconsistent state: a damaged file must not cause a panic.
     fn check_consistent(&self) -> Result<(), OptimizeError> {
         let dimension = self.bounds.dimension();
         let best = &self.ledger.best;

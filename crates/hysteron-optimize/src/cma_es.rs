@@ -11,8 +11,8 @@
 //! - p_c ← (1 − c_c) p_c + h_σ √(c_c (2 − c_c) μ_eff) ⟨y⟩;
 //! - C ← (1 − c₁ (1 − (1 − h_σ) c_c (2 − c_c)) − c_μ) C + c₁ p_c p_cᵀ + c_μ Σ wᵢ y₍ᵢ₎ y₍ᵢ₎ᵀ.
 //!
-//! The strategy knows no walls: space is the box mirrored at each of them again and again, so that no weight
-//! of a penalty has to be chosen and a minimum on a wall stays a minimum.
+//! Bounds are handled by periodic reflection: space is the box mirrored repeatedly at its bounds, so that no
+//! penalty weight has to be chosen and a minimum at a bound stays a minimum.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 use serde::{Deserialize, Serialize};
@@ -23,9 +23,9 @@ use super::infinite_as_null;
 use super::ledger::{Scratch, Search};
 use super::stream::Stream;
 
-/// A population is doubled this often at most.
+/// Most doublings of the population.
 const MOST_DOUBLINGS: usize = 10;
-/// A run is over where the best costs of its last generations agree to this share.
+/// A run ends where the best costs of its last generations agree to this share.
 const FLAT: f64 = 1e-12;
 /// … or the distribution is narrower than this share of the box,
 const NARROW: f64 = 1e-12;
@@ -67,13 +67,13 @@ impl CmaEsOptions {
         first.saturating_mul(1 << restarts.min(MOST_DOUBLINGS))
     }
 
-    /// Generations looked back for whether the costs still fall.
+    /// Window of generations for detecting stagnation.
     fn window(&self, dimension: usize, restarts: usize) -> usize {
         10 + 30 * dimension / self.population(dimension, restarts)
     }
 }
 
-/// The normal distribution that candidates are drawn from, and the paths it took.
+/// Sampling distribution of the candidates, and the evolution paths.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Distribution {
@@ -96,7 +96,7 @@ pub(super) struct Distribution {
 }
 
 impl Distribution {
-    /// Around the best of the given starts, or of one point drawn uniformly.
+    /// A distribution around the best of the given starts, or around one uniformly drawn point.
     pub(super) fn new(options: &CmaEsOptions, search: &mut Search<'_>) -> Self {
         let (points, costs) = search.initial_population(search.settings.starts.len().max(1));
         let best = (0..costs.len()).min_by(|&a, &b| costs[a].total_cmp(&costs[b])).unwrap_or(0);
@@ -130,7 +130,7 @@ impl Distribution {
             && symmetric(&self.covariance)
     }
 
-    /// Whether nothing more can come of this distribution; `ranked`: costs of its last candidates, best
+    /// True if the distribution has converged or degenerated; `ranked`: costs of its last candidates, best
     /// first.
     fn is_spent(&self, ranked: &[f64], axes: &[f64], window: usize) -> bool {
         let (best, worst) = (ranked[0], ranked[ranked.len() - 1]);
@@ -239,7 +239,7 @@ impl Distribution {
             self.step_path[j] = (1.0 - c_sigma) * self.step_path[j] + pull * weighted(bz, j);
         }
         let length = self.step_path.iter().map(|p| p * p).sum::<f64>().sqrt();
-        // A path still short of its stationary length says nothing about the step yet.
+        // Corrects for a path that has not reached its stationary length.
         let stationary = (1.0 - (1.0 - c_sigma).powi(2 * self.age.min(100_000) as i32)).sqrt();
         let steady = length / stationary < (1.4 + 2.0 / (dimension as f64 + 1.0)) * expected_length;
         let (pull, loss) =
@@ -261,7 +261,7 @@ impl Distribution {
     }
 }
 
-/// Place in [0, 1] of the coordinate `t` of a space that is the box mirrored at its walls.
+/// Reflects the coordinate `t` of the mirrored space into [0, 1].
 fn mirrored(t: f64) -> f64 {
     let t = t.rem_euclid(2.0);
     if t > 1.0 { (2.0 - t).max(0.0) } else { t }
@@ -317,8 +317,8 @@ mod tests {
         assert!(outcome.cost < 1e-6, "{}", outcome.cost);
     }
 
-    /// The strategy's mark: an ellipsoid of axes 1 : 10⁶, turned, is solved like a sphere, to a tenth of what
-    /// the others need.
+    /// Rotational invariance: a rotated ellipsoid of axes 1 : 10⁶ is solved like a sphere, with a tenth of
+    /// the others' evaluations.
     #[test]
     fn turned_ellipsoid_is_no_harder_than_its_condition() {
         let n = 6;

@@ -1,4 +1,4 @@
-//! Parts that the two bee colonies share: food sources, their acceptance, roulette and exhaustion.
+//! Common parts of the two bee colonies: food sources, acceptance, roulette and exhaustion.
 
 use super::infinite_as_null;
 use super::ledger::{Scratch, Search};
@@ -13,7 +13,7 @@ pub(super) struct Colony {
     pub(super) sources: Points,
     #[serde(with = "infinite_as_null::many")]
     pub(super) costs: Vec<f64>,
-    /// Failures in a row of each source.
+    /// Consecutive failures of each source.
     pub(super) trials: Vec<usize>,
     pub(super) scouts_fired: usize,
 }
@@ -64,7 +64,7 @@ impl Colony {
         }
     }
 
-    /// Puts a source in the place of source i and sets its counter back.
+    /// Replaces source i and resets its counter.
     pub(super) fn replace(&mut self, i: usize, point: &[f64], cost: f64) {
         self.sources.get_mut(i).copy_from_slice(point);
         self.costs[i] = cost;
@@ -100,7 +100,7 @@ impl Colony {
     }
 }
 
-/// Which source each bee of a phase works on.
+/// Assignment of the bees of a phase to sources.
 #[derive(Clone, Copy)]
 pub(super) enum Owners {
     /// Employed bees: one each.
@@ -109,7 +109,7 @@ pub(super) enum Owners {
     Roulette,
 }
 
-/// Position on the wheel of the pointer, 0 ≤ pointer < Σ weights; never a source of weight zero.
+/// Index selected by the pointer, 0 ≤ pointer < Σ weights; never a source of weight zero.
 fn spin(weights: &[f64], mut pointer: f64) -> usize {
     let mut last = 0;
     for (i, &weight) in weights.iter().enumerate() {

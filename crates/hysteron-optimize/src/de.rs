@@ -2,7 +2,7 @@
 //!
 //! For each member i, three others r₁, r₂, r₃, all different, make v = x_r₁ + F (x_r₂ − x_r₃); the trial
 //! takes each component from v with probability CR, one for certain, the others from x_i; clipped to the box.
-//! It takes the member's place if it is not worse. A generation proposes all, evaluates all, then accepts.
+//! It replaces the member if it is not worse. A generation proposes all, evaluates all, then accepts.
 
 use super::OptimizeError;
 use super::algorithm::{check_option, check_population};

@@ -1,9 +1,9 @@
 //! DE-ABC: the article's bee colony with differential mutation and chaotic scout, Eqs. 8–12 and Fig. 4.
 //!
-//! One generation of SN food sources, on the unit box, F fixed when it begins, x_best when each phase begins.
-//! (With x_best of the generation before for the onlookers too, fewer runs come home: on the static problem
-//! of `hysteron_article::optimizer_study` 96.8 % instead of 99.0 % of 310 seeds, at the same number of
-//! evaluations.)
+//! One generation of SN food sources, on the unit box; F is fixed at its beginning, x_best at the beginning
+//! of each phase. (With x_best of the previous generation for the onlookers too, fewer runs succeed: on the
+//! static problem of `hysteron_article::optimizer_study` 96.8 % instead of 99.0 % of 310 seeds, at the same
+//! number of evaluations.)
 //! 1. *Employed bees*, one a source: x' = x_best + F (x_i − x_k) with a random partner k ≠ i (Eq. 8) and F =
 //!    1 − iter/Iter (Eq. 9; iter counts from 0, so F falls from 1 to 1/Iter). Clipped to the box; accepted if
 //!    better, else the source's counter goes up.
@@ -12,7 +12,7 @@
 //!    K points of a chaotic search (Eqs. 10–12), counter back to 0.
 //!
 //! A phase proposes all, evaluates all, then accepts in index order. So a generation costs 2·SN evaluations,
-//! and K more where the scout fires. The article moves one random component; that fails ([`MovedComponents`]).
+//! and K more with a scout. The article changes one random component, which fails ([`MovedComponents`]).
 
 use super::algorithm::{check_option, check_population};
 use super::colony::{Colony, Owners};
@@ -29,18 +29,18 @@ pub struct DeAbcOptions {
     pub population: usize,
     /// Components that Eq. 8 moves.
     pub moved: MovedComponents,
-    /// Failures L that a source may have before the scout is sent; `None`: SN·D.
+    /// Failures L of a source that trigger the scout; `None`: SN·D.
     pub limit: Option<usize>,
     /// Action of the scout.
     pub scout: Scout,
 }
 
-/// Components that Eq. 8 moves; the others stay those of x_i.
+/// Components changed by Eq. 8; the others stay those of x_i.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MovedComponents {
-    /// One random component: the article's wording (j selected randomly). Correlated parameters cannot be
-    /// found so.
+    /// One random component: the article's wording (j selected randomly). This fails for correlated
+    /// parameters.
     One,
     /// Each with this probability, at least one.
     Binomial {
@@ -52,26 +52,27 @@ pub enum MovedComponents {
     All,
 }
 
-/// Action of the scout on a source that no longer improves.
+/// Action of the scout on an exhausted source.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scout {
     /// Nothing: no scout.
     Off,
-    /// Puts a uniformly random source in its place, as the bee colony without chaos does. One evaluation.
+    /// Replaces it by a uniformly random source, as in the standard bee colony. One evaluation.
     Random,
     /// Chaotic search around it.
     Chaotic {
         /// Number K of points.
         iterates: usize,
-        /// Reading of Eq. 12.
+        /// Interpretation of Eq. 12.
         chaos: Chaos,
-        /// Candidates for the source's place.
+        /// Candidates to replace the source.
         keeps: ScoutKeeps,
     },
 }
 
-/// Reading of Eq. 12, x' = x_i + c (x_max − x_min), which as printed only moves up and leaves the box.
+/// Interpretation of Eq. 12, x' = x_i + c (x_max − x_min), which as printed only increases and leaves the
+/// box.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Chaos {
@@ -82,14 +83,14 @@ pub enum Chaos {
     ChaoticMap,
 }
 
-/// Candidates for the place of a scouted source.
+/// Candidates to replace an exhausted source.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ScoutKeeps {
     /// The best of the chaotic points and of the source itself (the article).
     #[default]
     Best,
-    /// The best of the chaotic points, even where the source was better.
+    /// The best of the chaotic points, even if worse than the source.
     Replacement,
 }
 
@@ -197,7 +198,7 @@ fn send_scout(scout: Scout, i: usize, colony: &mut Colony, search: &mut Search<'
 }
 
 /// C⁰ (Eq. 11), which on the unit box is the coordinate itself; a random number where the logistic map would
-/// stay on or fall into a fixed point.
+/// reach a fixed point.
 fn chaotic_start(coordinate: f64, random: &mut Stream) -> f64 {
     let mut c = coordinate;
     while [0.0, 0.25, 0.5, 0.75, 1.0].contains(&c) {
@@ -211,7 +212,7 @@ fn logistic(c: f64) -> f64 {
     4.0 * c * (1.0 - c)
 }
 
-/// A coordinate of [0, 2] back into the box.
+/// Wraps a coordinate in [0, 2] into the box.
 fn wrap(t: f64) -> f64 {
     if t > 1.0 { t - 1.0 } else { t }
 }

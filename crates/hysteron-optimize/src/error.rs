@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// Why a minimisation could not be run.
+/// Error of a minimisation.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum OptimizeError {
@@ -43,7 +43,7 @@ pub enum OptimizeError {
         /// The start point.
         found: Vec<f64>,
     },
-    /// Least squares asked of a problem that has only a cost.
+    /// Least squares requested for a problem with only a cost.
     #[error(
         "least squares needs residuals, and this problem has only a cost: choose de-abc, abc, de, pso or \
          cma-es"
@@ -66,7 +66,7 @@ pub enum OptimizeError {
         /// Error of the operating system.
         reason: String,
     },
-    /// A Jacobian was asked for at a point where the model cannot be simulated.
+    /// A Jacobian was requested at a point where the model cannot be simulated.
     #[error("the residuals cannot be differentiated with respect to {name} at {x:?}")]
     NotDifferentiable {
         /// Parameter.
@@ -74,7 +74,7 @@ pub enum OptimizeError {
         /// The point.
         x: Vec<f64>,
     },
-    /// Not a checkpoint of this version.
+    /// A checkpoint of another format or version.
     #[error(
         "the checkpoint is of format \"{format}\" version {version}, this program reads \"{expected}\" \
          version {expected_version}"
@@ -124,7 +124,7 @@ pub enum OptimizeError {
         /// Value given.
         expected: String,
     },
-    /// The cost at the checkpoint's best point is not what the checkpoint says: other data.
+    /// The cost at the checkpoint's best point differs from the stored one: other data.
     #[error(
         "the cost at the checkpoint's best point is {now} here and {stored} there: it was made with other \
          data"
@@ -135,7 +135,7 @@ pub enum OptimizeError {
         /// Cost of this problem at the same point.
         now: f64,
     },
-    /// The state of a checkpoint contradicts itself: the file was damaged or edited.
+    /// The state of a checkpoint is inconsistent: the file was damaged or edited.
     #[error("the checkpoint is damaged: {what}")]
     CheckpointDamaged {
         /// The contradiction.
@@ -144,7 +144,7 @@ pub enum OptimizeError {
 }
 
 impl OptimizeError {
-    /// Whether what was to be resumed from was refused.
+    /// True if the checkpoint to resume from was rejected.
     pub fn is_of_checkpoint(&self) -> bool {
         matches!(
             self,

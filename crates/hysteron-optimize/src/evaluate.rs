@@ -7,21 +7,21 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Costs of points of the unit box.
 pub(super) trait Evaluate {
-    /// Costs of `points` in their order; whatever is not finite is +∞.
+    /// Costs of `points` in their order; non-finite ones are +∞.
     fn costs(&mut self, points: &Points, costs: &mut Vec<f64>);
 }
 
 /// Residuals of points of the unit box, and their analytic derivatives.
 pub(super) trait EvaluateResiduals {
     fn residual_count(&self) -> usize;
-    /// Residuals of all `points`, one column after the other, and whether each could be simulated.
+    /// Residuals of all `points`, one column after the other, and a flag for each that could be simulated.
     fn residuals(&mut self, points: &Points, columns: &mut [f64], feasible: &mut Vec<bool>);
     /// The problem's own derivatives with respect to its parameters.
     fn jacobian(&mut self, point: &[f64], columns: &mut [f64]) -> Derivative;
 }
 
-/// Evaluates over threads; each thread keeps its workspace, made when it first works, for the whole run, and
-/// an evaluation allocates nothing.
+/// Parallel evaluator; each thread creates its workspace on first use and keeps it for the run, so that an
+/// evaluation allocates nothing.
 pub(super) struct Evaluator<'p, P: Problem> {
     problem: &'p P,
     pool: Option<rayon::ThreadPool>,
@@ -29,7 +29,7 @@ pub(super) struct Evaluator<'p, P: Problem> {
     refusal: Refusal,
 }
 
-/// Evaluations that are asked for after a stop are not made, once there is a point to hand out.
+/// Refuses evaluations after a stop, once there is a point to return.
 struct Refusal {
     stop: Option<Stop>,
     found: AtomicBool,
@@ -44,8 +44,7 @@ impl Refusal {
         self.is_asked_for() && self.found.load(Ordering::Relaxed)
     }
 
-    /// Evaluates a point unless that is refused; once more where a stop asked for meanwhile may have cut
-    /// short the only point.
+    /// Evaluates a point unless refused; repeats it where a stop may have interrupted the only point.
     fn evaluate(&self, mut feasible: impl FnMut() -> bool) -> bool {
         let before = self.is_asked_for();
         let mut done = !self.is_due() && feasible();
@@ -89,15 +88,15 @@ impl<'p, P: Problem> Evaluator<'p, P> {
         Ok(Self { problem, pool, slots, refusal })
     }
 
-    /// Cost at one point, outside every count.
+    /// Cost at one point, uncounted.
     pub(super) fn cost(&mut self, point: &[f64]) -> f64 {
-        // It was found in the run that is gone on with.
+        // The resumed run already has a point.
         self.refusal.found.store(true, Ordering::Relaxed);
         self.slots.first_mut().map_or(f64::INFINITY, |slot| slot.cost(self.problem, point))
     }
 }
 
-/// One thread's share of residual columns and of their verdicts.
+/// One thread's share of residual columns and feasibility flags.
 type Columns<'a> = (&'a mut [f64], &'a mut [bool]);
 
 impl<W> Slot<W> {

@@ -9,8 +9,8 @@ use super::{
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-/// Finite differences of residuals, where the problem supplies no derivatives. A step that would leave the
-/// box, or where the model cannot be simulated, is taken to the other side.
+/// Finite differences of residuals, where the problem supplies no derivatives. A step out of the box, or to a
+/// point that cannot be simulated, is taken to the other side.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Differences {
@@ -27,8 +27,7 @@ pub enum Differences {
 }
 
 impl Default for Differences {
-    /// Forward with 1e−7: between the truncation (∝ h) and what an FFT's rounding (1e−13 or so) leaves (∝
-    /// 1/h).
+    /// Forward with 1e−7: a compromise between truncation (∝ h) and rounding of an FFT (about 1e−13, ∝ 1/h).
     fn default() -> Self {
         Self::Forward { step: 1e-7 }
     }
@@ -58,7 +57,7 @@ impl Differences {
 /// the problem's own derivatives, or finite differences.
 ///
 /// # Errors
-/// [`OptimizeError::NotDifferentiable`] where the model cannot be simulated at or beside `x`; an invalid box,
+/// [`OptimizeError::NotDifferentiable`] where the model cannot be simulated at or near `x`; an invalid box,
 /// or `x` not of its dimension.
 pub fn residual_jacobian<P: LeastSquaresProblem>(
     problem: &P,
@@ -147,8 +146,7 @@ impl<'a> UnitResiduals<'a> {
         &self.columns
     }
 
-    /// Makes `point` the current one, simulating it (uncounted) if it is not already; whether it could be
-    /// simulated.
+    /// Makes `point` the current one, simulating it (uncounted) if needed; false if it cannot be simulated.
     pub(super) fn load(&mut self, point: &[f64]) -> bool {
         if self.at == point {
             return true;
@@ -160,7 +158,7 @@ impl<'a> UnitResiduals<'a> {
         true
     }
 
-    /// Simulates `point` and counts it; its cost, +∞ where it cannot be simulated.
+    /// Simulates and counts `point`; returns its cost, +∞ where it cannot be simulated.
     pub(super) fn try_point(&mut self, point: &[f64], ledger: &mut Ledger) -> f64 {
         let cost = if self.simulate_trial(point) { root_mean_square(&self.trial) } else { f64::INFINITY };
         ledger.count(point, cost);
@@ -181,7 +179,7 @@ impl<'a> UnitResiduals<'a> {
         self.feasible == [true]
     }
 
-    /// Derivatives at the current point `unit`, with their evaluations counted.
+    /// Derivatives at the current point `unit`; counts their evaluations.
     pub(super) fn differentiate(
         &mut self,
         unit: &[f64],
@@ -245,7 +243,7 @@ impl<'a> UnitResiduals<'a> {
             vec![false; unit.len()]
         };
         for (j, column) in self.columns.chunks_mut(count).enumerate() {
-            // The step that was taken, not the one that was meant.
+            // The step after rounding.
             let taken = (unit[j] + steps[j]) - unit[j];
             if both[j] {
                 let width = taken - ((unit[j] - steps[j]) - unit[j]);
@@ -258,7 +256,7 @@ impl<'a> UnitResiduals<'a> {
         Ok(())
     }
 
-    /// Residuals at t + hⱼ eⱼ for every j into `columns`; whether each is in the box and could be simulated.
+    /// Residuals at t + hⱼ eⱼ for every j into `columns`; true for those in the box that could be simulated.
     fn simulate_beside(&mut self, unit: &[f64], steps: &[f64], ledger: &mut Ledger) -> Vec<bool> {
         self.points.clear();
         for (j, step) in steps.iter().enumerate() {
@@ -270,7 +268,7 @@ impl<'a> UnitResiduals<'a> {
         self.feasible.iter().enumerate().map(|(j, &feasible)| feasible && inside(j)).collect()
     }
 
-    /// Residuals at t + h eⱼ into column j; whether it is in the box and could be simulated.
+    /// Residuals at t + h eⱼ into column j; true if it is in the box and could be simulated.
     fn simulate_one_beside(&mut self, unit: &[f64], j: usize, step: f64, ledger: &mut Ledger) -> bool {
         if !(0.0..=1.0).contains(&(unit[j] + step)) {
             return false;

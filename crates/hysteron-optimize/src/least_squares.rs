@@ -1,8 +1,8 @@
-//! Bounded least squares from many starts.
+//! Bounded multi-start least squares.
 //!
 //! Local fits follow one another in the order of their starts (the given ones first) and share the budget,
-//! until the starts are used up, or enough of them have ended in the same best minimum. An iteration of a fit
-//! is a generation of the run; so is the beginning of a fit. Counted are all evaluations: starts, steps,
+//! until all starts are done, or enough of them have ended in the same best minimum. An iteration of a fit is
+//! a generation of the run; so is the beginning of a fit. All evaluations are counted: starts, steps,
 //! differences.
 
 use super::algorithm::check_option;
@@ -23,13 +23,13 @@ const SAME_ABSOLUTE: f64 = 1e-8;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LeastSquaresOptions {
-    /// Number of starts, those of [`Settings::starts`] included (which are all used, even if they are more).
+    /// Number of starts, including those of [`Settings::starts`] (all of which are used, even if more).
     pub starts: usize,
     /// Distribution of the other starts.
     pub spread: Starts,
     /// Stop once this many starts have ended in the same best minimum; `None`: use all starts. Three may
-    /// agree on a wrong one: in 2 of 200 runs of the study's static problem, whose box holds an edge without
-    /// hysteresis.
+    /// agree on a local minimum: in 2 of 200 runs of the study's static problem, whose box has a bound
+    /// without hysteresis.
     pub agreement: Option<usize>,
     /// Most iterations of one start.
     pub iterations: usize,
@@ -38,9 +38,9 @@ pub struct LeastSquaresOptions {
     /// A fit has converged where the cosine between the residuals and every column of the Jacobian is below
     /// this.
     pub gradient_tolerance: f64,
-    /// … or where the squared cost falls by less than this, relative, measured and predicted.
+    /// … or where both actual and predicted relative reduction of the squared cost are below this.
     pub cost_tolerance: f64,
-    /// … or where no parameter moves by more than this on the unit box.
+    /// … or where no parameter changes by more than this on the unit box.
     pub step_tolerance: f64,
 }
 
@@ -91,27 +91,27 @@ impl LeastSquaresOptions {
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum LocalStatus {
-    /// Converged: the residuals are orthogonal to every direction the box leaves open.
+    /// Converged: the residuals are orthogonal to every feasible direction.
     GradientTolerance,
-    /// Converged: the cost no longer falls.
+    /// Converged: the cost no longer decreases.
     CostTolerance,
-    /// Converged: the parameters no longer move.
+    /// Converged: the parameters no longer change.
     StepTolerance,
-    /// Out of iterations.
+    /// Iteration limit reached.
     Iterations,
-    /// Given up: at its pace it would have been out of iterations before it came down to the best of the
-    /// starts before.
+    /// Abandoned: at its rate of convergence it would reach the iteration limit before the best cost of
+    /// earlier starts.
     Abandoned,
     /// The run's budget of evaluations was spent.
     Budget,
     /// The model cannot be simulated at the start.
     Infeasible,
-    /// The model cannot be simulated beside the point.
+    /// The model cannot be simulated near the point.
     NotDifferentiable,
 }
 
 impl LocalStatus {
-    /// Whether the fit ended in a (local) minimum.
+    /// True if the fit ended in a (local) minimum.
     pub fn converged(self) -> bool {
         matches!(self, Self::GradientTolerance | Self::CostTolerance | Self::StepTolerance)
     }
@@ -121,7 +121,7 @@ impl LocalStatus {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StartResult {
-    /// Where it ended, in the problem's own units.
+    /// Final point, in the problem's units.
     pub best: Vec<f64>,
     /// Cost there; +∞ (`null` in JSON) where the start could not be simulated.
     #[serde(with = "super::infinite_as_null::one")]
@@ -137,7 +137,7 @@ pub struct StartResult {
     pub status: LocalStatus,
 }
 
-/// State of the run: the fit under way and the results of the ones before.
+/// State of the run: the current fit and the results of earlier ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MultiStart {
@@ -162,7 +162,7 @@ impl MultiStart {
             && self.done.iter().all(|start| start.best.len() == dimension)
     }
 
-    /// One iteration of the fit under way, or the beginning of the next.
+    /// One iteration of the current fit, or the beginning of the next.
     pub(super) fn iterate(
         &mut self,
         options: &LeastSquaresOptions,
@@ -247,7 +247,7 @@ impl MultiStart {
         self.done.iter().filter(same).count()
     }
 
-    /// Results in the problem's own units, the fit under way (of a cancelled run) not among them.
+    /// Results in the problem's units, without the current fit of a cancelled run.
     pub(super) fn results(&self, bounds: &Bounds) -> Vec<StartResult> {
         let mut results = self.done.clone();
         for (result, start) in results.iter_mut().zip(&self.done) {

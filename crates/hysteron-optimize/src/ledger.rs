@@ -1,4 +1,4 @@
-//! The book of a run: what was evaluated, what was best, how it went.
+//! Records of a run: evaluations, best point, history.
 
 use super::points::Points;
 use super::stream::Stream;
@@ -64,8 +64,7 @@ impl Ledger {
         }
     }
 
-    /// Prefers `point` among points of equal cost: a step downhill may be too small to show in the cost's
-    /// last digit.
+    /// Prefers `point` among points of equal cost: a descent step may be below the rounding of the cost.
     pub(super) fn prefer(&mut self, point: &[f64], cost: f64) {
         if cost <= self.best_cost {
             self.best.copy_from_slice(point);
@@ -93,7 +92,7 @@ impl Ledger {
     }
 }
 
-/// Buffers of a generation: proposals, their costs, the member each was made for.
+/// Buffers of a generation: proposals, their costs, and their members.
 #[derive(Default)]
 pub(super) struct Scratch {
     pub(super) candidates: Points,
@@ -107,7 +106,7 @@ impl Scratch {
         Self { candidates: Points::new(dimension), ..Self::default() }
     }
 
-    /// Forgets the proposals of the last phase.
+    /// Clears the proposals of the last phase.
     pub(super) fn clear(&mut self) {
         self.candidates.clear();
         self.owners.clear();
@@ -131,8 +130,8 @@ impl Search<'_> {
         self.ledger.stream(self.settings)
     }
 
-    /// Evaluates the first candidates that the budget allows, counts them in index order; `costs` is as long
-    /// as they are many.
+    /// Evaluates as many candidates as the budget allows and counts them in index order; `costs` has one
+    /// entry for each.
     pub(super) fn evaluate(&mut self, candidates: &mut Points, costs: &mut Vec<f64>) {
         candidates.truncate(self.ledger.remaining(self.settings).min(candidates.len()));
         self.evaluator.costs(candidates, costs);

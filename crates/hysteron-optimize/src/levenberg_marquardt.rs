@@ -1,10 +1,10 @@
-//! One local fit: Levenberg–Marquardt in a box.
+//! Local fit by bounded Levenberg–Marquardt.
 //!
 //! At t on the unit box, with residuals r and Jacobian J, a step p minimises ‖J p + r‖² + λ ‖D p‖² subject to
-//! 0 ≤ t + p ≤ 1, exactly, by an active set ([`bounded_linear`]): so the model always falls, a bound that is
-//! active at the solution is met exactly, and p = 0 only where the Karush–Kuhn–Tucker conditions hold
-//! (Kanzow, Yamashita and Fukushima 2004, doi:10.1016/j.cam.2004.02.013). D holds the largest column norms of
-//! J so far (Moré 1978, doi:10.1007/BFb0067700); λ follows the gain ratio (Nielsen 1999, IMM-REP-1999-05).
+//! 0 ≤ t + p ≤ 1, exactly, by an active set ([`bounded_linear`]): so the model always decreases, active
+//! bounds are met exactly, and p = 0 only where the Karush–Kuhn–Tucker conditions hold (Kanzow, Yamashita and
+//! Fukushima 2004, doi:10.1016/j.cam.2004.02.013). D holds the largest column norms of J so far (Moré 1978,
+//! doi:10.1007/BFb0067700); λ follows the gain ratio (Nielsen 1999, IMM-REP-1999-05).
 
 use super::jacobian::UnitResiduals;
 use super::ledger::Ledger;
@@ -16,9 +16,9 @@ use serde::{Deserialize, Serialize};
 const FIRST_DAMPING: f64 = 1e-3;
 const LEAST_DAMPING: f64 = 1e-15;
 const LARGEST_DAMPING: f64 = 1e30;
-/// Iterations over which the pace of a fit is judged.
+/// Iterations over which the rate of convergence is judged.
 const PACE: usize = 10;
-/// Smallest gain ratio of a step that is taken.
+/// Smallest gain ratio of an accepted step.
 const LEAST_GAIN: f64 = 1e-4;
 
 /// State of a local fit between two iterations.
@@ -35,7 +35,7 @@ pub(super) struct LocalFit {
     /// D.
     scale: Vec<f64>,
     pub(super) iterations: usize,
-    /// Cost when the pace was last judged.
+    /// Cost when the rate of convergence was last judged.
     judged: f64,
     /// Evaluations of the run before this fit began.
     pub(super) evaluations_before: usize,
@@ -68,8 +68,8 @@ impl LocalFit {
             && self.judged.is_finite()
     }
 
-    /// Whether, going on at the pace of its last iterations, the fit would be out of them before it came down
-    /// to `best`: it creeps along a valley that leads elsewhere. Judged every [`PACE`] iterations.
+    /// True if, at the rate of its last iterations, the fit would reach the limit of `iterations` before the
+    /// cost `best`. Judged every [`PACE`] iterations.
     pub(super) fn is_hopeless(&mut self, iterations: usize, best: f64) -> bool {
         if !self.iterations.is_multiple_of(PACE) {
             return false;
@@ -80,7 +80,7 @@ impl LocalFit {
         self.cost - paces_left * fall > best
     }
 
-    /// One Jacobian and the steps from it until one is taken; the status if the fit has ended.
+    /// One Jacobian and trial steps until one is accepted; the status if the fit has ended.
     pub(super) fn iterate(
         &mut self,
         options: &LeastSquaresOptions,
@@ -113,7 +113,7 @@ impl LocalFit {
             let predicted = model.predicted_fall(&step);
             let fall = fall(residuals, cost);
             let negligible = options.cost_tolerance * model.half_square;
-            // Where the model is trusted its word is enough: what the cost does then may be rounding.
+            // At low damping the predicted reduction suffices: the actual one may be rounding error.
             let settled =
                 predicted <= negligible && (fall.abs() <= negligible || self.damping <= FIRST_DAMPING);
             if fall > LEAST_GAIN * predicted && fall > 0.0 {
@@ -142,7 +142,7 @@ impl LocalFit {
         }
     }
 
-    /// D ← max(D, ‖Jⱼ‖); a parameter without effect is scaled as the one with the most.
+    /// D ← max(D, ‖Jⱼ‖); a parameter without effect gets the largest scale.
     fn update_scale(&mut self, column_norms: &[f64]) {
         let largest = column_norms.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         for (d, &norm) in self.scale.iter_mut().zip(column_norms) {
@@ -171,14 +171,14 @@ impl Linearised {
         let all: Vec<&[f64]> = (0..n).map(column).chain([current]).collect();
         let whole = triangular(&all);
         let r = whole.view((0, 0), (n, n)).into_owned();
-        // Qᵀ r stands beside R.
+        // The last column of R is Qᵀ r.
         let target = -whole.view((0, n), (n, 1)).column(0);
         let column_norms = r.column_iter().map(|column| column.norm()).collect();
         let gradient = DVector::from_fn(n, |j, _| dot(column(j), current));
         Self { r, target, gradient, column_norms, half_square: 0.5 * dot(current, current) }
     }
 
-    /// Largest |cosine| between r and a column of J along which the box lets the cost fall.
+    /// Largest |cosine| between r and a column of J with a feasible descent direction.
     fn optimality(&self, point: &[f64]) -> f64 {
         let length = (2.0 * self.half_square).sqrt();
         let cosine = |j: usize| {
@@ -211,7 +211,7 @@ impl Linearised {
     }
 }
 
-/// ½‖r‖² − ½‖r_new‖² of the last tried point without cancellation; −∞ where it cannot be simulated.
+/// ½‖r‖² − ½‖r_new‖² of the trial point, without cancellation; −∞ where it cannot be simulated.
 fn fall(residuals: &UnitResiduals<'_>, cost: f64) -> f64 {
     if !cost.is_finite() {
         return f64::NEG_INFINITY;

@@ -1,9 +1,9 @@
 //! Bounded global and local optimisation: seeded, identical for any number of threads, observable, resumable.
 //!
 //! A problem is a [`Problem`] (a cost over a box) or a [`LeastSquaresProblem`] (a residual vector whose root
-//! mean square is the cost). An [`Algorithm`] is chosen with its options, [`Settings`] say how long it may
-//! run, and one call does the rest: [`minimize`] for a least-squares problem with any algorithm,
-//! [`minimize_cost`] for a plain cost with the population methods.
+//! mean square is the cost). An [`Algorithm`] is chosen with its options, [`Settings`] limit the run, and one
+//! call runs it: [`minimize`] for a least-squares problem with any algorithm, [`minimize_cost`] for a plain
+//! cost with the population methods.
 //!
 //! | [`Algorithm`] | what it is | source |
 //! | --- | --- | --- |
@@ -23,16 +23,15 @@
 //! Common to all of them:
 //! - The search runs on the unit box: each parameter is scaled to [0, 1], logarithmically where its [`Range`]
 //!   says so.
-//! - **Bit-identical for a seed whatever the number of threads**: a generation is proposed as a whole,
-//!   evaluated in parallel, accepted in index order; every candidate has its own random stream, numbered by
-//!   the candidate.
-//! - A run ends on its generations, its budget of evaluations, a target cost, stagnation, or the
-//!   [`Observer`]'s word; the best so far is kept, [`Outcome::stopped`] says which it was.
-//! - Every evaluation is counted, those of finite differences and of the scout too.
-//! - A candidate whose cost is not finite has cost +∞ and never wins.
-//! - A [`Checkpoint`] is the whole state of a run, serialisable; resumed, the run ends with the same bits as
-//!   one that was never interrupted. A checkpoint of another problem or other options is refused
-//!   ([`OptimizeError`]).
+//! - **Bit-identical for a seed and any number of threads**: a generation is proposed as a whole, evaluated
+//!   in parallel, accepted in index order; every candidate has a separate random stream, numbered by the
+//!   candidate.
+//! - A run ends on its generations, its budget of evaluations, a target cost, stagnation, or a stop by the
+//!   [`Observer`]; the best so far is kept, and [`Outcome::stopped`] gives the reason.
+//! - Every evaluation is counted, including those of finite differences and of the scout.
+//! - A candidate whose cost is not finite has cost +∞ and is never accepted.
+//! - A [`Checkpoint`] is the serialisable state of a run; a resumed run ends with the same bits as an
+//!   uninterrupted one. A checkpoint of another problem or other options is rejected ([`OptimizeError`]).
 //!
 //! ```
 //! use hysteron_optimize::{Algorithm, Bounds, DeAbcOptions, Problem, Range, Settings, Unobserved, minimize_cost};

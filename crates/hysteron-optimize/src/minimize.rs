@@ -1,4 +1,4 @@
-//! The front: one call runs any algorithm.
+//! Entry points: one call runs any algorithm.
 
 use super::checkpoint::State;
 use super::evaluate::Evaluator;
@@ -13,11 +13,11 @@ use super::{
 
 /// Minimises the root mean square of the residuals of `problem` over its box with any algorithm.
 ///
-/// `resume`: go on from this checkpoint of the same run, to the same final bits.
+/// `resume`: a checkpoint of the same run to resume from, with a bit-identical result.
 ///
 /// # Errors
-/// [`OptimizeError`]: a search box, option or start that is not allowed; a checkpoint of another run; no
-/// candidate that could be simulated.
+/// [`OptimizeError`]: an invalid search box, option or start; a checkpoint of another run; no candidate that
+/// could be simulated.
 pub fn minimize<P: LeastSquaresProblem>(
     problem: &P,
     algorithm: &Algorithm,
@@ -53,7 +53,7 @@ pub fn minimize<P: LeastSquaresProblem>(
 
 /// Minimises the cost of `problem` over its box with a population method.
 ///
-/// `resume`: go on from this checkpoint of the same run, to the same final bits.
+/// `resume`: a checkpoint of the same run to resume from, with a bit-identical result.
 ///
 /// # Errors
 /// Those of [`minimize`]; [`OptimizeError::NeedsResiduals`] for least squares.
@@ -106,7 +106,7 @@ fn initial_state(algorithm: &Algorithm, search: &mut Search<'_>) -> State {
     }
 }
 
-/// The cost of a problem that leaves nothing to search for, because everything it determines enters linearly.
+/// The cost of a problem without search parameters, as all its unknowns are linear.
 fn evaluate_alone<P: Problem>(
     problem: &P,
     algorithm: &Algorithm,
@@ -123,7 +123,7 @@ fn evaluate_alone<P: Problem>(
     })
 }
 
-/// Checks everything, and makes the checkpoint to start (or go on) from and the evaluator.
+/// Checks the arguments, and creates the initial (or resumed) checkpoint and the evaluator.
 fn prepare<'p, P: Problem>(
     problem: &'p P,
     algorithm: &Algorithm,
@@ -141,7 +141,7 @@ fn prepare<'p, P: Problem>(
     }
     let mut evaluator = Evaluator::new(problem, settings.threads, stop)?;
     let checkpoint = match resume {
-        // Stopped before its first generation was done.
+        // Stopped before the end of its first generation.
         Some(checkpoint) if matches!(checkpoint.state, State::NotStarted) => checkpoint,
         Some(checkpoint) => {
             checkpoint.check_cost(evaluator.cost(&checkpoint.ledger.best))?;
@@ -164,7 +164,7 @@ fn drive(
 ) -> Result<Outcome, OptimizeError> {
     let mut best = vec![0.0; bounds.dimension()];
     let stop = observer.stop();
-    // Where a generation is left unfinished: what to go on from.
+    // Checkpoint to resume from where a generation is interrupted.
     let mut before = None;
     let stopped = loop {
         let started = !matches!(checkpoint.state, State::NotStarted);

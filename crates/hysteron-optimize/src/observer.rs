@@ -1,9 +1,9 @@
-//! Progress of a run and the right to stop it.
+//! Progress of a run, and its cancellation.
 
 use super::{Bounds, Checkpoint, Stop};
 use std::ops::ControlFlow;
 
-/// Told about progress once a generation (or iteration); may stop the run, whose best so far is kept.
+/// Receives progress once per generation (or iteration); may stop the run, whose best so far is kept.
 ///
 /// Any closure `FnMut(&Progress) -> ControlFlow<()>` is one; [`Unobserved`] never stops.
 pub trait Observer {
@@ -11,7 +11,7 @@ pub trait Observer {
     fn generation(&mut self, progress: &Progress<'_>) -> ControlFlow<()>;
 
     /// Stop signal that ends the run within a generation, from another thread: evaluations not yet begun are
-    /// left out, and the checkpoint is that of the generation before.
+    /// skipped, and the checkpoint is that of the previous generation.
     fn stop(&self) -> Option<Stop> {
         None
     }
@@ -33,7 +33,7 @@ impl Observer for Stop {
     }
 }
 
-/// The observer that looks away.
+/// An observer that ignores progress.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Unobserved;
 
@@ -60,7 +60,7 @@ pub struct Progress<'a> {
 }
 
 impl<'a> Progress<'a> {
-    /// Whole state of the run: save it, and [`minimize`](super::minimize()) can go on from here.
+    /// State of the run, from which [`minimize`](super::minimize()) can resume.
     pub fn checkpoint(&self) -> &'a Checkpoint {
         self.checkpoint
     }

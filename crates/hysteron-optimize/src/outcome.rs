@@ -14,11 +14,11 @@ pub enum StopReason {
     Budget,
     /// The target cost is reached.
     Target,
-    /// The best cost no longer falls.
+    /// The best cost has stagnated.
     Stagnation,
-    /// The observer asked for it; the best so far is kept.
+    /// Stopped by the observer; the best so far is kept.
     Cancelled,
-    /// Least squares: every start was followed to its end.
+    /// Least squares: all starts are done.
     StartsDone,
     /// Least squares: enough starts ended in the same best minimum.
     Agreement,
@@ -46,7 +46,7 @@ pub struct Outcome {
     pub scouts_fired: usize,
     /// Result of each start (least squares; empty elsewhere).
     pub starts: Vec<StartResult>,
-    /// State at the end: a cancelled run goes on from here.
+    /// Final state: a cancelled run resumes from here.
     pub checkpoint: Checkpoint,
 }
 
@@ -57,7 +57,7 @@ impl Outcome {
     }
 }
 
-/// Whether a run can go on after a generation.
+/// Outcome of a generation: continue or stop.
 pub(super) enum Advance {
     Continue,
     Finished(StopReason),

@@ -41,12 +41,12 @@ impl Points {
         &mut self.values[i * self.dimension..(i + 1) * self.dimension]
     }
 
-    /// Whether these are `count` points of the unit box of this dimension.
+    /// True for `count` points of this dimension in the unit box.
     pub(super) fn are_in_unit_box(&self, count: usize, dimension: usize) -> bool {
         self.are_within(1.0, count, dimension) && self.values.iter().all(|&t| t >= 0.0)
     }
 
-    /// Whether these are `count` vectors of this dimension with every component in ± `largest`.
+    /// True for `count` vectors of this dimension with every component in ± `largest`.
     pub(super) fn are_within(&self, largest: f64, count: usize, dimension: usize) -> bool {
         self.dimension == dimension
             && Some(self.values.len()) == count.checked_mul(dimension)

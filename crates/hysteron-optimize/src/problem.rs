@@ -4,7 +4,7 @@ use super::Bounds;
 
 /// A function to be minimised over a box.
 ///
-/// `x` is in the problem's own units; scaling to the unit box is the optimiser's business ([`Bounds`]).
+/// `x` is in the problem's own units; the optimiser scales them to the unit box ([`Bounds`]).
 pub trait Problem: Sync {
     /// Scratch buffers of one evaluating thread: an evaluation allocates nothing.
     type Workspace: Send;
@@ -13,10 +13,10 @@ pub trait Problem: Sync {
     fn bounds(&self) -> &Bounds;
     /// Fresh scratch buffers.
     fn workspace(&self) -> Self::Workspace;
-    /// Cost at `x`; anything not finite counts as +∞ and never wins.
+    /// Cost at `x`; a non-finite one counts as +∞ and is never accepted.
     fn cost(&self, x: &[f64], workspace: &mut Self::Workspace) -> f64;
     /// Identity of the problem (model and data, say a hash of the record), written into checkpoints: resuming
-    /// a run on a problem of another identity is refused. The search box and the cost at the best point are
+    /// a run on a problem of another identity is rejected. The search box and the cost at the best point are
     /// compared in any case.
     fn identity(&self) -> String {
         String::new()
@@ -36,14 +36,14 @@ pub trait LeastSquaresProblem: Problem {
     /// Derivatives ∂rᵢ/∂xⱼ at `x`, in the problem's own units, into `out` column by column
     /// (`out[j·count + i]`).
     ///
-    /// Counted as one evaluation. The default leaves `out` alone and has them taken by finite differences.
+    /// Counted as one evaluation. The default leaves `out` unchanged and requests finite differences.
     fn jacobian(&self, x: &[f64], workspace: &mut Self::Workspace, out: &mut [f64]) -> Derivative {
         let _ = (x, workspace, out);
         Derivative::ByDifferences
     }
 }
 
-/// Answer of [`LeastSquaresProblem::jacobian`].
+/// Result of [`LeastSquaresProblem::jacobian`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Derivative {
     /// The derivatives were written.

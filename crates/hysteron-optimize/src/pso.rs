@@ -2,8 +2,8 @@
 //!
 //! v ← w v + c₁ r₁ (p_i − x) + c₂ r₂ (g − x) with r₁, r₂ uniform in [0, 1) for each component, p_i the
 //! particle's best and g the swarm's best of the previous generation; |v| is clamped, x ← x + v. A particle
-//! that would leave the box stops at its wall, its velocity there 0. A generation moves all, evaluates all,
-//! then updates the bests.
+//! that would leave the box stops at the bound, with that velocity component 0. A generation moves all,
+//! evaluates all, then updates the bests.
 
 use super::OptimizeError;
 use super::algorithm::{check_option, check_population};
@@ -20,9 +20,9 @@ pub struct PsoOptions {
     pub population: usize,
     /// Inertia w, 0 ≤ w < 1.
     pub inertia: f64,
-    /// Pull c₁ towards the particle's own best, ≥ 0.
+    /// Attraction c₁ to the particle's own best, ≥ 0.
     pub cognitive: f64,
-    /// Pull c₂ towards the swarm's best, ≥ 0.
+    /// Attraction c₂ to the swarm's best, ≥ 0.
     pub social: f64,
     /// Largest step of a component as a fraction of the box, 0 < clamp ≤ 1.
     pub velocity_clamp: f64,

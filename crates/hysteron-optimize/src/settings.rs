@@ -9,14 +9,14 @@ use serde::{Deserialize, Serialize};
 pub struct Settings {
     /// Seed of every random number.
     pub seed: u64,
-    /// Generations after the initial population (the article's *Iter*, Eq. 9). Least squares has limits of
-    /// its own ([`LeastSquaresOptions`](super::LeastSquaresOptions)) and does not look at this one.
+    /// Generations after the initial population (the article's *Iter*, Eq. 9). Ignored by least squares,
+    /// which has separate limits ([`LeastSquaresOptions`](super::LeastSquaresOptions)).
     pub generations: usize,
     /// Most cost evaluations; a generation that would pass it is cut short.
     pub budget: Option<usize>,
     /// Stop once the best cost is at or below this.
     pub target: Option<f64>,
-    /// Stop once the best cost no longer falls.
+    /// Stop once the best cost stagnates.
     pub stagnation: Option<Stagnation>,
     /// Points to begin with, in the problem's own units (clipped to the box): the first members of a
     /// population, the first starts of least squares.
@@ -31,9 +31,9 @@ pub struct Settings {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stagnation {
-    /// Generations looked back.
+    /// Length of the window, in generations.
     pub generations: usize,
-    /// Smallest relative improvement over them that counts.
+    /// Smallest relative improvement over the window that is not stagnation.
     pub relative: f64,
 }
 

@@ -1,9 +1,9 @@
-//! Where a local fit starts.
+//! Starts of local fits.
 
 use super::stream::Stream;
 use serde::{Deserialize, Serialize};
 
-/// Distribution over the unit box of the starts beyond the given ones.
+/// Distribution over the unit box of the starts added to the given ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Starts {
@@ -28,7 +28,7 @@ pub(super) fn fill_start(kind: Starts, index: usize, shift: &[f64], random: &mut
     }
 }
 
-/// Digits of `n` in `base`, mirrored at the point.
+/// Radical inverse: digits of `n` in `base`, mirrored at the radix point.
 fn radical_inverse(mut n: usize, base: usize) -> f64 {
     let (mut sum, mut weight) = (0.0, 1.0);
     while n > 0 {

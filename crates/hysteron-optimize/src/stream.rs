@@ -1,11 +1,11 @@
-//! Random numbers: one stream a candidate.
+//! Random numbers: one stream per candidate.
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 /// Random stream of one candidate: xoshiro256++ (Blackman and Vigna 2021, doi:10.1145/3460772) seeded from
-/// the run's seed and the candidate's number, so that no draw depends on which thread asks first, and the
-/// position of a run in its random numbers is a single integer.
+/// the run's seed and the candidate's number, so that no draw depends on the order of threads, and the random
+/// state of a run is a single integer.
 pub(super) struct Stream(Xoshiro256PlusPlus);
 
 impl Stream {
@@ -23,13 +23,12 @@ impl Stream {
         2.0 * self.unit() - 1.0
     }
 
-    /// Uniform in 0 … count − 1; 0 where there is nothing to choose from.
+    /// Uniform in 0 … count − 1; 0 for an empty range.
     pub(super) fn index(&mut self, count: usize) -> usize {
         self.0.random_range(0..count.max(1))
     }
 
-    /// Uniform in 0 … count − 1 without the `excluded`, which are sorted and distinct; needs more than they
-    /// are.
+    /// Uniform in 0 … count − 1 without the `excluded`, which are sorted, distinct and fewer than `count`.
     pub(super) fn index_except(&mut self, count: usize, excluded: &[usize]) -> usize {
         let mut index = self.index(count - excluded.len().min(count));
         for &e in excluded {

@@ -1,4 +1,4 @@
-//! Classical problems with known minima, for the tests of this room.
+//! Classical problems with known minima, for the tests of this crate.
 
 use super::{Bounds, LeastSquaresProblem, Problem, Range, root_mean_square};
 

@@ -13,8 +13,8 @@ use crate::model::{Model, maker};
 use crate::record::Record;
 use crate::work;
 
-/// Structures by their simulated error on data that they were not fitted to: the comparison as JSON, its
-/// page, the model of the preferred structure, and the exception that stopped it, if any.
+/// Comparison of structures by the held-out error of their simulation: the result as JSON, its page, the
+/// model of the preferred structure, and the exception that stopped it, if any.
 #[pyfunction]
 #[pyo3(signature = (records, candidates=Vec::new(), continued=false, input=None, output=None, threads=None, progress=None))]
 #[allow(clippy::too_many_arguments, reason = "keywords of a call from Python")]

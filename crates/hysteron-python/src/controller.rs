@@ -36,18 +36,18 @@ impl Controller {
         Ok(PyArray1::from_iter(py, reference.into_iter().map(|r| self.inner.step(r).voltage)))
     }
 
-    /// Displacement that the model expects for the last voltage.
+    /// Displacement predicted for the last voltage.
     #[getter]
     fn displacement(&self) -> f64 {
         self.inner.displacement()
     }
 
-    /// Rests at a voltage, memory lost; the displacement there.
+    /// Resets to rest at a voltage; returns the displacement there.
     fn rest_at(&mut self, voltage: f64) -> f64 {
         self.inner.rest_at(voltage)
     }
 
-    /// Samples by which the reference is to be ahead.
+    /// Preview of the reference [samples].
     #[getter]
     fn preview(&self) -> usize {
         self.inner.preview()

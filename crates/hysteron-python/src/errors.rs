@@ -21,7 +21,7 @@ pub enum Class {
     Identify,
     /// A model cannot be exported.
     Export,
-    /// An option is not one of those there are.
+    /// An option is invalid.
     Option,
 }
 
@@ -75,7 +75,7 @@ fn exception(
     described(class, error, place, advice, None)
 }
 
-/// [`exception`] with a remedy that is no matter of arguments.
+/// [`exception`] with a remedy that concerns no argument.
 fn described(
     class: Class,
     error: &(impl Display + Debug),
@@ -159,7 +159,7 @@ pub fn to_json(value: &impl Serialize) -> PyResult<String> {
 
 /// Options from JSON.
 pub fn from_json<T: DeserializeOwned>(json: &str) -> PyResult<T> {
-    // Where in the JSON it stands says nothing to a user who gave arguments.
+    // The place in the JSON means nothing to a user who gave arguments.
     let told = |e: serde_json::Error| e.to_string().split(" at line ").next().unwrap_or_default().to_owned();
     serde_json::from_str(json).map_err(|e| exception(Class::Option, &Said(told(e)), None, None))
 }

@@ -1,4 +1,4 @@
-//! Drive waveforms, and what the simulated bench makes of a drive.
+//! Drive waveforms, and their response on the simulated bench.
 
 use hysteron_model::record::TimeBase;
 use hysteron_rig::excitation::{AmplifierLimits, Excitation, ExcitationSpec};
@@ -10,7 +10,7 @@ use crate::errors::{from_json, option, raised, to_json};
 use crate::record::Record;
 use crate::work;
 
-/// A waveform and what plays it.
+/// A waveform and the limits of its amplifier.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct WaveformRequest {

@@ -16,7 +16,7 @@ use crate::record::{Record, single};
 use crate::task::task;
 use crate::work;
 
-/// An identified model and what is to be known about it.
+/// An identified model and the results of its fit.
 #[pyclass(frozen, module = "hysteron_models._native")]
 pub struct Fit {
     inner: hysteron_identify::Fit,
@@ -64,7 +64,7 @@ impl Fit {
     }
 }
 
-/// Identifies a model. Comes back with the exception that stopped it, if any, beside the best so far.
+/// Identifies a model. Returns the best so far, and the exception that stopped the fit, if any.
 #[pyfunction]
 #[pyo3(signature = (records, kind, options, *, inputs=Vec::new(), outputs=Vec::new(), start=None, resume=None, progress=None))]
 #[allow(clippy::too_many_arguments, reason = "keywords of a call from Python")]

@@ -49,7 +49,7 @@ impl Inverting {
         }
     }
 
-    /// Of a controller, whose preview is `preview` where nothing is said.
+    /// Options of a controller, with the default `preview`.
     pub fn compensator(
         &self,
         model: &Model,
@@ -71,7 +71,7 @@ impl Inverting {
 type Tracked<'py> = (String, String, Vec<(&'static str, Samples<'py>, Samples<'py>)>);
 
 impl Model {
-    /// The range of the drive that is given, else the one of the identification.
+    /// The given range of the drive, else the one of the identification.
     pub fn range(&self, given: Option<[f64; 2]>) -> PyResult<[f64; 2]> {
         let body = self.core().hammerstein(Capability::Inversion).map_err(raised)?;
         let unknown =
@@ -82,8 +82,8 @@ impl Model {
 
 #[pymethods]
 impl Model {
-    /// The drive, held between its samples, that makes the output follow a reference: drive, predicted
-    /// output, summary.
+    /// The drive (zero-order hold) with which the output follows a reference: drive, predicted output,
+    /// summary.
     #[pyo3(signature = (reference, sample_rate_hz, options, last=None))]
     fn invert<'py>(
         &self,
@@ -142,8 +142,8 @@ impl Model {
         Ok(Controller::new(made.map_err(raised)?, limits))
     }
 
-    /// A reference followed by several controllers, on the simulated bench or on the model itself: summary,
-    /// and the name, drive and displacement of each.
+    /// Tracking of a reference by several controllers, on the simulated bench or on the model itself:
+    /// summary, and the name, drive and displacement of each.
     #[pyo3(signature = (reference, sample_rate_hz, options, plant="rig", truth=None, seed=0))]
     #[allow(clippy::too_many_arguments, reason = "keywords of a call from Python")]
     fn track<'py>(

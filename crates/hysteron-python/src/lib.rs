@@ -1,8 +1,8 @@
 //! Native part of the Python package `hysteron_models`: records, fits, models and controllers as Python
 //! objects.
 //!
-//! Arrays cross as NumPy arrays, options and results as the JSON of the library's own types. Numbers are
-//! worked out with the interpreter released; what words, defaults and plots a user meets is Python's
+//! Arrays cross as NumPy arrays, options and results as the JSON of the library's own types. Computations
+//! release the interpreter; wording, defaults and plots for the user are in Python
 //! (`python/hysteron_models`).
 
 mod compare;
@@ -21,8 +21,7 @@ mod work;
 
 use pyo3::prelude::*;
 
-/// Gives memory that was used back to the next search, where the system's allocator would have it cleared
-/// anew.
+/// Reuses freed memory for the next search; the system's allocator would return it and have it zeroed again.
 #[global_allocator]
 static GLOBAL: mimalloc::MiMalloc = mimalloc::MiMalloc;
 

@@ -122,7 +122,7 @@ impl Model {
         work::run(py, || save_model(&path, &self.inner))?.map_err(raised)
     }
 
-    /// Of the text of a model file.
+    /// Reads the text of a model file.
     #[staticmethod]
     fn from_json(json: &str) -> PyResult<Self> {
         Ok(Core::from_json(json.as_bytes()).map_err(raised)?.into())
@@ -192,7 +192,7 @@ impl Model {
         Ok((outputs, band, self.in_words(&found.start), self.remarks(&found.remarks)?))
     }
 
-    /// Score on a record, from the start that explains it best unless one is given.
+    /// Score on a record, from the start that fits it best unless one is given.
     #[pyo3(signature = (record, scoring, input=None, output=None, from_start=None))]
     fn score(
         &self,
@@ -270,8 +270,8 @@ impl Model {
         runs.into_iter().map(score).collect()
     }
 
-    /// Corrected over a record, sample by sample: what was found as JSON, and the new model, of terms that a
-    /// model file holds.
+    /// Adapts the model over a record, sample by sample: the result as JSON, and the new model where a model
+    /// file can hold its terms.
     #[pyo3(signature = (record, options, input=None, output=None))]
     fn adapt(
         &self,
@@ -309,8 +309,8 @@ impl Model {
         Ok((to_json(&found.summary(&data, &options))?, model.map(Self::from)))
     }
 
-    /// Gain, delay and offset anew from short records, the rest held: the new model, and what was found as
-    /// JSON.
+    /// Re-identifies gain, delay and offset from short records, the rest held: the new model, and the result
+    /// as JSON.
     #[pyo3(signature = (records, input=None, output=None, continued=false, least_fit_percent=75.0))]
     fn recalibrate(
         &self,
@@ -349,8 +349,8 @@ impl Model {
     }
 }
 
-/// Autocorrelation of a residual at lags from the first on, and its 99 % bound; `None` where there is too
-/// little of it.
+/// Autocorrelation of a residual at lags from the first on, and its 99 % bound; `None` for too short or zero
+/// residuals.
 #[pyfunction]
 #[pyo3(signature = (series, skip_s=0.0))]
 pub fn residual_correlation<'py>(
@@ -382,7 +382,7 @@ impl Model {
         Ok((PyArray1::from_vec(py, measurement), PyArray1::from_vec(py, model)))
     }
 
-    /// Where the model came from, for one that is made of it.
+    /// Provenance of the model, for models derived from it.
     fn source(&self) -> PyResult<Source> {
         let path = self.path.as_deref().unwrap_or(Path::new("")).display().to_string();
         Ok(Source { path, sha256: sha256(self.to_json()?.as_bytes()) })
@@ -403,7 +403,7 @@ impl Model {
     }
 }
 
-/// Options of a correction over a record.
+/// Options of an adaptation over a record.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Adapting {

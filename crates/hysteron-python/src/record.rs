@@ -29,8 +29,8 @@ impl From<hysteron::Record> for Record {
 
 #[pymethods]
 impl Record {
-    /// Of channels `(name, unit, samples)` at a sample rate [Hz] from `start_s` on, at times [s], or without
-    /// any.
+    /// A record of channels `(name, unit, samples)` at a sample rate [Hz] from `start_s` on, at times [s], or
+    /// without times.
     #[new]
     #[pyo3(signature = (name, channels, sample_rate_hz=None, start_s=0.0, times_s=None, valid=None))]
     fn new(
@@ -190,7 +190,7 @@ pub fn write(py: Python<'_>, path: PathBuf, record: &Record) -> PyResult<()> {
     work::run(py, || hysteron::write(&path, &record.inner))?.map_err(raised)
 }
 
-/// One record of several: joined, scaled, detrended, resampled; and what was done, as JSON.
+/// One record of several: joined, scaled, detrended, resampled; and the steps as JSON.
 #[pyfunction]
 pub fn prepare(py: Python<'_>, records: Vec<PyRef<'_, Record>>, options: &str) -> PyResult<(Record, String)> {
     let prepare: Prepare = from_json(options)?;
@@ -200,7 +200,7 @@ pub fn prepare(py: Python<'_>, records: Vec<PyRef<'_, Record>>, options: &str) -
     Ok((prepared.record.into(), summary))
 }
 
-/// Inspection of records, and what a model can learn from all of them, as JSON.
+/// Inspection of records, and what they determine together, as JSON.
 #[pyfunction]
 #[pyo3(signature = (records, input=None, output=None))]
 pub fn inspect(

@@ -1,4 +1,4 @@
-//! Frequency responses that were measured, and the structures that explain them.
+//! Measured frequency responses, and the structures fitted to them.
 
 use std::path::PathBuf;
 
@@ -22,7 +22,7 @@ type Points<'py> = (Samples<'py>, Samples<'py>, Samples<'py>, Option<Samples<'py
 /// A response, the structures as JSON, the page, and the model of the best one that a model file can hold.
 type Found<'py> = (Points<'py>, String, String, Option<Model>);
 
-/// The response of periodic records, or of a file of responses, and the structures that explain it.
+/// The response of periodic records, or of a file of responses, and the structures fitted to it.
 #[pyfunction]
 #[pyo3(signature = (records, path=None, options="{}", structures=Vec::new(), modes=None, band=None, input=None, output=None, response=None, over=None))]
 #[allow(clippy::too_many_arguments, reason = "keywords of a call from Python")]

@@ -1,4 +1,4 @@
-//! Tasks of an identification from Python, by names.
+//! Identification tasks from names of options in Python.
 
 use std::collections::BTreeMap;
 
@@ -65,7 +65,7 @@ pub fn task(kind: Kind, options: &str) -> PyResult<Task> {
 
 fn hammerstein(asked: HammersteinOptions) -> PyResult<Options> {
     let default = Options::default();
-    // `auto` is what a name left out means.
+    // `auto` equals no name.
     fn of(name: &Option<String>) -> Option<&str> {
         name.as_deref().filter(|name| *name != "auto")
     }
@@ -135,7 +135,7 @@ fn hammerstein(asked: HammersteinOptions) -> PyResult<Options> {
     })
 }
 
-/// The one of `all` that is named, if one is.
+/// Item of `all` with this name, if one is given.
 fn named<T: Copy>(
     what: &'static str,
     name: &Option<String>,

@@ -1,4 +1,4 @@
-//! Work with the interpreter released, on threads that belong to this process, told about and stopped by
+//! Work with the interpreter released, on threads of this process, with progress reports and stopped by
 //! Ctrl-C.
 
 use std::ops::ControlFlow;
@@ -12,7 +12,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::errors::{Class, failed, raised};
 
-/// Time between two looks for Ctrl-C.
+/// Polling interval for Ctrl-C.
 const LOOK: Duration = Duration::from_millis(40);
 
 /// Threads of this process. A forked child has none of its parent's and gets its own.
@@ -30,7 +30,7 @@ fn pool(threads: Option<usize>) -> PyResult<Arc<ThreadPool>> {
     Ok(pool)
 }
 
-/// Does work that takes no more than moments.
+/// Runs short work.
 pub fn run<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
     let pool = pool(None)?;
     Ok(py.detach(|| pool.install(work)))
@@ -43,8 +43,8 @@ struct LastProgress {
     cost: Option<f64>,
 }
 
-/// Does work that may take long. `progress(stage, fraction, cost)` is called from this thread; an exception
-/// in it, or a signal, stops the work, whose best so far comes back with the exception.
+/// Runs work that may take long. `progress(stage, fraction, cost)` is called from this thread; an exception
+/// in it, or a signal, stops the work, whose best so far is returned with the exception.
 pub fn watched<T: Send>(
     py: Python<'_>,
     threads: Option<usize>,
@@ -99,7 +99,7 @@ pub fn watched<T: Send>(
     })?;
     match result {
         Ok(found) => Ok((found, interruption)),
-        // Work that was stopped before it had anything to keep.
+        // Stopped before there was a result.
         Err(e) => Err(interruption.unwrap_or_else(|| raised(e))),
     }
 }

@@ -163,7 +163,7 @@ fn dead_zone_plays() -> Result<Figure, HysteresisError> {
     };
     let bent = |by: f64| [0, 1, 2, 3, 4, 5].map(|k| 0.6 * (1.0 + by * (f64::from(k) - 2.5) / 2.5));
     Ok(family(
-        "Plays and bands of what they put out",
+        "Plays and bands of their outputs",
         vec![
             panel("loop", &[("", 0.0)], |_| run(0.6, 3.0, 0.02, bent(0.7)))?,
             panel("bend of the six slopes", &[("−0.7", -0.7), ("0", 0.0), ("0.7", 0.7)], |b| {

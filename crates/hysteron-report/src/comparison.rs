@@ -9,7 +9,7 @@ use hysteron_identify::structure::{Comparison, Entry, Fold};
 use hysteron_identify::{Compared, baselines::CrossValidated};
 use hysteron_model::model_file::Maker;
 
-/// Candidates whose errors are shown fold by fold.
+/// Number of candidates shown fold by fold.
 const SHOWN_BY_FOLD: usize = 5;
 /// Height of one line of a figure \[px\].
 const LINE_PX: f64 = 26.0;
@@ -39,12 +39,12 @@ pub fn page(found: &Compared, maker: &Maker) -> Page {
     let mut page = Page::new("Comparison of structures")
         .subtitled(found.records.join(", "))
         .section(result)
-        .section(Section::new("What was left out").block(by_fold(found)).block(fold_table(found)));
+        .section(Section::new("Held-out folds").block(by_fold(found)).block(fold_table(found)));
     if let Some(section) = baselines_section(found) {
         page = page.section(section);
     }
     if let Some(command) = &maker.command {
-        page = page.section(Section::new("How it was made").block(Block::code(command)));
+        page = page.section(Section::new("Provenance").block(Block::code(command)));
     }
     page.footer_line(&maker.program)
 }
@@ -95,8 +95,7 @@ fn errors(found: &Compared) -> Figure {
         )
 }
 
-/// Error over cost, each candidate by its name, on two logarithmic axes; those that no other beats in both on
-/// a line.
+/// Error over cost on logarithmic axes, each candidate by its name, the Pareto front as a line.
 fn cost_picture(found: &Compared) -> Figure {
     let comparison = &found.comparison;
     let mut points: Vec<(f64, f64, String)> = found
@@ -129,15 +128,10 @@ fn cost_picture(found: &Compared) -> Figure {
     let near = points.iter().map(|p| p.0).fold(f64::INFINITY, f64::min);
     let floor = comparison.noise_floor;
     let grey = Style::line(Colour::Grey).with_dash(Dash::Dashed);
-    let mut panel = Panel::new(Axis::log("time a sample, this machine", "ns"), axis(found))
+    let mut panel = Panel::new(Axis::log("time per sample, this machine", "ns"), axis(found))
         .series(Series::line("noise floor", vec![near, far], vec![floor, floor], grey))
         .series(Series::line("", front_x, front_y, Style::line(Colour::Blue).with_width(1.0)))
-        .series(marks_over(
-            "more accurate than all that cost less",
-            best_x,
-            best_y,
-            points_of(Colour::Blue, Marker::Circle),
-        ))
+        .series(marks_over("Pareto front", best_x, best_y, points_of(Colour::Blue, Marker::Circle)))
         .series(marks_over("others", other_x, other_y, points_of(Colour::Orange, Marker::Diamond)));
     for (x, y, name) in points {
         panel = panel.name(x, y, name);
@@ -176,7 +170,7 @@ fn noise_floor(comparison: &Comparison, lines: usize) -> Series {
 fn by_fold(found: &Compared) -> Figure {
     let comparison = &found.comparison;
     let at = lines(comparison.folds.len());
-    // Short names, where they tell the folds apart.
+    // Short names, where they distinguish the folds.
     let contents: BTreeSet<&str> = comparison.folds.iter().map(|f| f.content.as_str()).collect();
     let short = contents.len() == comparison.folds.len();
     let names = comparison.folds.iter().rev().map(|f| if short { &f.content } else { &f.label });
@@ -188,10 +182,10 @@ fn by_fold(found: &Compared) -> Figure {
         let style = Style::nth(place).marked(place).with_dash(Dash::None);
         panel = panel.series(marks(&entry.candidate.to_string(), errors, &at, style));
     }
-    Figure::new("Error by what was left out")
+    Figure::new("Held-out error by fold")
         .panel(panel)
         .panel_height(LINE_PX * comparison.folds.len().max(4) as f64)
-        .captioned("RMSE of the leading candidates on each part that was left out of their fit.")
+        .captioned("RMSE of the leading candidates on each held-out fold.")
 }
 
 fn table(found: &Compared) -> Table {
@@ -205,7 +199,7 @@ fn table(found: &Compared) -> Table {
         Column::number("training RMSE", unit),
         Column::number("AIC", ""),
         Column::number("BIC", ""),
-        Column::number("a sample", "ns"),
+        Column::number("time per sample", "ns"),
         Column::text("inverse"),
     ];
     let preferred = comparison.ranking.as_ref().map(|r| r.preferred);
@@ -218,7 +212,7 @@ fn table(found: &Compared) -> Table {
 fn fold_table(found: &Compared) -> Table {
     let comparison = &found.comparison;
     let shown: Vec<usize> = found.order().into_iter().take(SHOWN_BY_FOLD).collect();
-    let mut columns = vec![Column::text("left out"), Column::text("what it holds")];
+    let mut columns = vec![Column::text("held-out fold"), Column::text("content")];
     columns.extend(
         shown
             .iter()
@@ -234,9 +228,9 @@ fn fold_table(found: &Compared) -> Table {
     })
 }
 
-/// One row: candidate, parameters, error on left-out data ± its standard error, difference to the best ± its
-/// standard error, training error, AIC and BIC above their lowest, time of a sample, whether its hysteresis
-/// has an inverse.
+/// One row: candidate, parameters, held-out error ± its standard error, difference to the best ± its standard
+/// error, training error, AIC and BIC above their lowest, time of a sample, whether its hysteresis has an
+/// inverse.
 pub fn cells(found: &Compared, index: usize) -> [String; 9] {
     let comparison = &found.comparison;
     let costs = found.costs.get(index);
@@ -269,7 +263,7 @@ fn above(comparison: &Comparison, entry: &Entry, of: impl Fn(&Entry) -> Option<f
     of(entry).map_or_else(|| "-".to_owned(), |x| format!("{:.0}", x - lowest))
 }
 
-/// One row: baseline, parameters, lags, error on left-out data ± its standard error, training error, time.
+/// One row: baseline, parameters, lags, held-out error ± its standard error, training error, time.
 pub fn baseline_cells(entry: &CrossValidated) -> [String; 7] {
     let missing = || "-".to_owned();
     let model = entry.model.as_ref();
@@ -284,10 +278,10 @@ pub fn baseline_cells(entry: &CrossValidated) -> [String; 7] {
     ]
 }
 
-/// Header and rows: what was left out, the error of the best structure and of each baseline.
+/// Header and rows: the held-out data, the error of the best structure and of each baseline.
 pub fn baselines_by_fold(found: &Compared) -> (Vec<String>, Vec<Vec<String>>) {
     let best = found.comparison.ranking.as_ref().map(|r| &found.comparison.entries[r.best]);
-    let mut names = vec!["left out".to_owned()];
+    let mut names = vec!["held-out fold".to_owned()];
     names.extend(best.map(|entry| entry.candidate.to_string()));
     names.extend(found.baselines.iter().map(|b| b.kind.name().to_owned()));
     let row = |(index, fold): (usize, &Fold)| {

@@ -9,8 +9,9 @@ use crate::page::{Page, Section};
 use crate::record_curves::RecordCurves;
 use crate::{identification, model};
 
-/// The report of a fit: for a Hammerstein model with curves and, where they were fitted, the structures next
-/// to it (`others`); for the other kinds numbers, errors, scores and findings, for an oscillator also curves.
+/// The report of a fit: for a Hammerstein model with curves and, where they were fitted, the neighbouring
+/// structures (`others`); for the other kinds numbers, errors, scores and findings, for an oscillator also
+/// curves.
 ///
 /// # Errors
 /// [`ModelFileError`] where the data of the model are not sound.

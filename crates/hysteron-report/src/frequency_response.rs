@@ -27,7 +27,7 @@ pub fn page(found: &Explained, maker: &Maker) -> Page {
     }
     page = page.section(Section::new("Parameters").block(parameters(found)));
     if let Some(command) = &maker.command {
-        page = page.section(Section::new("How it was made").block(Block::code(command)));
+        page = page.section(Section::new("Provenance").block(Block::code(command)));
     }
     page.footer_line(&maker.program)
 }
@@ -58,7 +58,7 @@ fn bode(found: &Explained) -> Figure {
     }
     frequency_response(format!("Frequency response of {}", response.name), shown(&response.unit), &curves)
         .panel(errors)
-        .captioned("Measured points, the structures fitted to them, and the relative error that each leaves.")
+        .captioned("Measured points, the structures fitted to them, and their relative errors.")
 }
 
 /// Phases moved by whole turns so that they start beside the measured ones.
@@ -108,7 +108,7 @@ fn parameters(found: &Explained) -> Table {
     table
 }
 
-/// Response, its noise and its distortion over frequency; what lines show that are not excited.
+/// Response, its noise and its distortion over frequency; output amplitude at the lines that are not excited.
 fn levels(found: &EmpiricalResponse) -> Figure {
     let response = &found.response;
     let frequency = || Axis::log("frequency", "Hz");
@@ -162,5 +162,5 @@ pub fn cells(candidate: &Candidate, best: f64) -> [String; 6] {
 }
 
 /// Explanation of the criterion.
-pub const ABOUT_AIC: &str = "AIC: Akaike's criterion, lower is better; it takes residuals for independent, \
-    which those of a wrong structure are not, so read small differences as none.";
+pub const ABOUT_AIC: &str = "AIC: Akaike's criterion, lower is better; it assumes independent residuals, \
+    which a wrong structure does not leave, so disregard small differences.";

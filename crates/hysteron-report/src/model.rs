@@ -44,7 +44,7 @@ pub fn report(name: &str, model: &Model, findings: &[Finding]) -> Result<Page, M
     made.extend(provenance.created.iter().map(|time| ("created".to_owned(), time.clone())));
     made.extend(provenance.records.iter().map(|r| ("record".to_owned(), r.path.clone())));
     made.extend(provenance.options.iter().map(|(name, value)| (name.clone(), value.clone())));
-    let section = Section::new("How it was made").block(Block::key_values(made));
+    let section = Section::new("Provenance").block(Block::key_values(made));
     let command = provenance.command.iter().map(Block::code);
     Ok(page.section(section.blocks(command)).footer_line(&provenance.program))
 }

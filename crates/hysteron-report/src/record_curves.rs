@@ -49,15 +49,15 @@ pub struct RecordCurves {
 /// Half the widths of 95 % bands at every sample, in the unit of the output.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct BandWidths {
-    /// Of the model's output, from the uncertainty of the parameters.
+    /// Band of the model's output, from the uncertainty of the parameters.
     pub model: Vec<f64>,
-    /// Of a new measurement, the scatter of the residual beside that.
+    /// Band of a new measurement, which adds the scatter of the residual.
     pub measurement: Vec<f64>,
 }
 
 impl RecordCurves {
-    /// Of a record and its simulation, to which `offset` is added; the first `left_out` samples were not
-    /// scored.
+    /// Curves of a record and its simulation, to which `offset` is added; the first `left_out` samples were
+    /// not scored.
     pub fn new(data: &InputOutput, simulated: &[f64], offset: f64, left_out: usize) -> Self {
         let InputOutput { name, time, u, y, valid, .. } = data;
         let samples = u.len();
@@ -92,7 +92,7 @@ impl RecordCurves {
         }
     }
 
-    /// Loop, time curves, their start and the tests of the residual; those of a simulated record say so.
+    /// Loop, time curves, their start and the tests of the residual, marked for a simulated record.
     pub fn figures(&self) -> Vec<Figure> {
         let own = [
             Some(self.loop_figure()),
@@ -104,7 +104,7 @@ impl RecordCurves {
         own.into_iter().flatten().map(|figure| self.marked(figure)).collect()
     }
 
-    /// Says so where the record comes from a simulated bench.
+    /// Marks the figure where the record comes from a simulated bench.
     pub fn marked(&self, figure: Figure) -> Figure {
         if is_simulated(&self.name) { figure.subtitled("simulated bench") } else { figure }
     }
@@ -157,8 +157,8 @@ impl RecordCurves {
         format!(
             " Bands around the model: the dark one (± {} {} at its widest) holds the output of the model \
              with the true parameters in 95 of 100 campaigns, the pale one 95 % of new measurements; it \
-             holds {} % of these. Both take the model class for true: what it misses is in the scatter of \
-             the residual, not in the dark band.",
+             holds {} % of these. Both assume that the model class is correct: its errors are in the scatter \
+             of the residual, not in the dark band.",
             significant(largest, 2),
             self.output.1,
             significant(share, 3)
@@ -230,9 +230,9 @@ impl RecordCurves {
         }
         Some(figure.captioned(format!(
             "Correlation of the residual of record {}. Noise alone would stay within the 99 % bounds \
-             (dashed) at all but about one lag in a hundred; outside are {}. What is outside is structure \
-             that the model does not describe: creep, minor loops, dynamics (positive lags of the input), or \
-             a delay that is too long (negative lags).",
+             (dashed) at all but about one lag in a hundred; outside are {}. Values outside indicate \
+             structure that the model does not describe: creep, minor loops, dynamics (positive lags of the \
+             input), or a delay that is too long (negative lags).",
             self.name,
             outside.join(" and ")
         )))
@@ -272,12 +272,12 @@ impl RecordCurves {
     }
 }
 
-/// Whether a record of this name comes from a simulated bench, which says so in every name.
+/// Whether a record of this name comes from a simulated bench, which marks every name.
 pub fn is_simulated(record: &str) -> bool {
     record.to_lowercase().contains("simulated")
 }
 
-/// Name of a channel behind what it measures, and its unit.
+/// Quantity and name of a channel, and its unit.
 fn labelled(channel: &str, unit: &Unit, otherwise: &str) -> (String, String) {
     let word = match unit.base().0 {
         Quantity::Voltage => "voltage",

@@ -1,4 +1,4 @@
-//! Records as they were measured: loop and time curves, and what was found.
+//! Records as they were measured: loop, time curves and findings.
 
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::page::{Block, Page, Section};

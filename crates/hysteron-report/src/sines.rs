@@ -101,8 +101,8 @@ fn caption(record: &str, gain: &Shown, phase: &Shown) -> String {
     let [model_gain, model_phase] = [widest(&gain.model), widest(&phase.model)];
     if model_gain.is_finite() {
         text += &format!(
-            " Wide bars: 95 % band of the model, from the uncertainty of its parameters ({}); it takes the \
-             model class for true, so that points farther apart than both bars show what the class misses.",
+            " Wide bars: 95 % band of the model, from the uncertainty of its parameters ({}); it assumes \
+             that the model class is correct: points farther apart than both bars show errors of the class.",
             about(model_gain, model_phase)
         );
     }

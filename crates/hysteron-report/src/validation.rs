@@ -36,7 +36,7 @@ pub fn page(models: &[Validated<'_>], maker: &Maker) -> Page {
     let scored = Section::new("Scores")
         .block(Block::paragraph(
             "The model was simulated in free run, from the start of each record: no measured output is used. \
-             Unless its own counts, the offset of each sensor was estimated from the record.",
+             The sensor offset was estimated from each record, unless that of the model applies.",
         ))
         .block(scores(models))
         .blocks(verdicts(models));
@@ -53,7 +53,7 @@ pub fn page(models: &[Validated<'_>], maker: &Maker) -> Page {
     let page = Page::new(format!("Validation of {name}")).section(scored);
     let mut page = curves.fold(page, Page::section);
     if let Some(command) = &maker.command {
-        page = page.section(Section::new("How it was made").block(Block::code(command)));
+        page = page.section(Section::new("Provenance").block(Block::code(command)));
     }
     page.footer_line(&maker.program)
 }

@@ -69,7 +69,7 @@ impl<'a> BoucWenState<'a> {
 
     fn runge_kutta(&self, du: f64) -> f64 {
         let direction = du.signum();
-        // Longest step: d(dz/du)/dz ≈ n(|β| + |γ|)|z|^(n−1), with |z| up to where this call can take it.
+        // Longest step: d(dz/du)/dz ≈ n(|β| + |γ|)|z|^(n−1), at the largest |z| reachable in this call.
         let reach = self.z.abs() + self.alpha.abs() * du.abs();
         let stiffness = self.n * (self.beta.abs() + self.gamma.abs()) * reach.powf(self.n - 1.0);
         let steps = (stiffness * du.abs() / RELATIVE_STEP).ceil().max(1.0);

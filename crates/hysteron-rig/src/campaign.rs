@@ -10,18 +10,18 @@ use crate::excitation::{Excitation, ExcitationSpec, SweepLaw, Waveform};
 /// Purpose of a record of the campaign.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Role {
-    /// Slow loop that identifies the hysteresis block.
+    /// Slow loop to identify the hysteresis block.
     QuasiStatic,
-    /// Sweep that identifies the dynamic block.
+    /// Sweep to identify the dynamic block.
     Sweep,
-    /// Sine that validates.
+    /// Sine for validation.
     Validation {
         /// Its frequency \[Hz\].
         frequency_hz: f64,
     },
-    /// Band-limited random signal that validates.
+    /// Band-limited random signal for validation.
     Tracking,
-    /// Slow loops of shrinking amplitude that validate.
+    /// Slow loops of decreasing amplitude for validation.
     NestedLoops,
 }
 
@@ -34,8 +34,8 @@ pub struct CampaignRun {
     pub run: RigRun,
 }
 
-/// Which records are made; the default is the article's campaign (sampling rate and voltage span are not
-/// printed there).
+/// Plan of the records; the default is the article's campaign (which does not print sample rate and voltage
+/// span).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CampaignPlan {
@@ -63,7 +63,7 @@ pub struct CampaignPlan {
     pub validation_s: f64,
     /// Duration of a random tracking signal up to `sweep_end_hz` \[s\]; 0: none.
     pub tracking_s: f64,
-    /// Amplitudes (parts of the span) of slow nested loops; empty: none.
+    /// Amplitudes (fractions of the span) of slow nested loops; empty: none.
     pub nested_amplitudes: Vec<f64>,
 }
 
@@ -100,7 +100,7 @@ impl CampaignPlan {
     /// The waveforms in the order they are played.
     ///
     /// # Errors
-    /// [`RigError::Waveform`] where a waveform makes no sense.
+    /// [`RigError::Waveform`] for an invalid waveform.
     pub fn drives(&self, seed: u64) -> Result<Vec<(Role, Excitation)>, RigError> {
         let make = |name: String, waveform, soft_start_s| -> Result<Excitation, RigError> {
             let spec = ExcitationSpec {

@@ -7,7 +7,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RigError {
-    /// A parameter of the truth is outside what makes sense.
+    /// A parameter of the truth is outside its valid range.
     #[error("truth: {parameter} is {value}, expected {expected}")]
     Parameter {
         /// Path of the field, as in the truth file.
@@ -51,7 +51,7 @@ pub enum RigError {
         /// Largest error over the checked frequencies, relative to the largest gain.
         error: f64,
     },
-    /// The hysteresis left the range of numbers.
+    /// The hysteresis state is no longer finite.
     #[error(
         "truth: the hysteresis state diverged at {} s, drive {} V (parameters outside the stable class)",
         short(*.time_s),
@@ -79,13 +79,13 @@ pub enum RigError {
         /// Allowed values.
         expected: &'static str,
     },
-    /// A converter that draws a line to the next sample, in a loop that does not know it yet.
+    /// A linearly interpolating converter in a control loop, where the next sample is not yet known.
     #[error(
         "truth: the converter draws straight lines to samples that a controller does not know yet; set dac \
          to \"hold\""
     )]
     Ahead,
-    /// A parameter of a waveform is outside what makes sense.
+    /// A parameter of a waveform is outside its valid range.
     #[error("{waveform}: {parameter} is {value}, expected {expected}")]
     Waveform {
         /// Kind of waveform.
@@ -105,7 +105,7 @@ pub enum RigError {
         /// Field of the specification.
         parameter: &'static str,
     },
-    /// The waveform would be absurdly long.
+    /// The waveform exceeds the maximum length.
     #[error(
         "{waveform}: {samples:.3e} samples asked for, at most {max} are made; lower the sample rate or the \
          duration"
@@ -154,7 +154,7 @@ pub enum RigError {
         /// Limit on its magnitude \[V/s\].
         limit_v_per_s: f64,
     },
-    /// Charging the actuator's capacitance that fast takes more current than the amplifier has.
+    /// Charging the actuator's capacitance takes more current than the amplifier supplies.
     #[error(
         "from sample {sample} at {} s the actuator of {capacitance_f} F draws {} A, the amplifier gives \
          {limit_a} A; lower the frequency or the amplitude",
@@ -173,7 +173,7 @@ pub enum RigError {
         /// Capacitance of the actuator \[F\].
         capacitance_f: f64,
     },
-    /// A limit of the amplifier makes no sense.
+    /// A limit of the amplifier is invalid.
     #[error("amplifier limit {parameter} is {value}, expected {expected}")]
     Limit {
         /// Field of the limits.

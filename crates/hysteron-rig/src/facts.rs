@@ -1,5 +1,4 @@
-//! Tests of the bench as a whole: accuracy of the computation, and that the default stage looks like a real
-//! one.
+//! Tests of the whole bench: accuracy of the computation, and realism of the default stage.
 
 use std::f64::consts::TAU;
 
@@ -52,7 +51,7 @@ fn loops_hardly_change_below_5_hz_and_clearly_by_100_hz() {
         at(20.0),
         at(50.0)
     );
-    // The whole loops, not their opening alone: same phases of the period, each about its own mean.
+    // Distance of whole loops, not only of their openings: at equal phase, each about its own mean.
     let last_period = |f: f64| {
         let y = measure(&Truth::default(), &sine(2000.0 * f, f, 4.0), 1, 0).unwrap().y_true_um;
         let last = y[y.len() - 2000..].to_vec();
@@ -139,8 +138,8 @@ fn a_linear_bench_has_the_frequency_response_of_its_parts() {
         };
         let truth = Truth { plant: Plant::PlayStack(linear), ..Truth::default() };
         let y = measure(&truth, &sine(fs, f, 80.0), 1, 0).unwrap().y_true_um;
-        // Fundamental of the last period (the mode's transient has decayed by e^−71), with creep's drift over
-        // it removed.
+        // Fundamental of the last period (the mode's transient has decayed by e^−71), with the creep drift
+        // over it removed.
         let (before, last) = (&y[y.len() - 200..y.len() - 100], &y[y.len() - 100..]);
         let drift = last.iter().zip(before).map(|(a, b)| a - b).sum::<f64>() / 100.0;
         let mut fundamental = Complex64::ZERO;
@@ -178,7 +177,7 @@ fn a_delay_of_whole_samples_shifts_the_record() {
     let (now, later) = (with(0.0), with(3e-4));
     assert_eq!(later[..3], [0.0; 3]);
     assert_eq!(later[3..], now[..now.len() - 3]);
-    // Half a step of the grid away lies between its neighbours.
+    // A delay half a grid step away gives an output between its neighbours.
     let between = with(3e-4 - 2.5e-6);
     let (a, b, m) = (now[60], now[61], between[63]);
     assert!(m > a.min(b) && m < a.max(b));
@@ -208,7 +207,7 @@ fn a_bench_resting_at_a_voltage_stays_there() {
         assert!(y[0] > 5.0);
         assert!(y.iter().all(|v| (v - y[0]).abs() < 1e-9 * y[0]), "{:?}", &y[..3]);
     }
-    // Endless creep has no rest but at 0 V.
+    // With unbounded creep, rest is possible at 0 V only.
     let Plant::PlayStack(mut stack) = Truth::default().plant else { panic!("default truth") };
     stack.creep = Some(Creep { strength: 0.08, order: 0.15, corner_hz: 0.0 });
     let truth = Truth { plant: Plant::PlayStack(stack), ..Truth::default() };

@@ -1,14 +1,14 @@
-//! A simulated test bench: known truth, realistic records.
+//! A simulated test bench with known truth and realistic records.
 //!
 //! The truth is either the user's ([`Plant::BoucWenFractional`]) or the default, which lies outside every
 //! model class this library identifies ([`PlayStack`]): asymmetric plays, two modes, fractional creep,
 //! amplifier lag, delay, 16-bit converter, noise. [`measure`] plays one waveform; [`run_campaign`] the
-//! article's set of records; [`LiveRig`] stands in a loop with a controller.
+//! article's set of records; [`LiveRig`] runs in closed loop with a controller.
 //!
-//! The bench shares no code with the simulators it is used to test. It works in continuous time: operators
-//! without memory of rate are stepped exactly on a grid at least 20 times finer than the record, and linear
-//! dynamics, fractional ones included, are split into poles and branch cut and propagated exactly for an
-//! input linear over each grid step.
+//! The bench shares no code with the simulators it is used to test. It works in continuous time:
+//! rate-independent operators are stepped exactly on a grid at least 20 times finer than the record, and
+//! linear dynamics, fractional ones included, are split into poles and branch cut and propagated exactly for
+//! an input linear over each grid step.
 
 mod bouc_wen;
 mod campaign;
@@ -38,7 +38,7 @@ pub use truth::{Adc, BoucWenFractional, Creep, Dac, Mode, Plant, PlayStack, Powe
 
 use hysteron_model::record::{Channel, Record, Unit};
 
-/// One experiment on the bench: the record an experimenter would have, and what only the bench knows.
+/// One experiment on the bench: the measured record and the true signals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigRun {
     /// Channels `u` \[V\] (the command) and `y` \[µm\] (the sensor's reading); the name begins with
@@ -50,7 +50,7 @@ pub struct RigRun {
     pub hysteresis_um: Vec<f64>,
     /// Readings at the ends of the converter's range.
     pub clipped_samples: usize,
-    /// Lines to be written above the data: that it is simulated, drive, plant, seed.
+    /// Header lines of the file: statement that it is simulated, drive, plant, seed.
     pub comments: Vec<String>,
 }
 

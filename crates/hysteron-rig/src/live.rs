@@ -1,4 +1,4 @@
-//! The bench as a controller meets it: one period at a time.
+//! The bench in closed loop, one sample period at a time.
 
 use hysteron_model::control::{Stage, StageError, StageRun, StageSample};
 
@@ -7,8 +7,8 @@ use super::period::Periods;
 use super::sensor::SensorState;
 use super::truth::{Dac, Truth};
 
-/// The simulated bench, driven one period at a time by a converter that holds. Along the same drive it gives
-/// what [`measure`](super::measure) gives, bit by bit.
+/// The simulated bench, driven one period at a time through a zero-order hold. For the same drive its output
+/// is bit-identical to that of [`measure`](super::measure).
 ///
 /// ```
 /// use hysteron_rig::{Dac, LiveRig, Truth};
@@ -28,12 +28,12 @@ pub struct LiveRig<'a> {
 }
 
 impl<'a> LiveRig<'a> {
-    /// A bench that has rested at the voltage `rest_v` for ever; `seed` and `stream` of its noise as in
+    /// A bench in equilibrium at the voltage `rest_v`; `seed` and `stream` of its noise as in
     /// [`measure`](super::measure).
     ///
     /// # Errors
-    /// Those of [`measure`](super::measure); [`RigError::Ahead`] for a truth whose converter draws straight
-    /// lines.
+    /// Those of [`measure`](super::measure); [`RigError::Ahead`] for a truth whose converter interpolates
+    /// linearly.
     pub fn at_rest(
         truth: &'a Truth,
         sample_rate_hz: f64,
@@ -50,8 +50,8 @@ impl<'a> LiveRig<'a> {
         Ok(LiveRig { periods, sensor: SensorState::new(&truth.sensor, sample_rate_hz, seed, stream) })
     }
 
-    /// Holds `drive_v` for one period. What is seen is seen at its beginning: a drive made from it comes a
-    /// period later.
+    /// Holds `drive_v` for one period. The sample is taken at its beginning: a drive computed from it is
+    /// applied one period later.
     ///
     /// # Errors
     /// [`RigError::Drive`] for a voltage that is not finite, [`RigError::Diverged`].
@@ -71,7 +71,7 @@ impl StageRun for LiveRig<'_> {
 /// The simulated bench as the stage of a control loop.
 #[derive(Clone, Copy, Debug)]
 pub struct RigStage<'a> {
-    /// The device; its converter must hold.
+    /// The device; its converter must be a zero-order hold.
     pub truth: &'a Truth,
     /// Seed of its noise.
     pub seed: u64,

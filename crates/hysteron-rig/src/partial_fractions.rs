@@ -1,4 +1,4 @@
-//! A transfer function as poles and branch cut.
+//! Decomposition of a transfer function into poles and branch cut.
 //!
 //! For G analytic outside its poles p_j and the cut (−∞, −c],
 //!
@@ -8,7 +8,7 @@
 //!
 //! With x = e^q the trapezoidal rule in q converges geometrically, so the integral becomes a sum of real
 //! poles whose number grows with the logarithms of accuracy and bandwidth only. The sum is compared with G on
-//! the imaginary axis, and the step in q is halved until they agree: accuracy is checked, not presumed.
+//! the imaginary axis, and the step in q is halved until they agree: accuracy is checked, not assumed.
 
 use std::f64::consts::PI;
 
@@ -18,7 +18,7 @@ use super::RigError;
 
 /// Required agreement with G on the imaginary axis, relative to the largest |G|.
 const TOLERANCE: f64 = 1e-9;
-/// Real poles that add less than this part of the largest gain are dropped.
+/// Real poles that contribute less than this fraction of the largest gain are dropped.
 const NEGLIGIBLE: f64 = 1e-14;
 
 /// Real pole `weight / (s + rate)`, rate > 0 \[rad/s\].
@@ -51,7 +51,7 @@ pub(super) struct Splitting<'a> {
     pub response: &'a dyn Fn(Complex64) -> Complex64,
     /// The cut starts at −corner \[rad/s\].
     pub corner: f64,
-    /// Poles off the cut, and on it where there is no jump across it.
+    /// Poles off the cut, or on it if G is continuous across it.
     pub pairs: Vec<PolePair>,
     /// Isolated real poles.
     pub isolated: Vec<RealPole>,
@@ -115,8 +115,8 @@ impl PartialFractions {
     }
 }
 
-/// Appends the trapezoidal sum over ln x of the cut, outwards from the middle of the band until nothing is
-/// added any more.
+/// Appends the trapezoidal sum over ln x of the cut, outwards from the middle of the band until the terms are
+/// negligible.
 fn sample_cut(splitting: &Splitting<'_>, step: f64, largest: f64, real: &mut Vec<RealPole>) {
     let (low, high) = splitting.band_rad_s;
     let middle = 0.5 * (low.ln() + high.ln());

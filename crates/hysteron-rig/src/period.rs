@@ -1,4 +1,4 @@
-//! The true plant, one sample period after another.
+//! Simulation of the true plant, one sample period at a time.
 
 use std::collections::VecDeque;
 
@@ -32,18 +32,18 @@ pub(super) struct Periods<'a> {
     sample_rate_hz: f64,
     /// Grid steps of a period.
     steps: usize,
-    /// Periods gone by.
+    /// Periods simulated.
     period: usize,
     amplified_v: f64,
     v: f64,
-    /// Displacements that are due already: a plant with delay is read ahead.
+    /// Displacements computed but not yet output, because of the delay.
     due: VecDeque<f64>,
     /// Grid point at which the next one is read.
     next_read: usize,
 }
 
 impl<'a> Periods<'a> {
-    /// A plant that has rested at `first_v` for ever. The truth must be valid.
+    /// A plant in equilibrium at `first_v`. The truth must be valid.
     pub fn at_rest(truth: &'a Truth, sample_rate_hz: f64, first_v: f64) -> Result<Self, RigError> {
         if !(sample_rate_hz.is_finite() && sample_rate_hz > 0.0) {
             let (what, expected) = ("sample_rate_hz", "a finite rate above 0");
@@ -68,7 +68,7 @@ impl<'a> Periods<'a> {
         }
         let plant = Propagator::at_rest(&dynamics, step_s, fraction, rest_um);
         let at_rest_um = if rest_um == 0.0 { 0.0 } else { plant.output(rest_um, rest_um) };
-        // Outputs that look back before the record see the plant at rest.
+        // Delayed outputs from before the record are those at rest.
         let before = whole.div_ceil(steps);
         Ok(Periods {
             hysteresis,
@@ -84,13 +84,13 @@ impl<'a> Periods<'a> {
         })
     }
 
-    /// One period, in which the drive goes from `start_v` (where it jumps to) to `end_v`: displacement and
-    /// output of the hysteresis at its beginning \[µm\].
+    /// Simulates one period, in which the drive jumps to `start_v` and then goes linearly to `end_v`; returns
+    /// displacement and output of the hysteresis at its beginning \[µm\].
     pub fn next(&mut self, start_v: f64, end_v: f64) -> Result<(f64, f64), RigError> {
         let diverged =
             RigError::Diverged { time_s: self.period as f64 / self.sample_rate_hz, drive_v: start_v };
         if self.amplifier.is_none() {
-            // A held drive jumps here; a linear one is here already.
+            // A held drive jumps here; a linear one has already reached this value.
             self.v = self.hysteresis.step(start_v);
             if !self.v.is_finite() {
                 return Err(diverged);

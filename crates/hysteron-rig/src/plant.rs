@@ -1,4 +1,4 @@
-//! From a validated truth to something that can be stepped: hysteresis state and split linear dynamics.
+//! Steppable plant of a validated truth: hysteresis state and partial fractions of the linear dynamics.
 
 use std::f64::consts::TAU;
 
@@ -51,7 +51,7 @@ impl Plant {
         }
     }
 
-    /// The linear dynamics without delay, good for steps of `step_s`.
+    /// The linear dynamics without delay, accurate for steps of `step_s`.
     pub(super) fn dynamics(&self, step_s: f64) -> Result<PartialFractions, RigError> {
         let band_rad_s = (1e-3, std::f64::consts::PI / step_s);
         match self {

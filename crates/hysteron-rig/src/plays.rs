@@ -1,13 +1,12 @@
-//! The true hysteresis that no Bouc–Wen model matches: a stack of asymmetric play operators behind a bent
-//! line.
+//! True hysteresis outside the Bouc–Wen class: a stack of asymmetric play operators followed by a cubic
+//! polynomial.
 
 use serde::{Deserialize, Serialize};
 
 /// One play operator with its weight.
 ///
-/// w(t) = max(u(t) − rising, min(u(t) + falling, w(t⁻))), w = 0 before anything happened. With rising =
-/// falling = r this is the backlash of half-width r; unequal thresholds make the two branches of a loop
-/// differ.
+/// w(t) = max(u(t) − rising, min(u(t) + falling, w(t⁻))), initially w = 0. With rising = falling = r this is
+/// the backlash of half-width r; unequal thresholds make the two branches of a loop differ.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Play {

@@ -75,8 +75,8 @@ struct PairState {
 }
 
 impl Propagator {
-    /// A plant at rest under the constant input `v_um`, stepping by `step_s`; `fraction` ∈ [0, 1) is where in
-    /// a step [`Propagator::output`] looks.
+    /// A plant at rest under the constant input `v_um`, stepping by `step_s`; `fraction` ∈ [0, 1) is the
+    /// place in a step where [`Propagator::output`] evaluates.
     pub fn at_rest(plant: &PartialFractions, step_s: f64, fraction: f64, v_um: f64) -> Self {
         let mut real = RealStates::default();
         for p in &plant.real {

@@ -23,8 +23,8 @@ const STARTS_PER_E_FOLD: f64 = 2.0;
 const STARTS_IN_ANGLE: usize = 12;
 
 /// ln s of the zeros with 0 ≤ arg s ≤ π, by Newton's method in L = ln s from a grid around the magnitudes at
-/// which two terms balance. Completeness is not proved here: the caller checks the partial fractions that the
-/// zeros give.
+/// which two terms balance. Completeness is not proved here: the caller checks the resulting partial
+/// fractions.
 pub(super) fn upper_zeros(terms: &[PowerTerm]) -> Vec<Complex64> {
     let mut lowest = f64::INFINITY;
     let mut highest = f64::NEG_INFINITY;
@@ -78,7 +78,7 @@ fn newton(terms: &[PowerTerm], start: Complex64) -> Option<Complex64> {
             return Some(log_s);
         }
     }
-    // Converged to rounding without meeting the last-digit test: accept if the terms cancel.
+    // Converged to rounding level without passing the last-digit test: accept if the terms cancel.
     let (value, _) = power_sum(terms, log_s);
     let size: f64 = terms.iter().map(|t| (t.coefficient * (t.order * log_s.re).exp()).abs()).sum();
     (value.norm() < 1e-12 * size).then_some(log_s)

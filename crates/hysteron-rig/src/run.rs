@@ -7,13 +7,13 @@ use super::{RigError, RigRun};
 use crate::excitation::Excitation;
 use hysteron_model::record::{Channel, Record, TimeBase, Unit};
 
-/// Plays one waveform on the bench, which has rested at the waveform's first voltage.
+/// Simulates one experiment: a waveform on the bench, initially at rest at its first voltage.
 ///
 /// `stream` numbers the record within a campaign: with the same seed, different streams have independent
 /// noise.
 ///
 /// # Errors
-/// Any [`RigError`]: a truth or a drive that makes no sense, unstable dynamics, a diverging hysteresis.
+/// Any [`RigError`]: an invalid truth or drive, unstable dynamics, a diverging hysteresis.
 ///
 /// ```
 /// use hysteron_rig::{Truth, measure};
@@ -60,7 +60,7 @@ pub fn measure(truth: &Truth, drive: &Excitation, seed: u64, stream: usize) -> R
     })
 }
 
-/// True displacement and output of the hysteresis along a drive.
+/// True displacement and output of the hysteresis for a drive.
 fn respond(truth: &Truth, drive: &Excitation) -> Result<(Vec<f64>, Vec<f64>), RigError> {
     let u = &drive.samples_v;
     if let Some(&bad) = u.iter().find(|x| !x.is_finite()) {

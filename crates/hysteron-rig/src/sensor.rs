@@ -1,4 +1,4 @@
-//! Sensor of the bench: noise and steps on the true displacement.
+//! Sensor of the bench: noise and quantisation of the true displacement.
 
 use rand::Rng;
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -25,7 +25,7 @@ fn normal_pair(rng: &mut Xoshiro256PlusPlus) -> (f64, f64) {
     (radius.sqrt() * angle.cos(), radius.sqrt() * angle.sin())
 }
 
-/// A sensor that is read once a sample.
+/// A sensor that is read once per sample.
 pub(super) struct SensorState {
     sensor: Sensor,
     rng: Xoshiro256PlusPlus,

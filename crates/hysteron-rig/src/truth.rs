@@ -47,9 +47,9 @@ pub struct PlayStack {
     pub linear_um_per_v: f64,
     /// Irreversible part.
     pub plays: Vec<Play>,
-    /// Even bend of the displacement \[1/µm\].
+    /// Coefficient of s² in the polynomial \[1/µm\].
     pub quadratic_per_um: f64,
-    /// Odd bend of the displacement \[1/µm²\].
+    /// Coefficient of s³ in the polynomial \[1/µm²\].
     pub cubic_per_um2: f64,
     /// Vibration modes; shares are scaled to the sum 1.
     pub modes: Vec<Mode>,
@@ -79,7 +79,7 @@ pub struct Creep {
     pub strength: f64,
     /// Order μ, between 0 and 1.
     pub order: f64,
-    /// Corner \[Hz\]; 0: creep never ends (then the drive must start at 0 V).
+    /// Corner \[Hz\]; 0: unbounded creep (then the drive must start at 0 V).
     pub corner_hz: f64,
 }
 
@@ -203,7 +203,7 @@ impl Default for PlayStack {
         let count = 40;
         let plays = (0..count)
             .map(|i| {
-                // Half-widths spread over 0–5 V, wide loops rarer than narrow ones.
+                // Half-widths spread over 0–5 V, with smaller weights for wide loops.
                 let r = 5.0 * (f64::from(i) + 0.5) / f64::from(count);
                 Play { rising_v: 1.1 * r, falling_v: 0.9 * r, weight_um_per_v: 0.063 * (-r / 4.0).exp() }
             })
@@ -263,7 +263,7 @@ impl Truth {
         }
     }
 
-    /// One line for people: what the true plant is.
+    /// One-line description of the true plant.
     pub fn describe(&self) -> String {
         match &self.plant {
             Plant::PlayStack(p) => format!(

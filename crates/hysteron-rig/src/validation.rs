@@ -1,4 +1,4 @@
-//! Which truths make sense.
+//! Validation of a truth.
 
 use super::truth::{BoucWenFractional, Plant, PlayStack, Sensor, Truth};
 use super::{PowerTerm, RigError};
@@ -7,7 +7,7 @@ impl Truth {
     /// Checks every number.
     ///
     /// # Errors
-    /// [`RigError::Parameter`] or [`RigError::EmptyList`] naming the first field that makes no sense,
+    /// [`RigError::Parameter`] or [`RigError::EmptyList`] naming the first invalid field,
     /// [`RigError::Improper`].
     pub fn validate(&self) -> Result<(), RigError> {
         if !(20..=10_000).contains(&self.oversampling) {

@@ -1,11 +1,11 @@
-//! The operators in C99, each beside its Rust, for programs that write C.
+//! The operators in C99, each beside its Rust, for code generation.
 //!
 //! Templates, in which `R(x)` is the constant x as a literal of the number type, `F(f)` the function f of
 //! `<math.h>` in that type, `K(x)` the place of the coefficients x, `$key` a name or a size, and lines
 //! between `//{ flag` and `//}` hold where the flag is set. The law of one branch
 //! ([`crate::Branch::c_fragment`]) comes between the two.
 
-/// Functions that laws and operators call; each behind those that it calls itself.
+/// Functions called by laws and operators, each after those it calls itself.
 pub const SHARED: &str = concat!(
     include_str!("increment.c"),
     include_str!("series.c"),
@@ -16,9 +16,9 @@ pub const SHARED: &str = concat!(
     include_str!("branch/root.c"),
 );
 
-/// Every operator: its output virgin at a voltage (`hysteresis_at_rest`), after a move that is not made
-/// (`hysteresis_look`) and after one that is (`hysteresis_move`), and its memory made virgin
-/// (`hysteresis_rest`); with the part of a law that need not be written.
+/// Functions of every operator: virgin output at a voltage (`hysteresis_at_rest`), output after a trial move
+/// (`hysteresis_look`) and after a move (`hysteresis_move`), reset to virgin (`hysteresis_rest`); with the
+/// provided methods of a branch law.
 pub const OPERATORS: &str = concat!(
     include_str!("bouc_wen/operator.c"),
     include_str!("branch/law.c"),

@@ -18,8 +18,8 @@ pub struct Dual<T, const P: usize> {
 }
 
 impl<T: Real, const P: usize> Dual<T, P> {
-    /// The parameter of number `index` itself: derivative 1 with respect to it, 0 with respect to the others
-    /// (to all, where there is no such number).
+    /// Parameter `index` itself: derivative 1 with respect to it, 0 to the others (to all, where `index` is
+    /// out of range).
     #[inline(always)]
     pub fn variable(value: T, index: usize) -> Self {
         let mut partials = [T::of(0.0); P];
@@ -29,8 +29,8 @@ impl<T: Real, const P: usize> Dual<T, P> {
         Dual { value, partials }
     }
 
-    /// Without the derivatives from number `first` on that have [vanished](Real::VANISHED): that with respect
-    /// to the start of a long record decays for ever.
+    /// Zeroes the derivatives from number `first` on that have [vanished](Real::VANISHED): those with respect
+    /// to an initial state decay for ever.
     #[inline(always)]
     pub fn without_vanished(mut self, first: usize) -> Self {
         for p in self.partials.iter_mut().skip(first) {
@@ -119,7 +119,7 @@ impl<T: Real, const P: usize> Scalar for Dual<T, P> {
     #[inline(always)]
     fn chain(mut self, value: T, slope: T) -> Self {
         self.value = value;
-        // In place: `map` and `into_iter` of an array stay calls, one a number.
+        // In place: `map` and `into_iter` of an array are not inlined, one call a number.
         for p in &mut self.partials {
             *p = slope * *p;
         }

@@ -1,8 +1,8 @@
-//! States that move by increments, without losing what rounding takes from them.
+//! States updated by increments with compensated summation.
 
 use crate::real::Real;
 
-/// x + δ without losing what is smaller than half a unit of x (W. Kahan 1965, doi:10.1145/363707.363723).
+/// x ← x + δ by compensated summation (W. Kahan 1965, doi:10.1145/363707.363723).
 #[inline(always)]
 pub(crate) fn accumulate<T: Real>(x: &mut T, carry: &mut T, delta: T) {
     let delta = delta + *carry;
@@ -11,13 +11,13 @@ pub(crate) fn accumulate<T: Real>(x: &mut T, carry: &mut T, delta: T) {
     *x = sum;
 }
 
-/// A state that moves by increments (z of a Bouc–Wen operator, say), and what rounding has left of them. Two
-/// are equal where they go on alike.
+/// State updated by increments (z of a Bouc–Wen operator, say) with its Kahan compensation. Equality compares
+/// these two only.
 #[derive(Clone, Copy, Debug)]
 pub struct IncrementMemory<T> {
     z: T,
     carry: T,
-    /// Both before the last move. Nothing waits for them unless that move is taken back.
+    /// Both before the last move, read only where that move is taken back.
     before: (T, T),
 }
 
@@ -39,7 +39,7 @@ impl<T: Real> IncrementMemory<T> {
         self.z
     }
 
-    /// Moves by an increment; the state after it.
+    /// Adds an increment and returns the state.
     #[inline(always)]
     pub(crate) fn advance(&mut self, increment: T) -> T {
         self.before = (self.z, self.carry);
@@ -47,7 +47,7 @@ impl<T: Real> IncrementMemory<T> {
         self.z
     }
 
-    /// As it was before the last move.
+    /// Undoes the last move.
     #[inline(always)]
     pub(crate) fn take_back(&mut self) {
         (self.z, self.carry) = self.before;

@@ -5,19 +5,19 @@
 //! * [`PlayBank`]: a weighted sum of play operators (Prandtl–Ishlinskii), its step and the exact inverse of
 //!   the step.
 //! * [`SidedPlays`]: plays between other sides ([`Sides`]), with a [`BrokenLine`] behind them; [`Plane`]: a
-//!   plane of relays by its Everett function and the [`Turns`] that still count.
-//! * [`Branch`]: states that follow a differential equation along each branch, one law a file of [`branch`],
-//!   by what a move changes them by; [`c_source`]: the operators in C99.
+//!   Preisach plane by its Everett function and its turning points ([`Turns`]).
+//! * [`Branch`]: states that follow a differential equation along each branch, updated by increments, one
+//!   file of [`branch`] a law; [`c_source`]: the operators in C99.
 //! * [`Model`]: hysteresis ([`Operator`]) followed by linear dynamics ([`Sections`]: real poles, pole pairs,
 //!   taps, delay), voltage in, displacement out, in a bounded number of operations a sample.
 //! * [`Compensator`]: the inverse, reference in, voltage out, within the amplifier's range and slew ([`Law`],
-//!   [`Hysteresis::reach`]); [`Observer`]: what stands between model and stage; [`Feedback`]: PI, PI^λ and
-//!   integral with notch; [`FilteredLms`]: feedforward that adapts.
-//! * [`Rls`], [`Nlms`]: least squares with forgetting and gradient correction of parameters while samples
-//!   come in; [`FitMonitor`] says when they no longer fit.
+//!   [`Hysteresis::reach`]); [`Observer`]: the disturbance between model and stage; [`Feedback`]: PI, PI^λ
+//!   and integral with notch; [`FilteredLms`]: adaptive feedforward.
+//! * [`Rls`], [`Nlms`]: recursive least squares with forgetting and normalised LMS, sample by sample;
+//!   [`FitMonitor`] detects misfit.
 //! * [`Dual`]: a number with its derivatives. Where a step is fed duals it returns the exact derivatives of
 //!   its own result with respect to β, γ and n ([`BoucWen::advance_with_sensitivities`]).
-//! * [`Real`], [`Scalar`]: the two closed sets of numbers the arithmetic is written for.
+//! * [`Real`], [`Scalar`]: the two sealed traits of the number types.
 //!
 //! ```
 //! use hysteron_rt::{BoucWen, BoucWenState};
@@ -35,7 +35,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! That it neither needs `std` nor can panic is proved at link time by `proof/run.sh`.
+//! `proof/run.sh` proves at link time that it neither needs `std` nor can panic.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 

@@ -1,9 +1,9 @@
-//! Why something was not built.
+//! Error of invalid parameters.
 
 use core::error::Error;
 use core::fmt::{Debug, Display, Formatter, Result};
 
-/// Numbers that an operator, an estimator or a monitor cannot be built with.
+/// Invalid parameters of an operator, an estimator or a monitor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ParameterError<T> {
@@ -19,7 +19,7 @@ pub enum ParameterError<T> {
         /// The exponent given.
         n: T,
     },
-    /// Not one weight a threshold.
+    /// Weights and thresholds differ in number.
     Lengths {
         /// Number of thresholds.
         thresholds: usize,
@@ -42,8 +42,7 @@ pub enum ParameterError<T> {
         /// Its value.
         value: T,
     },
-    /// A number that says where the sides of plays stand is infinite, not a number, or not positive where it
-    /// must be.
+    /// A parameter of the sides of plays is infinite, not a number, or not positive where it must be.
     Sides,
     /// Ends of a plane of relays that are not finite, or not the low one below the high one.
     Range,
@@ -56,7 +55,7 @@ pub enum ParameterError<T> {
     },
     /// A sum over a plane of relays is infinite or not a number.
     Sum,
-    /// A number of the whole estimator is out of its range.
+    /// A setting of the whole estimator is out of its range.
     Number {
         /// Its name.
         name: &'static str,
@@ -76,7 +75,7 @@ pub enum ParameterError<T> {
         /// Requirement.
         must: &'static str,
     },
-    /// A monitor that looks for nothing.
+    /// A monitor without a change to detect.
     NoChange,
 }
 

@@ -27,7 +27,7 @@ pub trait Scalar:
     fn constant(value: Self::Real) -> Self;
     /// The value without the derivatives.
     fn value(self) -> Self::Real;
-    /// |value| + Σ |derivatives|: what has to be small where a term is dropped.
+    /// |value| + Σ |derivatives|, which decides whether a term is negligible.
     fn magnitude(self) -> Self::Real;
     /// Product with a constant.
     fn scale(self, factor: Self::Real) -> Self;
@@ -37,8 +37,8 @@ pub trait Scalar:
     fn chain(self, value: Self::Real, slope: Self::Real) -> Self;
     /// f(self, other) for a function with the value `value` and the partial derivatives `slopes`.
     fn join(self, other: Self, value: Self::Real, slopes: [Self::Real; 2]) -> Self;
-    /// The zero of a function that is `root` in plain numbers, where the function rises by `slope`; its
-    /// derivatives follow from those of the function there (implicit function theorem).
+    /// Root of a function: its value is `root`, where the function has the slope `slope`; its derivatives
+    /// follow by the implicit function theorem.
     fn implicit(
         root: Self::Real,
         slope: impl FnOnce() -> Self::Real,
@@ -68,8 +68,8 @@ pub trait Real: Scalar<Real = Self> + PartialOrd + Debug + Display + Send + Sync
     const EPSILON: Self;
     /// Up to this |x| the polynomial of degree 6 gives (1 − e⁻ˣ)/x to a fraction of a unit in the last place.
     const SMALL: Self;
-    /// A derivative below this has vanished. Above the subnormal numbers, which are slow to compute with, by
-    /// more than any factor of one step.
+    /// Derivatives below this are set to 0. Above the (slow) subnormal numbers by more than any factor of one
+    /// step.
     const VANISHED: Self;
     /// A level far below any signal whose rounding errors are still far above the subnormal numbers.
     const FLOOR: Self;
@@ -83,7 +83,7 @@ pub trait Real: Scalar<Real = Self> + PartialOrd + Debug + Display + Send + Sync
     fn abs(self) -> Self;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
-    /// The whole number below a positive number; 0 for what is not one.
+    /// Integer part of a positive number; 0 for any other.
     fn truncated(self) -> usize;
 }
 

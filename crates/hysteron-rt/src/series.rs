@@ -78,7 +78,7 @@ fn large_relaxation<T: Real>(kappa: T, d: T) -> (T, T) {
     (e, (T::of(1.0) - e) / kappa)
 }
 
-/// G(x) where |x| ≤ ½, in independent parts to shorten the chain of operations that wait for each other.
+/// G(x) where |x| ≤ ½, in independent parts to shorten the dependency chain.
 #[inline(always)]
 fn small_remainder<T: Real>(x: T) -> Option<T> {
     let size = x.abs();

@@ -1,4 +1,4 @@
-//! Which structure records support.
+//! Comparison of model structures on records.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -35,7 +35,7 @@ impl<'a> Compare<'a> {
         }
     }
 
-    /// Structures to compare; else they are searched for, from the best so far to the next.
+    /// Structures to compare; default: a search by successive improvement of the best so far.
     #[must_use]
     pub fn candidates(mut self, candidates: impl IntoIterator<Item = Candidate>) -> Self {
         self.candidates = candidates.into_iter().collect();
@@ -49,14 +49,14 @@ impl<'a> Compare<'a> {
         self
     }
 
-    /// Names of the input and the output column; else the channels that look like them.
+    /// Names of the input and the output column; default: recognised among the channels.
     #[must_use]
     pub fn columns(mut self, input: impl Into<String>, output: impl Into<String>) -> Self {
         self.channels = ChannelChoice { input: Some(input.into()), output: Some(output.into()) };
         self
     }
 
-    /// Callback for progress; it may stop the comparison, which then holds what was finished.
+    /// Callback for progress; it may stop the comparison, which then holds the finished candidates.
     #[must_use]
     pub fn watch(mut self, told: impl FnMut(&Event<'_>) -> ControlFlow<()> + Send + 'a) -> Self {
         self.watch = Watch::new(told);
@@ -74,7 +74,7 @@ impl<'a> Compare<'a> {
     ///
     /// # Errors
     /// [`Error::Model`] for records that cannot be used; [`Error::Identify`] where they cannot rank
-    /// structures, with what to measure instead.
+    /// structures, with advice on what to measure.
     pub fn run(self) -> Result<Comparison, Error> {
         let begun = Instant::now();
         let record =

@@ -4,7 +4,7 @@ use hysteron_export::ExportError;
 use hysteron_io::IoError;
 use hysteron_model::model_file::Kind;
 
-/// Error of this crate: that of the layer it comes from.
+/// Error of this crate, from the layer where it arose.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -20,10 +20,10 @@ pub enum Error {
     /// The model cannot be exported.
     #[error(transparent)]
     Export(#[from] ExportError),
-    /// Single options beside a task, which contains all of them.
+    /// Single options given together with a task, which contains all of them.
     #[error("a task contains all options: set hysteresis, dynamics, creep and seed in the task")]
     OptionsOfTask,
-    /// Options of a Hammerstein model with another kind.
+    /// Options of a Hammerstein model given for another kind.
     #[error(
         "hysteresis, dynamics, creep and seed belong to a Hammerstein model, not to {kind}: give a task for \
          it"

@@ -1,4 +1,4 @@
-//! A model as source that runs without Hysteron.
+//! A model as source code independent of Hysteron.
 
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -39,7 +39,7 @@ impl Export {
         self.files.iter().map(|file| (file.name.as_str(), file.bytes.as_slice()))
     }
 
-    /// Writes all files into a folder, made where it does not exist, or none.
+    /// Writes all files or none into a folder, which is created if missing.
     ///
     /// # Errors
     /// [`Error::Export`].

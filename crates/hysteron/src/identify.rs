@@ -1,4 +1,4 @@
-//! From records to a model.
+//! Identification of a model from records.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -57,7 +57,7 @@ impl<'a> Identify<'a> {
         self
     }
 
-    /// Kind of model; else a Hammerstein model, or modes where several inputs are named.
+    /// Kind of model; default: a Hammerstein model, or modes where several inputs are named.
     #[must_use]
     pub fn kind(mut self, kind: Kind) -> Self {
         self.kind = Some(kind);
@@ -71,14 +71,14 @@ impl<'a> Identify<'a> {
         self
     }
 
-    /// Model whose parameters every search tries first.
+    /// Model whose parameters are the first starting point of every search.
     #[must_use]
     pub fn start(mut self, model: &Model) -> Self {
         self.start = Some(model.core().clone());
         self
     }
 
-    /// Names of the input and output columns; else the channels that look like them.
+    /// Names of the input and output columns; default: recognised among the channels.
     #[must_use]
     pub fn columns<S: Into<String>>(
         mut self,
@@ -90,7 +90,7 @@ impl<'a> Identify<'a> {
         self
     }
 
-    /// Family of the hysteresis block of a Hammerstein model; else the default for the records.
+    /// Family of the hysteresis block of a Hammerstein model; default: chosen from the records.
     #[must_use]
     pub fn hysteresis(mut self, family: HysteresisForm) -> Self {
         self.options.hysteresis = Choice::Given(family);
@@ -185,7 +185,7 @@ impl<'a> Identify<'a> {
     }
 }
 
-/// This library, now.
+/// Name and version of this library, and the current time.
 pub(crate) fn maker() -> Maker {
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
     Maker {
@@ -255,8 +255,8 @@ impl Fit {
         &self.found
     }
 
-    /// The report of the fit: for a Hammerstein model with curves, for the other kinds numbers, errors,
-    /// scores and findings.
+    /// The report of the fit: curves for a Hammerstein model; parameters, errors, scores and findings for the
+    /// other kinds.
     ///
     /// # Errors
     /// [`Error::Model`] where the data of the model are not sound.

@@ -1,9 +1,9 @@
-//! Hysteron: measured records of a piezo actuator go in, a checked model comes out, and a controller runs its
-//! inverse.
+//! Hysteron identifies validated models of piezo actuators from measured records, and runs their inverse in a
+//! controller.
 //!
 //! The model is a Hammerstein model, hysteresis followed by fractional-order dynamics with delay, after L.
 //! Yang, Z. Zhao, Y. Zhang and D. Li, *Micromachines* 13 (2022) 42, doi:10.3390/mi13010042; or an oscillator,
-//! modes or branches ([`Kind`]). Units at every surface: V, µm, s, Hz. [`prelude`] has the types that most
+//! modes or branches ([`Kind`]). Units of all interfaces: V, µm, s, Hz. [`prelude`] has the types that most
 //! programs need.
 //!
 //! ```
@@ -61,7 +61,7 @@
 //! [`Content`] an array. A [`Record`] is [`Channel`]s, each with its [`Unit`], on a [`TimeBase`]. [`Prepare`]
 //! joins, scales, detrends and resamples records; the result, [`Prepared`], has a [`PreparedSummary`].
 //! [`write`](write()) writes a record. A [`Signal`] is one channel with its time base: a drive or a
-//! reference; [`InterSample`] is what it does between its samples.
+//! reference; [`InterSample`] is its interpolation between samples.
 //!
 //! **Records to a model.** [`Identify`] takes records and options; options that are not set are chosen from
 //! the records. The hysteresis block is a [`HysteresisForm`]; the dynamic block a [`DynamicsChoice`],
@@ -73,8 +73,8 @@
 //! training scores, and [`Finding`]s, each of a [`FindingKind`]: verdict, advice, warning. [`Fit::report`]
 //! makes a [`Report`], one HTML page.
 //!
-//! **Which structure.** [`Compare`] fits [`Candidate`]s to all records but some and simulates them on these;
-//! a [`Comparison`] ranks them and identifies the preferred one.
+//! **Which structure.** [`Compare`] fits [`Candidate`]s to all records but the held-out ones and simulates
+//! them on those; a [`Comparison`] ranks them and identifies the preferred one.
 //!
 //! **Simulation and scores.** [`Model::load`] reads a model file of any [`Kind`]. [`Model::simulate`] runs a
 //! drive from a [`Start`]. [`Model::score`] compares with a record as [`Scoring`] says ([`OffsetTreatment`]
@@ -82,19 +82,19 @@
 //! in parts; a [`Remark`] says where the model extrapolates.
 //!
 //! **Its inverse.** [`Model::invert`] makes the drive for a reference within [`Limits`];
-//! [`Model::controller`] is a [`Controller`] that steps sample by sample. [`Model::track`] plays a reference
-//! by several controllers ([`TrackOptions`]), on the model itself or on a [`Stage`]: a [`Tracking`] holds the
-//! errors and bandwidths of each. [`Model::export`] writes an [`Export`] for a [`Target`], C99, `no_std` Rust
-//! or FMU, in a [`Precision`].
+//! [`Model::controller`] is a [`Controller`] that steps sample by sample. [`Model::track`] simulates several
+//! controllers following a reference ([`TrackOptions`]), on the model itself or on a [`Stage`]: a
+//! [`Tracking`] holds the errors and bandwidths of each. [`Model::export`] writes an [`Export`] for a
+//! [`Target`], C99, `no_std` Rust or FMU, in a [`Precision`].
 //!
-//! **Errors.** [`Error`] is that of the layer where it arose. Not every [`Kind`] has every [`Capability`];
-//! one that is missing is the error [`Unsupported`].
+//! **Errors.** [`Error`] contains the error of the layer where it arose. Not every [`Kind`] has every
+//! [`Capability`]; one that is missing is the error [`Unsupported`].
 //!
 //! # Behind the facade
 //!
 //! `hysteron-model` (records, hysteresis, dynamics, simulation, inversion), `hysteron-identify`,
 //! `hysteron-io`, `hysteron-report`, `hysteron-export`, and `hysteron-rt`, the arithmetic of one sample
-//! without `std`. Rooms, rules and three walks through the code: `docs/architecture.md`.
+//! without `std`. Layers, rules and three walks through the code: `docs/architecture.md`.
 #![forbid(unsafe_code)]
 
 mod compare;
@@ -156,8 +156,8 @@ pub fn read<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>) -> Result<Vec<Re
     read_with(paths, &ReadOptions::default())
 }
 
-/// Reads records as the options say: columns chosen, renamed and left out, and of each record the part that
-/// is to be kept. What else is done before a fit is [`Prepare`].
+/// Reads records with options: columns chosen, renamed and left out, and the part of each record to keep.
+/// Further preprocessing is done by [`Prepare`].
 ///
 /// ```
 /// use hysteron::prelude::*;

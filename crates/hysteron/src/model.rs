@@ -1,4 +1,4 @@
-//! A model of any kind, with its file, its records and its controller.
+//! Facade of a model of any kind: file, simulation, scores, inverse and controller.
 
 use std::path::Path;
 
@@ -31,7 +31,7 @@ impl Model {
     /// The model in a file, of any kind.
     ///
     /// # Errors
-    /// [`Error::File`], which names the place.
+    /// [`Error::File`], with the position in the file.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, Error> {
         Ok(Self(load_model(path.as_ref())?))
     }
@@ -69,8 +69,8 @@ impl Model {
         })
     }
 
-    /// Score of the model on a record, simulated from the start that explains it best. Columns are the
-    /// model's own, else chosen by name and unit.
+    /// Score of the model on a record, simulated from the best-fitting start. Columns are the model's own,
+    /// else chosen by name and unit.
     ///
     /// # Errors
     /// [`Error::Model`].
@@ -78,8 +78,8 @@ impl Model {
         Ok(self.0.score(&self.signals(record)?, Start::AsIdentified, &scoring)?)
     }
 
-    /// Scores of the model on consecutive records of one run, simulated at one go from the start that
-    /// explains the first best. A record that begins before the one before it ends starts another run.
+    /// Scores of the model on consecutive records of one run, simulated without interruption from the start
+    /// that fits the first best. A record that begins before the one before it ends starts another run.
     ///
     /// # Errors
     /// [`Error::Model`].
@@ -91,7 +91,7 @@ impl Model {
         runs.iter().map(score).collect()
     }
 
-    /// The drive, held between its samples, that makes the output follow a reference.
+    /// The drive (zero-order hold) that makes the output follow a reference.
     ///
     /// # Errors
     /// [`Error::Model`], [`Error::NoSampleRate`].
@@ -114,8 +114,8 @@ impl Model {
         })
     }
 
-    /// A controller at its rate \[Hz\] that knows the reference up to the present sample: reference in,
-    /// voltage out. It starts at rest at the voltage of the range next to 0 V.
+    /// A controller at this sample rate \[Hz\] without preview: reference in, voltage out. It starts at rest
+    /// at the voltage of the range closest to 0 V.
     ///
     /// # Errors
     /// [`Error::Model`].
@@ -129,12 +129,12 @@ impl Model {
         Ok(Controller::new(body.law(), sample_rate_hz, limits, &options)?)
     }
 
-    /// A reference followed by several controllers, with what each leaves of it; on the model itself without
-    /// noise, or on a `stage`.
+    /// Simulated tracking of a reference by several controllers, with the error of each; on the model itself
+    /// without noise, or on a `stage`.
     ///
     /// # Errors
-    /// [`Error::Model`]: a reference or options that leave nothing to play, a controller that was asked for
-    /// and cannot be made.
+    /// [`Error::Model`]: a reference or options that leave nothing to simulate, a requested controller that
+    /// cannot be made.
     pub fn track(
         &self,
         reference: &Signal,
@@ -149,7 +149,7 @@ impl Model {
         Ok(track(self.0.hammerstein(Capability::Tracking)?, reference, options, (plant, description))?)
     }
 
-    /// The channels of a record that the model takes.
+    /// The channels of a record that are the model's inputs and outputs.
     fn signals(&self, record: &Record) -> Result<Signals, Error> {
         Ok(match self.0.channels() {
             Some((inputs, outputs)) => AxesRecord::new(record, inputs, outputs)?.into(),

@@ -198,8 +198,8 @@ pub fn study(repetitions: usize) -> Outcome<()> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     writeln!(
         stdout(),
-        "{SAMPLES} samples, one thread, shortest of {repetitions}: ns a sample at one rate, and times that at \
-         two rates with pauses and where every step is another one.\n"
+        "{SAMPLES} samples, one thread, shortest of {repetitions}: ns per sample at one rate, and times that \
+         at two rates with pauses and where every step is another one.\n"
     )?;
     let header = [
         "hysteresis",

@@ -253,7 +253,7 @@ pub fn study(seed: usize) -> Outcome<()> {
     ];
     table::print(&header, &loops)?;
     let header = [
-        "weights that adapt",
+        "adaptive weights",
         "step",
         "largest stable",
         "margin",
@@ -295,9 +295,9 @@ fn limits(model: &Model, settings: &LoopSettings, seed: u64) -> Outcome<()> {
         "amplitude, µm",
         "V",
         "highest, Hz",
-        "held back at 0.9 of it, %",
+        "samples at the slew limit at 0.9 of it, %",
         "error, %",
-        "held back at 1.2, %",
+        "samples at the slew limit at 1.2, %",
         "error, %",
     ];
     table::print(&header, &rows)

@@ -1,4 +1,4 @@
-//! Who competes.
+//! Optimisers in the comparison.
 
 use hysteron_optimize::{
     AbcOptions, Algorithm, CmaEsOptions, DeAbcOptions, DeOptions, LeastSquaresOptions, MovedComponents,
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 /// Evaluations of a generation of every population method of a fixed size.
 pub(super) const GENERATION: usize = 50;
-/// Limit at which the scout of the eager variants fires; the default, SN·D = 125, is hardly ever reached.
+/// Limit at which the scout of the early variants fires; the default, SN·D = 125, is rarely reached.
 const EAGER_LIMIT: usize = 10;
 /// Share of the budget that the hybrid gives to DE-ABC.
 const GLOBAL_SHARE: f64 = 0.05;
@@ -18,7 +18,7 @@ const GLOBAL_SHARE: f64 = 0.05;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Competitor {
-    /// DE-ABC as we read the article: all components moved, chaotic scout, L = SN·D.
+    /// DE-ABC as interpreted here: all components moved, chaotic scout, L = SN·D.
     DeAbc,
     /// DE-ABC by the article's wording: one random component moved.
     DeAbcOneDimension,
@@ -36,7 +36,7 @@ pub enum Competitor {
     Abc,
     /// Covariance matrix adaptation with restarts.
     CmaEs,
-    /// Levenberg–Marquardt from one start after the other until the budget is spent.
+    /// Multi-start Levenberg–Marquardt until the budget is spent.
     LeastSquares,
     /// DE-ABC for 5 % of the budget, then least squares from its best point.
     DeAbcThenLeastSquares,
@@ -92,7 +92,7 @@ impl Competitor {
             Self::Pso => Algorithm::Pso(PsoOptions::default()),
             Self::Abc => Algorithm::Abc(AbcOptions::default()),
             Self::CmaEs => Algorithm::CmaEs(CmaEsOptions::default()),
-            // As the others, until the budget is spent: every start takes an evaluation at least.
+            // Enough starts to spend the budget: each takes at least one evaluation.
             Self::LeastSquares => Algorithm::LeastSquares(LeastSquaresOptions {
                 starts: budget,
                 agreement: None,
@@ -112,7 +112,7 @@ impl Competitor {
         let run = |algorithm: &Algorithm, budget: usize, starts, observer: &mut dyn Observer| {
             let settings = Settings {
                 seed,
-                // A generation of CMA-ES is as large as it chooses.
+                // CMA-ES chooses its population size itself.
                 generations: match self {
                     Self::CmaEs => budget,
                     _ => (budget / GENERATION).saturating_sub(1).max(1),
@@ -139,7 +139,7 @@ impl Competitor {
     }
 }
 
-/// The two parts of a hybrid run as one.
+/// Joins the two stages of a hybrid run.
 fn joined(global: Outcome, local: Outcome) -> Outcome {
     let mut joined = Outcome { evaluations: global.evaluations + local.evaluations, ..local };
     let before = global.improvements.last().map_or(f64::INFINITY, |i| i.cost);

@@ -16,9 +16,9 @@ const NOISE_UM: f64 = 0.02;
 /// scheme (Tustin, from rest), with normal noise of 0.02 µm. Coefficients span three decades and are scaled
 /// logarithmically; unstable candidates have cost +∞.
 ///
-/// Difficulty depends on the noise: behind the article's own drive (Table 2's hysteresis from 0 to 10 V, ten
-/// times the amplitude) the same noise leaves a valley so narrow that DE-ABC succeeds in 26 % of 31 runs and
-/// DE in all.
+/// Difficulty depends on the noise: with the article's own input (Table 2's hysteresis from 0 to 10 V, ten
+/// times the amplitude) the same noise gives such a narrow valley of the cost that DE-ABC succeeds in 26 % of
+/// 31 runs and DE in all.
 #[derive(Debug)]
 pub struct FractionalBlock {
     bounds: Bounds,
@@ -75,7 +75,7 @@ impl FractionalBlock {
     }
 }
 
-/// b/(s^α₂ + c₁ s^α₁ + c₀) with numbers yet to be written.
+/// b/(s^α₂ + c₁ s^α₁ + c₀) with placeholder coefficients.
 fn blank() -> TransferFunction {
     TransferFunction { numerator: vec![Term::new(1.0, 0.0)], denominator: vec![Term::new(1.0, 0.0); 3] }
 }

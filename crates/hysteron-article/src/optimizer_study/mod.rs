@@ -2,9 +2,9 @@
 //!
 //! Does the article's DE-ABC beat differential evolution and the plain bee colony, does its chaotic scout
 //! matter, and what does a derivative-based fit need? Every [`Competitor`] runs on every [`StudyProblem`]
-//! from many seeds with the same budget of evaluations; counted is how many it takes to come within 1 % of
-//! the best RMSE that can be reached (that of a least-squares fit polished from the truth). All compete
-//! inside the same box, on the same noise realisation; only the optimiser's seed changes.
+//! from many seeds with the same budget of evaluations; the measure is the number needed to come within 1 %
+//! of the best reachable RMSE (that of a least-squares fit started at the truth). All search the same box,
+//! with the same noise realisation; only the optimiser's seed changes.
 //!
 //! Measured with the default options (success, median evaluations to 1 %; 31 seeds, 7 550 evaluations):
 //!
@@ -22,8 +22,8 @@
 //! | DE-ABC 5 %, then least squares | 100 %, 350 | 100 %, 344 |
 //!
 //! DE-ABC is 1.7 to 1.9 times as fast as DE and less reliable: over 1000 seeds it succeeds on the static
-//! block in 97.9 %; now and then its population collapses before it has reached the minimum. At its default
-//! limit the chaotic scout changes nothing that counts.
+//! block in 97.9 %; its population occasionally converges prematurely. At its default limit the chaotic scout
+//! has no significant effect.
 //!
 //! ```no_run
 //! use hysteron_article::optimizer_study::{StudyOptions, run_study};

@@ -11,7 +11,7 @@ use hysteron_optimize::{
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Success is an RMSE within this factor of the best that can be reached.
+/// Success is an RMSE within this factor of the best reachable one.
 const SUCCESS: f64 = 1.01;
 
 /// Runs every competitor on every problem from every seed, the runs spread over threads; the result does not
@@ -115,7 +115,7 @@ fn polished_from(problem: &impl LeastSquaresProblem, truth: &[f64]) -> Result<f6
     Ok(minimize(problem, &Algorithm::LeastSquares(options), &settings, &mut Unobserved, None)?.cost)
 }
 
-/// Counts the runs and carries the wish to stop.
+/// Counts the finished runs and relays the stop request.
 struct Ticker<'a, 'w> {
     watch: &'a Watch<'w>,
     done: AtomicUsize,
@@ -136,7 +136,7 @@ impl Ticker<'_, '_> {
     fn tick(&self, problem: StudyProblem, competitor: super::Competitor) {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
         let stage = format!("{}: {}", problem.title(), competitor.name());
-        // The next step asks whether to stop.
+        // The next step checks for a stop.
         let _ = self.watch.tell(Event::new(&stage, done as f64 / self.runs as f64, None));
     }
 }

@@ -5,7 +5,7 @@ use super::{Competitor, Quartiles, StudyOptions, StudyProblem, quartiles};
 use hysteron_optimize::{Improvement, Outcome, StopReason, infinite_as_null};
 use serde::{Deserialize, Serialize};
 
-/// Everything a study found. JSON writes +∞ as `null`.
+/// All results of a study. JSON writes +∞ as `null`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Study {
     /// Options of the study.
@@ -27,7 +27,7 @@ pub struct ProblemResult {
     pub parameters: Vec<Parameter>,
     /// Standard deviation of the noise \[µm\].
     pub noise_um: f64,
-    /// Best RMSE that can be reached \[µm\]: of a least-squares fit started at the truth.
+    /// Best reachable RMSE \[µm\], by a least-squares fit started at the truth.
     pub reachable_rmse: f64,
     /// RMSE that counts as success \[µm\]: 1 % above.
     pub target_rmse: f64,
@@ -53,7 +53,7 @@ pub struct Parameter {
 /// One row: all runs of a competitor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// Who.
+    /// Optimiser.
     pub competitor: Competitor,
     /// Its name.
     pub name: String,
@@ -62,13 +62,13 @@ pub struct Row {
     pub median_best_rmse: f64,
     /// Share of runs that came within 1 % of the best reachable RMSE \[%\].
     pub success_percent: f64,
-    /// Evaluations to come there, over the successful runs; `None` if there were none.
+    /// Evaluations needed for it, over the successful runs; `None` if there were none.
     pub evaluations_to_target: Option<Quartiles>,
     /// Median over the runs of all evaluations made.
     pub median_evaluations: f64,
     /// Number of scouts sent out, over all runs.
     pub scouts_fired: usize,
-    /// Runs in which it fired at all.
+    /// Runs in which the scout fired.
     pub runs_with_scouts: usize,
     /// Best RMSE against evaluations.
     pub curve: Curve,

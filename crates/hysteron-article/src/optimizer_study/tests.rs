@@ -39,7 +39,7 @@ fn least_squares_needs_a_few_hundred_evaluations_on_either_problem() {
     let competitors = [Competitor::LeastSquares, Competitor::DeAbcThenLeastSquares];
     for problem in StudyProblem::ALL {
         let table = study_of(problem, &competitors, 3, 1000);
-        // Noise of N samples, less what five fitted parameters take up: σ √(1 ± 1/√(2N)), within four times
+        // RMSE of N noise samples, reduced by five fitted parameters: σ √(1 ± 1/√(2N)), within four times
         // that.
         assert!(
             (table.reachable_rmse / table.noise_um - 1.0).abs() < 4.0 * 0.016,
@@ -63,7 +63,7 @@ fn study_does_not_depend_on_the_number_of_threads() {
     };
     let one = run(1);
     assert_eq!(one, run(3));
-    // From its JSON comes the same, but for the threads, which are no part of the result.
+    // Its JSON reads back the same, except the threads, which are no part of the result.
     let mut read: Study = serde_json::from_str(&serde_json::to_string(&one).unwrap()).unwrap();
     read.options.threads = one.options.threads;
     assert_eq!(read, one);

@@ -1,4 +1,4 @@
-//! Reproducing a published table: its printed numbers beside ours, never mixed up.
+//! Comparison of a published table with its reproduction, side by side.
 
 use hysteron_report::page::{Cell, Column, Row, Table};
 
@@ -30,7 +30,7 @@ pub struct ComparisonRow {
     pub printed: Vec<String>,
     /// Our numbers, one for each quantity.
     pub here: Vec<String>,
-    /// Shaded, to be found at a glance.
+    /// True for a shaded row.
     pub highlight: bool,
 }
 

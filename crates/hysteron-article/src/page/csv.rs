@@ -1,4 +1,4 @@
-//! Every table of the page as comma-separated values, numbers in full.
+//! Every table of the page as comma-separated values, at full precision.
 
 use crate::{Reproduction, printed, quantile};
 
@@ -37,7 +37,7 @@ impl Builder {
     }
 }
 
-/// A number with all its digits; nothing where there is none.
+/// A number at full precision; empty if not finite.
 fn number(value: f64) -> String {
     if value.is_finite() { format!("{value}") } else { String::new() }
 }

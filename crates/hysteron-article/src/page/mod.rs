@@ -1,4 +1,4 @@
-//! The page of the reproduced article: its printed numbers beside ours, never mixed up.
+//! The page of the reproduced article: printed and reproduced numbers side by side.
 //!
 //! [`page`] lays out a [`Reproduction`]; [`tables`] gives every table of it as comma-separated values.
 

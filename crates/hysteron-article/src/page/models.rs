@@ -77,8 +77,8 @@ pub(super) fn transfer_function_section(found: &Reproduction) -> Section {
     if !ended.is_empty() {
         section = section.block(Block::warning(format!(
             "Some parameters ended at an end of their range: {}. Without a delay the structure of Eq. 13 \
-             bends its orders to stand in for the bench's delay and creep; such a fit describes the records, \
-             not the stage.",
+             bends its orders to emulate the bench's delay and creep; such a fit describes the records, not \
+             the stage.",
             ended.join("; ")
         )));
     }
@@ -101,7 +101,7 @@ pub(super) fn table_3_section(found: &Reproduction) -> Section {
         .block(Block::paragraph(
             "Read the order with care. Eq. 7 counts the mean error, and the bench creeps from rest, so \
              records of different speed lie at different heights; the table at the end of this section also \
-             has the errors with the mean taken off. ARX is fitted by linear least squares on the equation \
+             has the errors with the mean removed. ARX is fitted by linear least squares on the equation \
              error, with an intercept that its simulation does not use. Integer order without a delay has no \
              means but its pole to follow the bench's delay.",
         ));
@@ -258,7 +258,7 @@ fn all_models(found: &Reproduction) -> Table {
         table = if fit.kind == ModelKind::Default { table.highlighted_row(cells) } else { table.row(cells) };
     }
     table.note(
-        "Own offset: RMSE with the mean error taken off, as if each record's sensor zero were unknown; the \
+        "Own offset: RMSE with the mean error removed, as if each record's sensor zero were unknown; the \
          bench creeps, and a fast record lies lower than a slow one. Evaluations: of all searches of the \
          model; the static block of the quadratic models is searched once and counted in each.",
     )

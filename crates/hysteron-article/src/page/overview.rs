@@ -10,7 +10,7 @@ pub(super) fn summary(found: &Reproduction) -> Section {
     let mut section = Section::new("");
     if found.plan.quick {
         section = section.block(Block::warning(format!(
-            "A rehearsal (--quick): {} runs, {} generations, a sweep of {} s. Its numbers do not count.",
+            "A rehearsal (--quick): {} runs, {} generations, a sweep of {} s. Its numbers are provisional.",
             found.plan.runs, found.plan.generations, found.plan.sweep_s
         )));
     }
@@ -119,7 +119,7 @@ pub(super) fn readings(found: &Reproduction) -> Section {
 
 pub(super) fn repeat(found: &Reproduction) -> Section {
     let quick = if found.plan.quick { " --quick" } else { "" };
-    Section::new("How to repeat it")
+    Section::new("Reproduction")
         .block(Block::code(format!("hysteron article --out-dir DIR --seed {}{quick}", found.plan.seed)))
         .block(Block::paragraph(
             "The same seed gives the same bytes, whatever the number of threads. Beside this page: figures/ \

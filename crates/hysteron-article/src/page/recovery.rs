@@ -26,7 +26,7 @@ pub(super) fn section(found: &Reproduction) -> Section {
         ))
 }
 
-/// Letter by which a case is called.
+/// Letter that denotes a case.
 fn letter(index: usize) -> String {
     char::from_u32('A' as u32 + index as u32).map(String::from).unwrap_or_default()
 }
@@ -61,13 +61,13 @@ fn readings(cases: &[RecoveredBlocks]) -> Table {
     table
 }
 
-/// A fit to rounding errors is exact.
+/// A fit to rounding errors is shown as exact.
 fn rmse(value_um: f64) -> String {
     if value_um < 1e-9 { "exact".to_owned() } else { significant(value_um, 2) }
 }
 
 fn signed(value: f64, digits: usize) -> String {
-    // A bias below the last digit shown is none.
+    // A bias below the last digit shown is printed without sign.
     let text = format!("{:.digits$}", value.abs());
     if text.chars().all(|c| c == '0' || c == '.') {
         text
@@ -83,7 +83,7 @@ fn table(cases: &[RecoveredBlocks]) -> Table {
     columns.extend(["b", "c₁", "c₀"].map(|n| Column::number(n, "%")));
     columns.extend(["α₂", "α₁"].map(|n| Column::number(n, "")));
     let mut table = Table::new(columns)
-        .captioned("What comes back: bias of every parameter.")
+        .captioned("Recovery: bias of every parameter.")
         .group("", 1)
         .group("static block", 5)
         .group("dynamic block", 5);

@@ -64,7 +64,7 @@ pub(super) fn section(found: &Reproduction) -> Section {
         .panel_height(290.0)
         .captioned(
             "Figure 7. Loop measured on the bench and improved Bouc–Wen model (left), residual over time \
-             (right). What is left is creep from rest and the bend of the loop that a quadratic cannot \
+             (right). The remaining residual is creep from rest and loop curvature that a quadratic cannot \
              follow.",
         );
     Section::new("Table 2 and Figure 7: the static block").block(table.to_table()).block(figure).block(

@@ -29,9 +29,10 @@ use crate::start::StartFlags;
 #[command(
     after_help = "y = fixed + sum of coefficient * regressor; the regressors follow from the drive alone. \
     Terms are offset, gain (of the model's output), power=N (change of the coefficient of u^N) and \
-    creep=SECONDS (the model's output behind a lag); the rest of the model is held. rls is recursive least \
-    squares with exponential forgetting, nlms the normalised LMS gradient. The initial standard deviation of \
-    each coefficient moves the output by a tenth of its stroke.\n\n\
+    creep=SECONDS (the model's output through a first-order lag); the rest of the model is held. rls is \
+    recursive least squares with exponential forgetting, nlms the normalised LMS gradient. The initial \
+    standard deviation of each coefficient corresponds to a change of the output by a tenth of its \
+    stroke.\n\n\
     The monitor is a cumulative-sum test of the residual over --noise: it raises an alarm where the mean has \
     shifted by half a standard deviation or the standard deviation has grown by a half. For coloured \
     residuals use fewer samples (--every) or a larger --noise.\n\n\
@@ -69,17 +70,17 @@ pub struct Adapt {
     )]
     step: f64,
 
-    /// Standard deviation of the residual where the model fits, in the output's unit [default: the largest
+    /// Standard deviation of the residual of a valid model, in the output's unit [default: the largest
     /// training RMSE in the model file, else the record's noise floor]
     #[arg(long, value_name = "SIZE", value_parser = positive, allow_hyphen_values = true)]
     noise: Option<f64>,
 
-    /// Use every K-th sample, because residuals of neighbouring samples are correlated [default: 40 samples a
-    /// period of the fastest drive, fewer where the residual stays correlated for longer]
+    /// Use every K-th sample, because residuals of neighbouring samples are correlated [default: 40 samples
+    /// per period of the fastest drive, fewer where the residual stays correlated for longer]
     #[arg(long, value_name = "K", value_parser = count::<usize>, allow_hyphen_values = true)]
     every: Option<usize>,
 
-    /// Mean run length to a false alarm, in samples used, at least
+    /// Minimum average run length to a false alarm, in samples used
     #[arg(
         long, value_name = "SAMPLES", value_parser = positive, allow_hyphen_values = true,
         default_value_t = 1e6,
@@ -114,7 +115,7 @@ pub enum Method {
     Nlms,
 }
 
-/// The record, and how the model is followed over it.
+/// The record and the options of the estimation.
 struct Task<'a> {
     data: &'a InputOutput,
     options: FollowOptions,
@@ -149,7 +150,7 @@ impl Adapt {
         let signals = data.clone().into();
         let start = old.score(&self.record, &signals, &self.start, &Scoring::default())?.simulation.start;
         let noise = self.noise.or_else(|| known_noise(old.body().data(), &data)).ok_or_else(|| {
-            Failure::new("the size of a residual where the model fits is not known")
+            Failure::new("the standard deviation of the residual is not known")
                 .because("the model file holds no scores and the record shows no noise")
                 .hint("give it with --noise")
         })?;

@@ -13,9 +13,9 @@ const SHOWN: usize = 5;
 
 fn misfit(misfit: Misfit) -> (&'static str, &'static str) {
     match misfit {
-        Misfit::Above => ("above", "the output lies above what the model says"),
-        Misfit::Below => ("below", "the output lies below what the model says"),
-        Misfit::Spread => ("spread", "the residuals scatter more than they should"),
+        Misfit::Above => ("above", "the output lies above the model's prediction"),
+        Misfit::Below => ("below", "the output lies below the model's prediction"),
+        Misfit::Spread => ("spread", "the variance of the residual is too large"),
     }
 }
 
@@ -24,7 +24,7 @@ fn time_s(task: &Task, alarm: &Alarm) -> f64 {
     task.data.time.time_s(alarm.sample).unwrap_or(first)
 }
 
-/// The tables and what they say.
+/// Tables of coefficients and errors, and the verdict.
 pub fn text(task: &Task, found: &Followed) -> String {
     let mut moved = console::table(&["coefficient", "before", "after", "±", "least", "greatest"]);
     for path in &found.paths {
@@ -45,7 +45,7 @@ pub fn text(task: &Task, found: &Followed) -> String {
     for (what, scores) in [
         ("model as it was", &found.before),
         ("… with its offset estimated", &found.before_offset_estimated),
-        ("corrected, each sample predicted by those before", &found.predicted),
+        ("corrected, each sample predicted from the previous ones", &found.predicted),
         ("corrected, all samples with the last coefficients", &found.last),
     ] {
         errors.add_row([what.to_owned(), significant(scores.rmse, 4), significant(scores.max_abs_error, 4)]);
@@ -68,13 +68,13 @@ pub fn text(task: &Task, found: &Followed) -> String {
     )
 }
 
-/// Whether and when the model stopped fitting.
+/// Alarms of the monitor, in words.
 fn verdict(task: &Task, found: &Followed) -> String {
     let Some(first) = found.alarms.first() else {
         return "verdict: the corrected model fits: no alarm over the record.\n".to_owned();
     };
     let says = if task.options.reopen {
-        "alarms, after each of which the coefficients were free again"
+        "alarms, after each of which the estimation was reset"
     } else {
         "the corrected model no longer fits"
     };

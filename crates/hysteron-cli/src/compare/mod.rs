@@ -25,19 +25,20 @@ use crate::result_flags::ResultFlags;
 #[command(after_help = "Cross-validation: each record (or part of one, where there are fewer than three of \
     different content) is held out in turn, every candidate is fitted to the rest and simulated on the \
     held-out record. Records that repeat one experiment are refused, with what to measure instead.\n\n\
-    Without --candidates: a search. The usual dynamic blocks (none, integer1 to integer4, arx, fractional \
-    ones), then about the best so far the kinds of creep, the families of hysteresis that are quick to fit, \
-    other polynomial degrees and n free; again until nothing is better. Six minutes of processor time for \
-    four records of 45 000 samples together. A candidate is BLOCK[+CREEP][+degreeN][+n-free][+FAMILY], BLOCK \
-    one of none, integer1 to integer12, modes4 to modes12 (resonances in parallel), arx, oe, bj, srivc, \
-    fractional, fractional-free-lowest, two-fractional, CREEP one of creep (fractional), log-creep, \
-    kelvin-voigt (two elements); the polynomial is a cubic, n = 1, and the family bouc-wen if not said. The \
-    families are those of identify --hysteresis, with their usual number of elements.\n\n\
-    Beside the error the table has the cost in a controller: nanoseconds a sample of the realisation to 1e-5 \
-    (hysteron realise), timed along the same drive for all candidates, on this machine; ratios are more \
-    reliable than times. It also says whether the hysteresis has an inverse: always, on records (every move \
-    along them raised the output) or no.\n\n\
-    Ctrl-C prints what is finished.\n\n\
+    Without --candidates the structure is searched for: first the usual dynamic blocks (none, integer1 to \
+    integer4, arx, fractional ones), then variations of the best so far in creep, hysteresis family (those \
+    quick to fit), polynomial degree and free n, until none is better. This takes six minutes of processor \
+    time for four records of 45 000 samples together. A candidate is \
+    BLOCK[+CREEP][+degreeN][+n-free][+FAMILY], BLOCK one of none, integer1 to integer12, modes4 to modes12 \
+    (resonances in parallel), arx, oe, bj, srivc, fractional, fractional-free-lowest, two-fractional, CREEP \
+    one of creep (fractional), log-creep, kelvin-voigt (two elements); the defaults are a cubic polynomial, \
+    n = 1 and the family bouc-wen. The families are those of identify --hysteresis, with their usual number \
+    of elements.\n\n\
+    The table also gives the cost in a controller: nanoseconds per sample of the realisation to 1e-5 \
+    (hysteron realise), timed with the same drive for all candidates, on this machine; ratios are more \
+    reliable than times. Its last column says if the hysteresis is invertible: always, on records (the \
+    output rose with the drive everywhere along them) or no.\n\n\
+    Ctrl-C prints the candidates finished so far.\n\n\
     Example: hysteron compare loop_1hz.csv sweep.csv sine_*.csv --report compare.html\n\
     Example: hysteron compare loop.csv sweep.csv --candidates none,integer2,fractional,fractional+degree2 -o \
     model.json\n\
@@ -114,7 +115,7 @@ impl Compare {
         }
         if found.comparison.interrupted {
             return Err(Failure::new("the comparison was interrupted")
-                .because("what was finished is printed, and no model is written")
+                .because("the finished candidates are printed, and no model is written")
                 .hint("run it again, or name fewer structures with --candidates")
                 .exiting_with(stop.exit_code()));
         }
@@ -130,7 +131,7 @@ impl Compare {
     }
 }
 
-/// No candidate came through.
+/// Failure for a comparison without a finished candidate.
 fn nothing(comparison: &Comparison) -> Failure {
     let failure = Failure::new("no structure could be compared");
     match comparison.entries.iter().find_map(|e| Some((e.candidate, e.failures.first()?))) {

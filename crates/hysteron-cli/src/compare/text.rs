@@ -16,7 +16,7 @@ fn header(unit: &str) -> [String; 9] {
         error("training RMSE"),
         "AIC".into(),
         "BIC".into(),
-        "ns a sample".into(),
+        "ns per sample".into(),
         "inverse".into(),
     ]
 }
@@ -28,7 +28,7 @@ pub fn text(found: &Compared) -> String {
     for index in found.order() {
         table.add_row(cells(found, index));
     }
-    let mut by_fold = console::table(&["left out", "what it holds", "smallest error", "of"]);
+    let mut by_fold = console::table(&["held-out fold", "content", "smallest error", "of"]);
     for (f, fold) in comparison.folds.iter().enumerate() {
         let errors = comparison.entries.iter().filter_map(|e| Some((e.fold_rmse[f]?, e.candidate)));
         let (error, best) = errors.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(
@@ -41,7 +41,7 @@ pub fn text(found: &Compared) -> String {
     format!("{table}\n\n{verdict}\n{by_fold}\n\n{}\n{}", found.about(), baselines(found))
 }
 
-/// The table for people, empty where there are none.
+/// Tables of the baselines; empty without any.
 fn baselines(found: &Compared) -> String {
     if found.baselines.is_empty() {
         return String::new();

@@ -112,7 +112,7 @@ pub struct Drive {
     capacitance: Option<f64>,
 }
 
-/// JSON output: the file written and its drive.
+/// JSON output: the file written and a summary of its drive.
 #[derive(Serialize)]
 struct Written {
     file: String,

@@ -1,4 +1,4 @@
-//! The waveforms as the command line names them.
+//! Waveforms on the command line.
 
 use clap::{Args, Subcommand, ValueEnum};
 use hysteron_rig::excitation::{Lines, Phases, SweepLaw, Tone, Waveform};
@@ -33,7 +33,7 @@ pub enum Wave {
     Random(Random),
 }
 
-/// A wave that repeats.
+/// A periodic waveform.
 #[derive(Args)]
 pub struct Periodic {
     /// Frequency in Hz
@@ -67,7 +67,7 @@ pub struct NestedLoops {
         long, value_name = "HZ", default_value_t = 1.0, value_parser = positive, allow_hyphen_values = true,
     )]
     frequency: f64,
-    /// Amplitudes in the order played, parts of the range
+    /// Amplitudes in the order played, as fractions of the range
     #[arg(
         long, value_name = "LIST", value_delimiter = ',', default_value = "1,0.8,0.6,0.4,0.2",
         value_parser = number, allow_hyphen_values = true,
@@ -89,7 +89,7 @@ pub struct ReversalCurves {
         long, value_name = "N", default_value_t = 10, value_parser = count::<u32>, allow_hyphen_values = true,
     )]
     curves: u32,
-    /// Seconds a ramp over the whole range takes
+    /// Duration of a ramp over the whole range, in s
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
     ramp: f64,
     #[command(flatten)]
@@ -103,10 +103,10 @@ pub struct Staircase {
         long, value_name = "N", default_value_t = 5, value_parser = count::<u32>, allow_hyphen_values = true,
     )]
     steps: u32,
-    /// Seconds each level is held
+    /// Hold time of each level, in s
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
     hold: f64,
-    /// Seconds of smooth transition between levels; 0 jumps
+    /// Duration of the smooth transition between levels, in s; 0: a jump
     #[arg(
         long, value_name = "SECONDS", default_value_t = 0.0, value_parser = not_negative,
         allow_hyphen_values = true,
@@ -118,19 +118,19 @@ pub struct Staircase {
 
 #[derive(Args)]
 pub struct Raster {
-    /// Lines a second
+    /// Lines per second
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     line_rate: f64,
     /// Number of lines
     #[arg(long, value_name = "N", value_parser = count::<u32>, allow_hyphen_values = true)]
     lines: u32,
-    /// Part of a line spent on the way back; 0.5 is a triangle
+    /// Fraction of a line spent on the return; 0.5 is a triangle
     #[arg(
         long, value_name = "PART", default_value_t = 0.2, value_parser = not_negative,
         allow_hyphen_values = true,
     )]
     return_fraction: f64,
-    /// Part of a line spent in each turnaround
+    /// Fraction of a line spent in each turnaround
     #[arg(
         long, value_name = "PART", default_value_t = 0.05, value_parser = not_negative,
         allow_hyphen_values = true,

@@ -53,7 +53,7 @@ pub struct FrequencyResponseCommand {
     #[arg(long, value_name = "LOW:HIGH", value_parser = band)]
     band: Option<(f64, f64)>,
 
-    /// Response to take, where the file has several
+    /// Response to fit, where the file has several
     #[arg(long, value_name = "NAME")]
     response: Option<String>,
 
@@ -65,11 +65,11 @@ pub struct FrequencyResponseCommand {
     #[arg(long, value_name = "UNIT")]
     unit: Option<String>,
 
-    /// Records: length of a period in seconds [default: found from the input]
+    /// Records: length of a period in seconds [default: detected from the input]
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     period: Option<f64>,
 
-    /// Records: periods left out at the start of each [default: those in which the output settles]
+    /// Records: settling periods discarded at the start of each [default: until the output has settled]
     #[arg(long, value_name = "N")]
     settling: Option<usize>,
 
@@ -145,7 +145,7 @@ impl FrequencyResponseCommand {
         let options = EmpiricalOptions { period_s: self.period, settling_periods: self.settling };
         let found = empirical_response(&records, &options).map_err(|e| {
             let play = "play a multisine (hysteron excite multisine) of at least two periods, and again with \
-                        other seeds to tell distortion from noise";
+                        other seeds to distinguish distortion from noise";
             let flags = e.advice().map_or_else(String::new, |a| format!("; {}", advice::in_flags(&a)));
             Failure::new("cannot take a frequency response from the records")
                 .because(&e)
@@ -159,7 +159,7 @@ impl FrequencyResponseCommand {
         named || matches!(read_record(file, &self.columns.options()), Err(IoError::FrequencyResponse { .. }))
     }
 
-    /// In the band and with the unit asked for.
+    /// Restricts the response to the band and applies the given unit.
     fn prepared(&self, mut response: FrequencyResponse) -> Result<FrequencyResponse, Failure> {
         if let Some(unit) = &self.unit {
             response.unit.clone_from(unit);
@@ -185,7 +185,7 @@ impl FrequencyResponseCommand {
     }
 }
 
-/// Writes the candidate of the lowest AIC that a model file can hold; says which, and what the file lacks.
+/// Writes the candidate of lowest AIC that a model file can hold; returns a message with its limitations.
 fn write_model(path: &Path, found: &Explained) -> Result<String, Failure> {
     let failure = || Failure::new(format!("cannot write the model {}", path.display()));
     let written = found.model_file(&maker()).map_err(|e| match e {
@@ -201,13 +201,13 @@ fn write_model(path: &Path, found: &Explained) -> Result<String, Failure> {
     let error = significant(100.0 * written.relative_rms, 3);
     if written.relative_rms > POOR {
         console::warning(&format!(
-            "{} leaves {error} % rms: it does not describe the response",
+            "{} has an error of {error} % rms: it does not describe the response",
             written.name
         ));
     }
     Ok(format!(
-        "wrote {}: {}, which leaves {error} % rms; the file format asks for a hysteresis block, which is v = \
-         u without hysteresis here.{start}",
+        "wrote {}: {} with an error of {error} % rms; the file format asks for a hysteresis block, which is \
+         v = u without hysteresis here.{start}",
         path.display(),
         written.name
     ))

@@ -1,4 +1,4 @@
-//! The comparison for people.
+//! The comparison as text.
 
 use hysteron_identify::frequency_response::Explained;
 use hysteron_report::frequency_response::{ABOUT_AIC, cells};

@@ -40,9 +40,9 @@ pub(super) fn degree(text: &str) -> Result<ChoiceArg<usize>, String> {
     Ok(ChoiceArg(Choice::Given(degree)))
 }
 
-/// A rule between samples, or auto.
+/// Parser of an inter-sample rule, or auto.
 pub(super) fn inter_sample() -> impl TypedValueParser<Value = ChoiceArg<InterSample>> {
-    let auto = PossibleValue::new("auto").help("What the records tell, where they can; else linear");
+    let auto = PossibleValue::new("auto").help("Recognised from the records if possible, else linear");
     let rules = InterSample::ALL.map(|rule| PossibleValue::new(rule.name()).help(rule.summary()));
     let possible: Vec<PossibleValue> = std::iter::once(auto).chain(rules).collect();
     PossibleValuesParser::new(possible)

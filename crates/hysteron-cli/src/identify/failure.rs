@@ -1,4 +1,4 @@
-//! Why no model came of the records, with what to do about it.
+//! Failures of an identification, with remedies.
 
 use hysteron_identify::IdentifyError;
 use hysteron_model::axes::AxesError;
@@ -8,9 +8,9 @@ use hysteron_optimize::OptimizeError;
 use crate::failure::Failure;
 
 const RESUME: &str =
-    "resume with the records and options of the interrupted run; or leave --resume out and begin anew";
+    "resume with the records and options of the interrupted run; or leave out --resume to start again";
 
-/// The library's error in a fit of that kind, with what to do about it.
+/// Failure for a library error in a fit of this kind, with a remedy.
 pub(super) fn explain(error: &IdentifyError, kind: Kind) -> Failure {
     let title = title(error, kind);
     let failure = Failure::new(title).because(error);
@@ -22,14 +22,14 @@ pub(super) fn explain(error: &IdentifyError, kind: Kind) -> Failure {
         | IdentifyError::OscillatorFixed { .. }
         | IdentifyError::ModesOption { .. } => Failure::usage(title).because(error).advised(error.advice()),
         IdentifyError::Optimize(OptimizeError::CheckpointProblem { .. }) => {
-            failure.because("the interrupted searches are of other records or options").hint(RESUME)
+            failure.because("the interrupted searches belong to other records or options").hint(RESUME)
         }
         IdentifyError::Optimize(e) if e.is_of_checkpoint() => failure.hint(RESUME),
         IdentifyError::Resume => failure.hint(RESUME),
         IdentifyError::ModelClass { .. } => failure.hint(
             "look at the record with hysteron inspect; check the columns (--input, --output); --least-fit 0 \
-             hands the model out all the same; --dynamic FILE names a record that carries dynamics; --degree \
-             1 --fix alpha=0 is a linear device",
+             returns the model regardless; --dynamic FILE names a record that carries dynamics; --degree 1 \
+             --fix alpha=0 is a linear device",
         ),
         IdentifyError::NoOscillator { .. } => failure.hint(
             "check the columns (--input is the force, --output the displacement) and their signs; without a \
@@ -37,19 +37,19 @@ pub(super) fn explain(error: &IdentifyError, kind: Kind) -> Failure {
         ),
         IdentifyError::OscillatorClass { .. } => failure.hint(
             "look at the record with hysteron inspect; --initial free for a record cut out of motion; \
-             --least-fit 0 hands the model out all the same",
+             --least-fit 0 returns the model regardless",
         ),
         IdentifyError::AxesClass { .. } if kind == Kind::Modes => failure.hint(
-            "check the columns and their order (--inputs, --outputs); --least-fit 0 hands the model out all \
-             the same",
+            "check the columns and their order (--inputs, --outputs); --least-fit 0 returns the model \
+             regardless",
         ),
         IdentifyError::AxesClass { .. } => failure.hint(
-            "check the columns and their order (--inputs, --outputs); several modes a path need --structure \
-             modes; --least-fit 0 hands the model out all the same",
+            "check the columns and their order (--inputs, --outputs); several modes per path need \
+             --structure modes; --least-fit 0 returns the model regardless",
         ),
         IdentifyError::Axes(AxesError::NotPeriodic { .. }) if kind == Kind::Modes => failure.hint(
             "drive the inputs with periodic multisines of different phases, two periods or more; --initial \
-             periodic takes each record for one period of a steady state; --structure hammerstein fits \
+             periodic treats each record as one period of a steady state; --structure hammerstein fits \
              records that do not repeat",
         ),
         IdentifyError::Axes(AxesError::Dependent { .. }) if kind == Kind::Modes => {
@@ -62,10 +62,10 @@ pub(super) fn explain(error: &IdentifyError, kind: Kind) -> Failure {
     }
 }
 
-/// Headline of a failure: the result that is missing.
+/// Headline of a failure: the missing result.
 fn title(error: &IdentifyError, kind: Kind) -> &'static str {
     match (error, kind) {
-        // Before it came to a fit of the kind.
+        // Errors raised before the fit of this kind began.
         (
             IdentifyError::Records { .. }
             | IdentifyError::Unsupported(_)

@@ -48,14 +48,14 @@ use crate::result_flags::ResultFlags;
 
 /// Identify a model from measured records: hysteresis block, dynamic block, model file, report.
 #[derive(Args)]
-#[command(
-    after_help = "Without flags the structure is the one that the records support: polynomial degree by BIC; \
-    fractional dynamics where a record is much faster than the slowest one, else delay and lag from a start \
-    from rest. Slow and fast records are recognised; --static and --dynamic override it.\n\n\
+#[command(after_help = "Without flags the structure is chosen from the records: polynomial degree by BIC; \
+    fractional dynamics where a record is much faster than the slowest one, else, where a record starts from \
+    rest with a jump, a delay and a first-order lag. Slow and fast records are recognised; --static and \
+    --dynamic override it.\n\n\
     Records are fitted jointly: both blocks, the delay, offset and initial hysteresis memory of each record, \
     from several starts, first on decimated records, then on all samples. --method two-step is the article's \
-    way: hysteresis from the slow records, then dynamics from the others; --dynamics arx, oe, bj and srivc \
-    go that way.\n\n\
+    procedure: hysteresis from the slow records, then dynamics from the others; --dynamics arx, oe, bj and \
+    srivc imply it.\n\n\
     Parameters for --fix and --bound: linear, quadratic, cubic, …, alpha, beta, gamma, n (other families: \
     the names in their model files), offset, delay [s]; joint: natural_frequency [Hz], damping, \
     natural_frequency_2, damping_2, …, lag [s], order2, order1, order0, share, share_2, …, creep, \
@@ -63,17 +63,17 @@ use crate::result_flags::ResultFlags;
     (beta, gamma and memory of alpha = 1); two-step: lag [s], gain.\n\n\
     --inputs u1_V,u2_V --outputs y1_nm,y2_nm fits several axes at once: structural modes with the hysteresis \
     of each actuator in feedback, from records of periodic multisines with different phases, one model for \
-    all amplitudes. They print the influence matrix.\n\n\
+    all amplitudes. The influence matrix is printed.\n\n\
     --structure oscillator fits a mass on a hysteretic spring, m y'' + c y' + k y + z = u, to records of \
     force and displacement around a resonance; a periodic force is assumed to be in steady state, any other \
-    to start from rest (--initial). Held with --fix: mass, damping, n.\n\n\
-    Ctrl-C writes the best so far to MODEL.partial.json, which every command reads, and leaves MODEL.json as \
-    it was (exit code 130, 143 after SIGTERM); --resume MODEL.partial.json goes on from there.\n\n\
+    to start from rest (--initial). --fix can hold mass, damping and n.\n\n\
+    Ctrl-C writes the best model so far to MODEL.partial.json, which every command reads, and leaves \
+    MODEL.json unchanged (exit code 130, 143 after SIGTERM); --resume MODEL.partial.json continues the \
+    fit.\n\n\
     Example: hysteron identify loop_1hz.csv -o model.json --report report.html\n\
     Example: hysteron identify loop_1hz.csv sweep.csv -o model.json --optimizer de-abc --seed 7\n\
     Example: hysteron identify multisine.csv --structure oscillator -o oscillator.json\n\
-    Example: hysteron identify small*.csv large*.csv --inputs u1_V,u2_V --outputs y1_nm,y2_nm -o stage.json"
-)]
+    Example: hysteron identify small*.csv large*.csv --inputs u1_V,u2_V --outputs y1_nm,y2_nm -o stage.json")]
 pub struct Identify {
     /// The records
     #[arg(value_name = "RECORD", required_unless_present_any = ["static_records", "dynamic_records"])]
@@ -104,8 +104,8 @@ pub struct Identify {
     )]
     hysteresis: Option<HysteresisForm>,
 
-    /// Elements of the hysteresis block: plays, slip elements, states, lines or intervals of a plane, degree
-    /// [default: the family's own]
+    /// Size of the hysteresis block: number of plays, slip elements, states, grid lines or Preisach
+    /// intervals, or the polynomial degree [default: usual for the family]
     #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true)]
     elements: Option<usize>,
 
@@ -121,7 +121,7 @@ pub struct Identify {
     #[arg(long, value_name = "N", default_value_t = 2)]
     order: usize,
 
-    /// Creep factor of the dynamics (joint) [default: fractional where the records ask for it, none beside
+    /// Creep factor of the dynamics (joint) [default: fractional where the records show creep; none with
     /// --dynamics]
     #[arg(long, value_name = "KIND", value_parser = one_of(Creep::USUAL, Creep::name, Creep::summary))]
     creep: Option<Creep>,
@@ -140,7 +140,7 @@ pub struct Identify {
     #[arg(long)]
     continued: bool,
 
-    /// Allow for a linear drift of each record's output (joint)
+    /// Estimate a linear drift of each record's output (joint)
     #[arg(long)]
     drift: bool,
 
@@ -182,7 +182,7 @@ pub struct Identify {
     #[arg(long, value_name = "VALUE|free", value_parser = exponent, allow_hyphen_values = true)]
     n: Option<ChoiceArg<f64>>,
 
-    /// Delay between input and output in seconds; a given delay stands for the whole time shift of a
+    /// Delay between input and output in seconds; a given delay is taken as the total time shift of a
     /// quasi-static record
     #[arg(
         long, value_name = "SECONDS|auto", default_value = "auto", value_parser = delay,
@@ -198,7 +198,7 @@ pub struct Identify {
     #[arg(long, value_name = "NAME=LOW:HIGH", value_parser = name_range, allow_hyphen_values = true)]
     bound: Vec<(String, f64, f64)>,
 
-    /// Model whose parameters are the first start of every search
+    /// Model whose parameters are the first starting point of every search
     #[arg(long, value_name = "MODEL.json")]
     start: Option<PathBuf>,
 
@@ -213,7 +213,7 @@ pub struct Identify {
     #[arg(long, value_name = "RULE", value_parser = inter_sample())]
     inter_sample: Option<ChoiceArg<InterSample>>,
 
-    /// Least fit of a record, in %, below which no model is returned
+    /// Minimum fit of each record, in %; no model is returned below it
     #[arg(
         long, value_name = "PERCENT", default_value_t = 75.0, value_parser = number,
         allow_hyphen_values = true,
@@ -259,8 +259,8 @@ impl Identify {
         for score in &found.scores {
             remarks::tell(Path::new(&score.record), &found.model, &score.simulation.remarks);
         }
-        // Where the result goes elsewhere, its warnings still reach the user; those about units came with the
-        // records.
+        // Warnings are repeated on standard error if the result is redirected; those about units were printed
+        // when the records were read.
         if self.result.json || !std::io::stdout().is_terminal() {
             let warnings = found.findings.iter().filter(|f| f.kind == FindingKind::Warning);
             warnings.filter(|f| f.topic != "units").for_each(|f| console::warning(&advice::text(f)));
@@ -278,7 +278,7 @@ impl Identify {
         Ok(())
     }
 
-    /// The kind of model that the flags ask for, what they ask of it, and what it begins with.
+    /// Kind of model that the flags select, with its options and its starting model.
     fn task(&self) -> Result<Task, Failure> {
         let task = self.kind_of_task()?;
         let Some(path) = &self.start else { return Ok(task) };
@@ -318,8 +318,7 @@ impl Identify {
         self.axes.read_all(&self.records, self.columns.of_drive()).map(FitRecords::Several)
     }
 
-    /// The report; with the structures next to an identified Hammerstein model, unless there is no time for
-    /// them.
+    /// The report; for a Hammerstein model with its neighbouring structures, unless the fit was interrupted.
     fn page(
         &self,
         records: &FitRecords,

@@ -8,7 +8,7 @@ use crate::numbers::{count, positive, whole};
 /// Options of scheduled modes.
 #[derive(Args, Clone, Debug)]
 pub struct ModesFlags {
-    /// Pairs of poles that the search of modes starts from [default: as many as improve the fit of the
+    /// Initial number of pole pairs in the search for modes [default: as many as improve the fit of the
     /// response]
     #[arg(
         long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true,
@@ -27,21 +27,21 @@ pub struct ModesFlags {
     #[arg(long, help_heading = "Several axes")]
     linear: bool,
 
-    /// Integration steps a sample, 1 to 8 [default: 2]
+    /// Integration steps per sample, 1 to 8 [default: 2]
     #[arg(
         long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true,
         help_heading = "Several axes",
     )]
     steps: Option<usize>,
 
-    /// Most iterations of the last search [default: 12]
+    /// Maximum iterations of the final search [default: 12]
     #[arg(
         long, value_name = "N", value_parser = whole::<usize>, allow_hyphen_values = true,
         help_heading = "Several axes",
     )]
     iterations: Option<usize>,
 
-    /// Exponent with which the modes follow the level of the drive [default: 1]
+    /// Exponent of the drive level in the scheduling of the modes [default: 1]
     #[arg(
         long, value_name = "P", value_parser = positive, allow_hyphen_values = true,
         help_heading = "Several axes",

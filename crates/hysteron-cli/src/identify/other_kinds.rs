@@ -52,14 +52,13 @@ impl Identify {
             Initial::Periodic => true,
             _ => {
                 return Err(Failure::usage("modes are identified from a steady state")
-                    .hint("leave --initial out, or say --initial periodic"));
+                    .hint("leave out --initial, or give --initial periodic"));
             }
         };
         Ok(Task::Modes(self.modes.options(whole_records, self.least_fit)))
     }
 
-    /// Flags of the Hammerstein model mean nothing to another structure; what was asked for is not silently
-    /// left out.
+    /// Refuses flags of the Hammerstein model with another structure, instead of silently ignoring them.
     fn refuse_flags_but(
         &self,
         structure: &str,

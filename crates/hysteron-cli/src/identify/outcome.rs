@@ -49,7 +49,7 @@ pub fn text(fit: &Fit) -> String {
     text
 }
 
-/// Both ends to the digits of the standard error; `*` where they come from a profile.
+/// Interval rounded to the digits of the standard error; `*` marks a profile likelihood interval.
 fn interval(interval: &Interval, std_error: Option<f64>) -> String {
     let end = |x: f64| with_std_error(x, std_error).0;
     let mark = if interval.method == IntervalMethod::Profile { " *" } else { "" };

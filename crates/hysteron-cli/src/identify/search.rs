@@ -1,4 +1,4 @@
-//! The searches of an interrupted fit, on disk.
+//! File of the searches of an interrupted fit.
 
 use std::path::{Path, PathBuf};
 

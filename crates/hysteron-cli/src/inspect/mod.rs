@@ -46,7 +46,7 @@ pub struct Inspect {
     columns: ColumnFlags,
 }
 
-/// A record and what was found in it.
+/// A record and the results of its inspection.
 struct Inspected {
     data: InputOutput,
     found: Inspection,
@@ -71,7 +71,7 @@ impl Inspect {
             let of_file = self.contents(path);
             match self.columns.read_silently(path) {
                 Ok(data) => inspected.push(Inspected { found: inspect(&data), data }),
-                // Which of what the file holds is the record, the user has to say.
+                // The user must choose the record among the arrays of the file.
                 Err(failure) => {
                     if !of_file.is_empty() {
                         self.list(path, &of_file)?;
@@ -99,8 +99,8 @@ impl Inspect {
         console::result(&parts.join("\n"))
     }
 
-    /// Arrays of a file with their paths; empty for a table of text, which is not read for it, and for a file
-    /// that cannot be listed.
+    /// Arrays of a file with their paths; empty for a text table, which is not read here, and for a file that
+    /// cannot be listed.
     fn contents(&self, path: &Path) -> Vec<Content> {
         match holds_named_arrays(path) {
             Ok(true) => contents(path, &self.columns.options()).unwrap_or_default(),

@@ -12,14 +12,14 @@ use crate::console;
 use crate::failure::Failure;
 use crate::output::{self, OutFile};
 
-/// A file name whose ending says what is drawn.
+/// Parses a file name whose extension selects the kind of plot.
 pub fn target(text: &str) -> Result<OutFile, String> {
     let known = ["svg", "html", "htm"].iter().any(|ending| ends_in(Path::new(text), ending));
     let wrong = || "expected a file name ending in .svg or .html".to_owned();
     known.then(|| OutFile::from(OsString::from(text))).ok_or_else(wrong)
 }
 
-/// Whether the file is to be one figure, not a page.
+/// True for a single figure, false for a page.
 pub fn is_figure(target: &Path) -> bool {
     ends_in(target, "svg")
 }

@@ -10,7 +10,7 @@ use crate::advice;
 use crate::console;
 use hysteron_io::Content;
 
-/// Jitter that is the rounding of written times, in samples.
+/// Jitter attributed to the rounding of time stamps, in samples.
 const NO_JITTER: f64 = 1e-6;
 
 /// A table of numbers, then warnings and remarks in plain words.
@@ -67,7 +67,7 @@ pub fn describe(inspected: &Inspected) -> String {
     text
 }
 
-/// One row a segment: when, at which rate, what the drive does and what the output answers.
+/// One row per segment: time, sample rate, drive and response.
 fn segments(Inspected { data, found }: &Inspected) -> String {
     let (input, output) = (data.u_unit.spaced(), data.y_unit.spaced());
     let mut table = console::table(&[

@@ -89,7 +89,7 @@ fn what_cannot_be_followed_is_refused_before_anything_is_written() {
     for (arguments, exit_code, says) in [
         ("--terms offset,creep=0.5 -o new.json", 2, "no place for its coefficient"),
         ("--terms offset,delay", 2, "expected offset, gain, power=N or creep=SECONDS"),
-        ("--terms gain,gain", 1, "is there before"),
+        ("--terms gain,gain", 1, "is a duplicate"),
         ("--method nlms --step 2.5", 1, "step"),
     ] {
         let run = bench.run(&format!("adapt model.json day.csv {arguments}"));

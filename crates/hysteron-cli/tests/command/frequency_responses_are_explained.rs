@@ -65,7 +65,7 @@ fn a_loss_angle_is_found_and_no_model_file_can_hold_it() {
     let run = bench.run("frequency-response frf.csv -o new.json --report frf.html");
     assert_eq!(run.exit_code, 0, "{run:?}");
     assert!(run.stderr.contains("wrote new.json: power law"), "{}", run.stderr);
-    assert!(run.stdout.contains("−1.72° more as a loss angle"), "{}", run.stdout);
+    assert!(run.stdout.contains("further constant phase of −1.72°, a loss angle"), "{}", run.stdout);
     let page = std::fs::read_to_string(bench.path("frf.html")).unwrap();
     assert!(page.contains("<svg") && page.contains("loss angle"));
 }
@@ -132,7 +132,7 @@ fn multisine_records_give_response_noise_and_distortion() {
     assert!(of("/noise_percent") > 0.0 && of("/noise_percent") < 1.0, "{measured}");
     assert!(of("/even_detection/amplitude_rms") > 10.0 * of("/even_detection/noise_rms"), "{measured}");
     let run = bench.run("frequency-response run0.csv --structure power-law --report frf.html");
-    assert!(run.stdout.contains("would tell nonlinear distortion from noise"), "{}", run.stdout);
+    assert!(run.stdout.contains("would distinguish nonlinear distortion from noise"), "{}", run.stdout);
     assert!(std::fs::read_to_string(bench.path("frf.html")).unwrap().contains("Noise and distortion"));
 }
 

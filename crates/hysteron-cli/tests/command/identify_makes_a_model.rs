@@ -58,7 +58,7 @@ fn the_measured_stack_gives_loop_delay_and_lag_with_no_flag() {
     assert!((0.004..0.010).contains(&delay), "delay {delay} s: one to two samples");
     assert!(model["delay"]["std_error"].as_f64().unwrap() > 0.0);
     let findings = told["findings"].to_string();
-    assert!(findings.contains("do not say how the loop changes with frequency"), "{findings}");
+    assert!(findings.contains("do not determine the frequency dependence of the loop"), "{findings}");
     assert!(findings.contains("counter-clockwise"), "{findings}");
     let report = std::fs::read_to_string(bench.path("stack.html")).unwrap();
     assert!(report.contains("<svg") && report.contains("SHA-256"));

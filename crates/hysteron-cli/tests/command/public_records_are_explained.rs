@@ -113,7 +113,7 @@ fn what_records_do_not_determine_has_no_error_bar() {
             let name = p["name"].as_str().unwrap();
             if without_error.is_some_and(|names| names.contains(&name)) {
                 assert_eq!(error, None, "{p}");
-                let said = format!("{name} ({} is one of many that fit as well)", short(value));
+                let said = format!("{name} ({} is one of many values that fit equally well)", short(value));
                 assert!(findings.contains(&said), "{said} in {findings}");
             } else if name == "natural_frequency" {
                 assert!(error.is_none_or(|error| error > 0.5 * value), "{p}");

@@ -69,7 +69,7 @@ fn the_table_is_for_people() {
     assert_eq!(run.exit_code, 0, "{run:?}");
     for part in [
         "held-out error [µm]",
-        "ns a sample",
+        "ns per sample",
         "inverse",
         "Preferred: ",
         "loop_1hz.csv",
@@ -156,9 +156,12 @@ fn a_slow_loop_does_not_pass_its_width_off_as_a_delay() {
     assert!(slow["records"][0]["delay"]["at_most_s"].as_f64().unwrap() > 5e-3, "{slow}");
     let delay = statement(&slow, "delay");
     assert_eq!(delay["determined"], false);
-    assert!(delay["text"].as_str().unwrap().contains("cannot be told from loop width"), "{delay}");
+    assert!(delay["text"].as_str().unwrap().contains("cannot be distinguished from loop width"), "{delay}");
     assert!(
-        bench.run(&format!("inspect {LOOP}")).stdout.contains("The delay cannot be told from loop width")
+        bench
+            .run(&format!("inspect {LOOP}"))
+            .stdout
+            .contains("delay cannot be distinguished from loop width")
     );
     assert_eq!(statement(&slow, "dynamics")["determined"], false);
     assert!(slow["campaign"]["measure_next"].as_str().unwrap().starts_with("a sweep"), "{slow}");

@@ -20,7 +20,7 @@ pub(super) struct Parameter {
     pub name: String,
     pub unit: String,
     pub start: f64,
-    /// Where it is in the state of the source.
+    /// Its member of the state in the source.
     pub member: String,
     pub description: String,
 }
@@ -161,7 +161,7 @@ fn signals(subject: &Subject, inverse: Option<&Inverse>) -> Vec<Variable> {
         ];
     };
     let about = format!("Reference, {} samples ahead", inverse.compensation.preview);
-    let status = "Status of the last sample: 0 followed, 1 held back by the range, 2 by the slew limit, -1 \
+    let status = "Status of the last sample: 0 followed, 1 limited by the range, 2 by the slew rate, -1 \
                   reference not finite, -2 out of all reason";
     let [low, high] = inverse.range_v;
     vec![

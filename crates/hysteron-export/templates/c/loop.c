@@ -10,8 +10,8 @@
  *
  * Start, also after a power cycle with the stage anywhere; never by more than $NAME_VOLTAGE_STEP a sample:
  *   - where it is known what the converter puts out (read back, or remembered over the reset), the stage is taken over there, at rest;
- *   - where it is not, the voltage goes from the best guess to the one next to 0 within the limits, and waits SETTLES samples there. What the
- *     guess is wrong by is a step, once.
+ *   - where it is not, the voltage goes from the best guess to the one next to 0 within the limits, and waits SETTLES samples there. The
+ *     error of the guess causes one step.
  * Then the displacement is measured, and the reference counts from it. What the hysteresis remembers from before is not known: the stage is taken
  * for driven here without turning, from the voltage next to 0 or from the guess. After this the loop is feedforward. */
 #include "$name.h"

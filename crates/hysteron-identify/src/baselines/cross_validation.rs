@@ -1,4 +1,4 @@
-//! Baselines on what a comparison of structures leaves out.
+//! Baselines on the folds of a comparison of structures.
 
 use std::ops::Range;
 use std::time::Duration;
@@ -12,20 +12,20 @@ use hysteron_model::record::InputOutput;
 use hysteron_model::validate::{Scoring, score};
 use hysteron_optimize::Stop;
 
-/// A baseline in a cross-validation.
+/// Cross-validation of a baseline.
 #[derive(Clone, Debug)]
 pub struct CrossValidated {
-    /// Which.
+    /// Kind of baseline.
     pub kind: Baseline,
     /// Trained on all records; `None` where that failed.
     pub model: Option<Trained>,
     /// RMSE of the simulation of all records, each with its offset \[output unit\].
     pub training_rmse: Option<f64>,
-    /// RMSE of the simulation of what each fold leaves out, trained on the rest \[output unit\].
+    /// Held-out simulation RMSE of each fold, trained on the rest \[output unit\].
     pub fold_rmse: Vec<Option<f64>>,
     /// Why an error is missing.
     pub failures: Vec<String>,
-    /// Time of all trainings and simulations \[s\], where who has a clock took it.
+    /// Time of all trainings and simulations \[s\], where measured.
     pub seconds: Option<f64>,
 }
 
@@ -41,12 +41,12 @@ impl CrossValidated {
     }
 }
 
-/// Trains `kind` on all `records` and on what every fold leaves of them, and scores its simulations as
-/// candidates of [`crate::structure::compare`] are scored: RMSE with the offset estimated, at the
-/// rate of the record. The samples that start a simulation are not scored. The times between lags are chosen
-/// from those for the drives of all records; everything else from what is trained on.
+/// Trains `kind` on all `records` and on the training data of every fold, and scores its simulations like
+/// candidates of [`crate::structure::compare`]: RMSE with the offset estimated, at the rate of the record.
+/// The samples that start a simulation are not scored. The lag intervals tried are set by the drives of all
+/// records; everything else by the training data.
 ///
-/// `stop` is looked at between trainings; `None` where it was asked for.
+/// `stop` is checked between trainings; `None` after a stop.
 pub fn cross_validate(
     kind: Baseline,
     records: &[InputOutput],
@@ -69,7 +69,7 @@ pub fn cross_validate(
                 let rmse = error_on(&trained, everything)?;
                 Ok::<_, BaselineFailure>((trained, rmse))
             };
-            // Training on all records is one more job beside the folds.
+            // Training on all records is one more job in addition to the folds.
             let on_fold = |fold: &Fold| {
                 let trained = train(kind, &rest(records, fold), &intervals)?;
                 let held = fold.held.iter().map(|(r, ranges)| (&records[*r], ranges.clone()));
@@ -95,7 +95,7 @@ pub fn cross_validate(
     Some(found)
 }
 
-/// Every baseline by [`cross_validate`], with its time by a clock, `now`; those that were not stopped.
+/// [`cross_validate`] of every baseline, timed by the clock `now`; those finished before a stop.
 pub fn cross_validate_all(
     records: &[InputOutput],
     folds: &[Fold],
@@ -113,7 +113,7 @@ pub fn cross_validate_all(
     Baseline::ALL.into_iter().enumerate().map_while(trained).collect()
 }
 
-/// Why there is no error.
+/// Reason for a missing error.
 #[derive(Debug, thiserror::Error)]
 enum BaselineFailure {
     #[error(transparent)]

@@ -10,7 +10,7 @@ pub enum BaselineError {
     #[error("there is no record to train on")]
     NoRecords,
     /// A record without uniform sample rate.
-    #[error("{record} has no uniform sample rate: a NARX model belongs to one time between samples")]
+    #[error("{record} has no uniform sample rate: a NARX model has one sample interval")]
     NoSampleRate {
         /// Name of the record.
         record: String,
@@ -28,8 +28,8 @@ pub enum BaselineError {
         /// Time between lags \[s\].
         interval_s: f64,
     },
-    /// A signal that does not move over all training records.
-    #[error("the {signal} does not move in the records to train on")]
+    /// A signal that is constant over all training records.
+    #[error("the {signal} is constant in the training records")]
     Constant {
         /// `input` or `output`.
         signal: &'static str,
@@ -53,14 +53,12 @@ pub enum BaselineError {
         index: usize,
     },
     /// Columns that do not determine a coefficient.
-    #[error(
-        "the records do not determine the coefficients of the model: its regressors depend on one another"
-    )]
+    #[error("the records do not determine the coefficients of the model: its regressors are collinear")]
     Dependent,
-    /// Every model that was trained left the range of the training records by far when simulated on them.
-    #[error("no model of this kind that the records give can be simulated without diverging")]
+    /// No trained model has a stable simulation on the training records.
+    #[error("every model of this kind fitted to these records diverges in simulation")]
     NoStableModel,
-    /// A simulation that left ten times the range of the training outputs, counted from its middle.
+    /// A simulation that left ten times the range of the training outputs.
     #[error(
         "the simulation diverges: at {} s it is ten times as far from the middle as any training output",
         short(*time_s)
@@ -69,10 +67,10 @@ pub enum BaselineError {
         /// Time since the start of the record \[s\].
         time_s: f64,
     },
-    /// The search for coefficients.
+    /// The search for coefficients failed.
     #[error("the coefficients were not found: {because}")]
     Search {
-        /// Why not.
+        /// Reason.
         because: String,
     },
 }

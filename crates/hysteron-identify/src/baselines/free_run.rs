@@ -5,14 +5,14 @@ use super::regressors::{Regressors, Series};
 use super::signals::Units;
 use hysteron_model::record::InputOutput;
 
-/// Outputs further from the middle of the training range than so many times half of it have diverged.
+/// A simulation has diverged beyond this multiple of half the training range from its middle.
 const FAR: f64 = 10.0;
 
 /// One step of a NARX model: y_k from its regressors.
 pub trait OneStep: Sync {
     /// Prediction from regressors `x`.
     fn next(&self, x: &[f64]) -> f64;
-    /// Coefficients that were fitted.
+    /// Number of fitted coefficients.
     fn parameters(&self) -> usize;
 }
 
@@ -26,11 +26,11 @@ pub(super) trait Differentiable: OneStep + Clone {
     fn derivatives(&self, x: &[f64], by_x: &mut [f64], by_parameter: &mut [f64]) -> f64;
 }
 
-/// Number of the sample at which a simulation diverged.
+/// Index of the sample at which a simulation diverged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Divergence(pub usize);
 
-/// Simulates a series. The first outputs, as many as the lags reach back, are the measured ones.
+/// Simulates a series from the measured initial outputs spanned by the lags.
 pub(super) fn free_run(
     model: &impl OneStep,
     regressors: &Regressors,
@@ -51,9 +51,8 @@ pub(super) fn free_run(
     Ok(y)
 }
 
-/// Root of the mean squared simulated error over the samples that are valid in `scored`, in units of half of
-/// the training range; `None` where a simulation diverges or nothing is scored. Samples used as start are not
-/// scored.
+/// rms simulated error over the samples that are valid in `scored`, in units of half the training range;
+/// `None` where a simulation diverges or nothing is scored. Initial samples are not scored.
 pub(super) fn simulated_error(
     model: &impl OneStep,
     regressors: &Regressors,

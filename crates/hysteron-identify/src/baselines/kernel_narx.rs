@@ -9,14 +9,14 @@ use super::regressors::{Lags, Regressors};
 use super::training_set::{Rows, TrainingSet};
 use hysteron_numeric::{dot, triangular};
 
-/// Rows that are trained on, and kernel functions at most.
+/// Most training rows and kernel functions.
 const ROWS: usize = 4000;
 const CENTRES: usize = 100;
 /// Widths ℓ of the kernel to try; every regressor lies in −1 … 1.
 const WIDTHS: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
 /// Ridges λ to try: 10^low … 10^high.
 const RIDGES: std::ops::RangeInclusive<i32> = -12..=0;
-/// A column of which less than this share is left beside the others depends on them.
+/// Share of a column orthogonal to the others below which it is dependent.
 const DEPENDENT: f64 = 1e-10;
 
 /// y_k = b + wᵀx + Σ αⱼ exp(−‖x − cⱼ‖²/(2ℓ²)).
@@ -46,11 +46,10 @@ impl OneStep for KernelNarx {
     }
 }
 
-/// Trains on sets of different lag intervals, all of the same records; the number of the best set comes
-/// first.
+/// Trains on sets of the same records with different lag intervals; returns the index of the best set first.
 ///
-/// λ is chosen by the leave-one-out error of one step, which says too little of a simulation to choose
-/// anything else by; lag interval, lags and ℓ by the simulated error on what is held back.
+/// λ is chosen by the one-step leave-one-out error, a poor guide to simulation for the other choices; lag
+/// interval, lags and ℓ by the held-out simulation error.
 pub(super) fn train(
     sets: &[TrainingSet],
     lags: &[Lags],
@@ -117,7 +116,7 @@ impl<'a> Ridge<'a> {
         let basis = orthonormal(&linear);
         let without = |column: &[f64]| {
             let mut rest = column.to_vec();
-            // Twice: what rounding leaves of the first projection.
+            // Twice, against rounding of the first projection.
             for _ in 0..2 {
                 for q in &basis {
                     let share = dot(q, &rest);
@@ -137,8 +136,8 @@ impl<'a> Ridge<'a> {
         Self { rows, kernel, linear, leverage, target, z, vectors, values }
     }
 
-    /// Root mean square of the leave-one-out residuals e_i/(1 − h_ii), h the diagonal of the hat matrix (D.
-    /// M. Allen, Technometrics 16 (1974) 125–127, doi:10.1080/00401706.1974.10489157); the centres stay.
+    /// Root mean square of the leave-one-out residuals e_i/(1 − h_ii), h the hat matrix (D. M. Allen,
+    /// Technometrics 16 (1974) 125–127, doi:10.1080/00401706.1974.10489157); the centres stay.
     pub fn leave_one_out(&self, ridge: f64) -> f64 {
         let mut leverage = self.leverage.clone();
         let mut rest = self.target.clone();
@@ -210,7 +209,7 @@ fn orthonormal(columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
     basis
 }
 
-/// Coefficients of the columns that give the target with the smallest squares of error, the shortest of them.
+/// Minimum-norm least-squares solution.
 pub(super) fn least_squares(columns: &[Vec<f64>], target: &[f64]) -> Vec<f64> {
     let count = columns.len();
     let slices: Vec<&[f64]> = columns.iter().map(Vec::as_slice).chain([target]).collect();
@@ -298,7 +297,7 @@ mod tests {
             let ridge = 10f64.powi(exponent);
             assert!(prepared.leave_one_out(best.ridge) <= prepared.leave_one_out(ridge));
         }
-        // Noise of 0.05 amplitude forbids the smallest one.
+        // Noise of amplitude 0.05 excludes the smallest one.
         assert!(best.ridge > 1e-12);
     }
 

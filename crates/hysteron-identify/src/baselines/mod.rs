@@ -8,11 +8,11 @@
 //! with f a polynomial whose terms orthogonal least squares selects ([`PolynomialNarx`]), kernel ridge
 //! regression ([`KernelNarx`]), or a network with one hidden layer ([`NeuralNarx`]). The regressors hold the
 //! direction s of the drive ([`Lags`]): without it there is no hysteresis. All choices are made on the
-//! training records, by simulation of a quarter of them that is held back. [`cross_validate`] scores them on
-//! what a comparison of structures leaves out.
+//! training records, by simulation of a held-out quarter. [`cross_validate`] scores them on the folds of a
+//! comparison of structures.
 //!
-//! These are baselines: their parameters mean nothing, they hold for one time between samples, have no
-//! inverse and no intervals. `docs/theory/baselines.md` says when one is the better choice all the same.
+//! These are baselines: without physical parameters, inverse or confidence intervals, for one lag interval.
+//! See `docs/theory/baselines.md` for when to prefer one.
 
 mod cross_validation;
 mod error;
@@ -42,11 +42,11 @@ pub use signals::{Scale, Units, lag_intervals};
 use hysteron_model::record::InputOutput;
 use training_set::TrainingSet;
 
-/// Lags that are tried.
+/// Lags tried.
 const LAGS: [Lags; 3] =
     [Lags { output: 1, input: 1 }, Lags { output: 2, input: 2 }, Lags { output: 3, input: 3 }];
 
-/// Which f.
+/// Kind of f.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Baseline {
     /// [`PolynomialNarx`].
@@ -74,7 +74,7 @@ impl Baseline {
 /// A trained baseline.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trained {
-    /// Units of its signals and the time between its lags.
+    /// Scales of its signals and the lag interval.
     pub units: Units,
     /// Its regressors.
     pub regressors: Regressors,
@@ -93,7 +93,7 @@ pub enum TrainedModel {
     Neural(NeuralNarx),
 }
 
-/// Trains a baseline on the valid samples of some records. `intervals_s`: times between lags to choose from
+/// Trains a baseline on the valid samples of some records. `intervals_s`: lag intervals to choose from
 /// ([`lag_intervals`]).
 ///
 /// # Errors
@@ -130,7 +130,7 @@ impl Trained {
         }
     }
 
-    /// Samples at the start of the record that the simulation takes from the measurement.
+    /// Number of measured initial samples used by the simulation.
     ///
     /// # Errors
     /// [`BaselineError::NoSampleRate`], [`BaselineError::Interval`].
@@ -139,8 +139,8 @@ impl Trained {
     }
 
     /// Simulates a record at its own rate, in its output unit: from its drive and the first
-    /// [`Trained::start_samples`] of its output. Samples that are less than a lag interval apart belong to
-    /// simulations of their own.
+    /// [`Trained::start_samples`] of its output. Samples less than a lag interval apart are simulated
+    /// separately.
     ///
     /// # Errors
     /// [`BaselineError::Diverged`]; [`BaselineError::NoSampleRate`], [`BaselineError::Interval`],

@@ -40,7 +40,7 @@ impl Monomial {
         }
     }
 
-    /// In words, e.g. `y₁ Δ s`.
+    /// Name, e.g. `y₁ Δ s`.
     pub fn name(&self, regressors: &[String]) -> String {
         if self.0.is_empty() {
             return "1".to_owned();
@@ -79,7 +79,7 @@ mod tests {
                     moved[i] += h;
                     monomial.value(&moved)
                 };
-                // A cubic's central difference of step h is wrong by h² at most here.
+                // The error of a cubic's central difference of step h is h² at most here.
                 let difference = 2.0 * (step(1e-5) - step(-1e-5)) / 2e-5;
                 assert!((by_x[i] - difference).abs() < 1e-9, "{monomial:?} {i}");
             }

@@ -16,9 +16,9 @@ use super::training_set::{Rows, TrainingSet};
 const HIDDEN: usize = 6;
 /// Random starts.
 const SEEDS: std::ops::Range<u64> = 0..2;
-/// Rows that the outer layer is first fitted to.
+/// Rows for the initial fit of the output layer.
 const ROWS: usize = 6000;
-/// Iterations on the one-step error, then on the simulated error; how far a parameter may go in each.
+/// Iterations on the one-step error, then on the simulated error; largest change of a parameter in each.
 const ITERATIONS: [usize; 2] = [30, 40];
 const REACH: f64 = 20.0;
 
@@ -32,7 +32,7 @@ pub struct NeuralNarx {
 }
 
 impl NeuralNarx {
-    /// Of so many regressors; parameters b, w, then a, c, v of every hidden unit.
+    /// A network of `inputs` regressors; parameters b, w, then a, c, v of every hidden unit.
     pub(super) fn new(inputs: usize, parameters: Vec<f64>) -> Self {
         Self { inputs, parameters }
     }
@@ -90,11 +90,10 @@ fn activation(unit: &[f64], x: &[f64]) -> f64 {
     (unit[1] + inner(&unit[2..], x)).tanh()
 }
 
-/// Trains on sets of different lag intervals, all of the same records; the number of the best set comes
-/// first.
+/// Trains on sets of the same records with different lag intervals; returns the index of the best set first.
 ///
-/// From random hidden units, the outer layer by least squares; then all parameters on the one-step error,
-/// then on the simulated error of three quarters of the records. The network that simulates the held-back
+/// Random hidden units with the output layer by least squares; then all parameters on the one-step error,
+/// then on the simulated error of three quarters of the records. The network that simulates the held-out
 /// quarter best is refined on all.
 pub(super) fn train(
     sets: &[TrainingSet],
@@ -116,7 +115,7 @@ pub(super) fn train(
             let refined = |model: &NeuralNarx, feedback, iterations| {
                 refine(model, &regressors, &set.fitted, feedback, REACH, iterations)
             };
-            // A network that cannot be simulated from where it is has no place.
+            // A network whose simulation diverges is discarded.
             let found = refined(&start, Feedback::Measured, one_step)
                 .and_then(|model| refined(&model, Feedback::Simulated, simulated));
             let Ok(model) = found else { continue };
@@ -132,8 +131,8 @@ pub(super) fn train(
     Ok((number, regressors, model))
 }
 
-/// Random hidden units (normal weights, so that units bend within the range of the regressors), the outer
-/// layer by least squares.
+/// Random hidden units (normal weights, so that units are nonlinear within the range of the regressors), the
+/// output layer by least squares.
 fn begin(rows: &Rows, seed: u64) -> NeuralNarx {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut normal = || {

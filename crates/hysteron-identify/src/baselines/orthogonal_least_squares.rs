@@ -2,13 +2,13 @@
 
 use hysteron_numeric::dot;
 
-/// A column of which less than this share of its square is left after the selected ones depends on them.
+/// Share of a column's square orthogonal to the selected ones below which it is dependent.
 const DEPENDENT: f64 = 1e-14;
 
 /// A term in the order of its selection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Selected {
-    /// Number of the candidate column.
+    /// Index of the candidate column.
     pub column: usize,
     /// Share of Σ y² that it explains beyond those selected before it.
     pub error_reduction_ratio: f64,
@@ -17,10 +17,10 @@ pub struct Selected {
 /// Termination rule of the forward selection, by the residual after each term.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StoppingRule {
-    /// Terms at most.
+    /// Most terms.
     pub terms: usize,
-    /// The search ends where the criterion N ln(Σ e²) + k ln N (Schwarz 1978, doi:10.1214/aos/1176344136) has
-    /// not fallen for so many terms.
+    /// Number of terms without a decrease of the criterion N ln(Σ e²) + k ln N (Schwarz 1978,
+    /// doi:10.1214/aos/1176344136) after which the search ends.
     pub patience: usize,
 }
 
@@ -67,7 +67,7 @@ pub fn select(columns: &mut [Vec<f64>], target: &[f64], stop: &StoppingRule) -> 
         open.iter().for_each(|&j| project(&mut columns[j]));
         selected.push(Selected { column, error_reduction_ratio });
         let error = dot(&rest, &rest);
-        // The rounding residual of an exact fit is not fitted any further.
+        // The rounding residual of an exact fit is not fitted.
         if error <= DEPENDENT * whole {
             return selected;
         }
@@ -98,7 +98,7 @@ mod tests {
         (0..count).map(|j| (0..rows).map(|k| wave(k, j + 1)).collect()).collect()
     }
 
-    /// Σ e² of the least-squares fit of the target by these columns.
+    /// Σ e² of the least-squares fit of these columns to the target.
     fn remaining(columns: &[Vec<f64>], of: &[usize], target: &[f64]) -> f64 {
         let y = DVector::from_column_slice(target);
         if of.is_empty() {

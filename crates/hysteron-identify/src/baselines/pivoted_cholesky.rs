@@ -12,8 +12,8 @@ pub(super) fn gaussian(a: &[f64], b: &[f64], width: f64) -> f64 {
 }
 
 /// K ≈ L Lᵀ by Cholesky's method with the largest remaining diagonal as pivot (S. Fine, K. Scheinberg, J.
-/// Mach. Learn. Res. 2 (2001) 243–264). The pivots are the centres: L Lᵀ is Nyström's approximation of K from
-/// them, and each is the row that those before explain least.
+/// Mach. Learn. Res. 2 (2001) 243–264). The pivots are the centres: L Lᵀ is the Nyström approximation of K,
+/// and each pivot is the row least explained by those before.
 #[derive(Clone, Debug)]
 pub(super) struct PivotedCholesky {
     /// Rows that are pivots, in their order.
@@ -25,7 +25,7 @@ pub(super) struct PivotedCholesky {
 }
 
 impl PivotedCholesky {
-    /// Of the Gaussian kernel over `rows` of `dimension` numbers each, up to `most` columns.
+    /// Factor of the Gaussian kernel over `rows` of `dimension` numbers each, up to `most` columns.
     pub fn new(rows: &[f64], dimension: usize, width: f64, most: usize) -> Self {
         let rows: Vec<&[f64]> = rows.chunks_exact(dimension).collect();
         let mut left = vec![1.0_f64; rows.len()];
@@ -48,7 +48,7 @@ impl PivotedCholesky {
         factor
     }
 
-    /// Weights of the kernel functions at the centres that give the combination `shares` of the columns.
+    /// Weights of the kernel functions at the centres equivalent to the combination `shares` of the columns.
     pub fn weights(&self, shares: &[f64]) -> Vec<f64> {
         let count = self.pivots.len();
         // Rows of the pivots: lower triangular.

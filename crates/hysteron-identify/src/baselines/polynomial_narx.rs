@@ -9,16 +9,16 @@ use super::simulation_error::{Feedback, refine};
 use super::training_set::{Rows, TrainingSet};
 use hysteron_numeric::triangular;
 
-/// Highest degree of a term: the least with which rate-independent hysteresis is a model (see [`Lags`]).
+/// Highest degree of a term: the least that includes rate-independent hysteresis (see [`Lags`]).
 const DEGREE: usize = 3;
-/// Terms at most, and terms without gain after which the selection ends.
+/// Most terms, and terms without gain after which the selection ends.
 const STOP: StoppingRule = StoppingRule { terms: 30, patience: 4 };
-/// Rows that terms are selected on, and that coefficients are fitted to.
+/// Rows for the selection of terms, and for the fit of coefficients.
 const ROWS_SELECTED_ON: usize = 6000;
 const ROWS_FITTED: usize = 60_000;
-/// Structures whose coefficients are refined before the last choice.
+/// Structures whose coefficients are refined before the final choice.
 const FINALISTS: usize = 3;
-/// Iterations of a refinement, and how far a coefficient may go.
+/// Iterations of a refinement, and largest change of a coefficient.
 const ITERATIONS: usize = 30;
 const REACH: f64 = 10.0;
 
@@ -62,7 +62,7 @@ impl Differentiable for PolynomialNarx {
     }
 }
 
-/// A structure, its regressors and its simulated error on what was held back.
+/// A structure, its regressors and its held-out simulation error.
 struct Candidate<'a> {
     set: &'a TrainingSet,
     regressors: Regressors,
@@ -70,13 +70,12 @@ struct Candidate<'a> {
     error: f64,
 }
 
-/// Trains on sets of different lag intervals, all of the same records; the number of the best set comes
-/// first.
+/// Trains on sets of the same records with different lag intervals; returns the index of the best set first.
 ///
 /// For every interval and number of lags, terms are selected on three quarters of the records by the one-step
-/// error. Of all models along the way (the first term, the first two, …) those that simulate the held-back
-/// quarter best are refined on the simulated error of the three quarters, and the best of them again
-/// simulated on the quarter is refined on all.
+/// error. Of the nested models (the first term, the first two, …) those that simulate the held-out quarter
+/// best are refined on the simulated error of the three quarters, and the best of these on the quarter is
+/// refined on all.
 pub(super) fn train(
     sets: &[TrainingSet],
     lags: &[Lags],
@@ -104,7 +103,8 @@ pub(super) fn train(
     }
     candidates.sort_by(|a, b| a.error.total_cmp(&b.error));
     let Candidate { set, regressors, model, .. } = candidates.into_iter().next().ok_or(refused)?;
-    // A model that simulates the held-back quarter simulates the whole: a refinement only lowers the error.
+    // A model that is stable on the held-out quarter is stable on the whole: a refinement only lowers the
+    // error.
     let model = refine(&model, &regressors, &set.series, Feedback::Simulated, REACH, ITERATIONS)?;
     let number = sets.iter().position(|s| std::ptr::eq(s, set)).unwrap_or(0);
     Ok((number, regressors, model))
@@ -114,7 +114,7 @@ fn best_of(candidates: Vec<Candidate<'_>>) -> Option<Candidate<'_>> {
     candidates.into_iter().min_by(|a, b| a.error.total_cmp(&b.error))
 }
 
-/// The models of one to all selected terms that can be simulated, with their errors.
+/// The nested models of one to all selected terms that can be simulated, with their errors.
 fn along_the_way(set: &TrainingSet, lags: Lags) -> Result<Vec<Candidate<'_>>, BaselineError> {
     let regressors = Regressors::scaled(lags, &set.fitted);
     let terms = selected_terms(&regressors, &set.fitted)?;
@@ -200,7 +200,7 @@ mod tests {
         }
     }
 
-    /// Hysteresis behind a lag.
+    /// Hysteresis followed by a lag.
     fn truth() -> PolynomialNarx {
         model(&[
             (&[Y], 0.9),
@@ -212,7 +212,7 @@ mod tests {
         ])
     }
 
-    /// The model of all terms that are selected on its own simulation.
+    /// The model of all terms selected from its own simulation.
     fn found_again(truth: &PolynomialNarx) -> PolynomialNarx {
         let series = series(truth);
         let regressors = Regressors::unscaled(LAGS);
@@ -232,8 +232,8 @@ mod tests {
 
     #[test]
     fn a_term_that_later_ones_make_needless_has_no_coefficient() {
-        // The Duhem equation's two terms look like one of ∇y before either is in: the search cannot take it
-        // back.
+        // The Duhem equation's two terms resemble one of ∇y before either is selected: forward selection
+        // cannot remove it.
         let truth = model(&[
             (&[Y], 0.9),
             (&[DY], 0.25),

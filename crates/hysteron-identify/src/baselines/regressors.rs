@@ -7,13 +7,13 @@
 /// ```
 ///
 /// where y₁ = y_{k−1} and u₁ = u_{k−1}, ∇ is the backward difference (∇y₁ = y_{k−1} − y_{k−2}), Δ = u_k −
-/// u_{k−1} and s = ±1 is the direction in which the drive last moved. The differences span what the lagged
-/// samples y_{k−1} … y_{k−ny} and u_k … u_{k−nu} span, so that polynomials of one degree are the same; unlike
-/// these they are not nearly equal to one another.
+/// u_{k−1} and s = ±1 is the direction in which the drive last moved. The differences span the same space as
+/// the lagged samples y_{k−1} … y_{k−ny} and u_k … u_{k−nu}, so that polynomials of one degree are the same;
+/// unlike these they are not nearly collinear.
 ///
-/// Without Δ and s no NARX model has a loop that stays open as the drive slows down: with them a polynomial
-/// holds the discrete Duhem equation y_k = y₁ + Δ (c₀ + c₁u₁ + s (c₂u₁ + c₃y₁)), rate-independent hysteresis
-/// (S. A. M. Martins, L. A. Aguirre, Mech. Syst. Signal Process. 75 (2016) 607–617).
+/// Without Δ and s no NARX model has a loop that stays open in the quasi-static limit: with them a polynomial
+/// includes the discrete Duhem equation y_k = y₁ + Δ (c₀ + c₁u₁ + s (c₂u₁ + c₃y₁)), rate-independent
+/// hysteresis (S. A. M. Martins, L. A. Aguirre, Mech. Syst. Signal Process. 75 (2016) 607–617).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Lags {
     /// ny, at least 1.
@@ -31,7 +31,7 @@ pub struct Series {
     pub y: Vec<f64>,
     /// Direction in which the drive last moved, ±1.
     pub direction: Vec<f64>,
-    /// Samples that may be learnt from or scored.
+    /// Samples that may be used for training or scoring.
     pub valid: Vec<bool>,
 }
 
@@ -68,7 +68,7 @@ impl Regressors {
                 largest.iter_mut().zip(&x).for_each(|(l, x)| *l = l.max(x.abs()));
             }
         }
-        // A regressor that never moves stays what it is.
+        // A zero regressor is not scaled.
         largest.iter_mut().filter(|l| **l == 0.0).for_each(|l| *l = 1.0);
         regressors.scales = largest;
         regressors
@@ -79,7 +79,7 @@ impl Regressors {
         Self { lags, scales: vec![1.0; lags.count()] }
     }
 
-    /// x of sample k ≥ past, with `y` in the place of the measured output.
+    /// x of sample k ≥ past, with `y` instead of the measured output.
     pub(super) fn fill(&self, series: &Series, y: &[f64], k: usize, x: &mut [f64]) {
         let Lags { output, input } = self.lags;
         for (i, x) in x.iter_mut().take(output).enumerate() {
@@ -95,7 +95,7 @@ impl Regressors {
         x.iter_mut().zip(&self.scales).for_each(|(x, scale)| *x /= scale);
     }
 
-    /// Derivatives by y_{k−1} … y_{k−ny} from those by x; leaves them in the first ny places.
+    /// Derivatives with respect to y_{k−1} … y_{k−ny} from those with respect to x, in the first ny places.
     pub(super) fn to_lagged_outputs(&self, by_x: &mut [f64]) {
         by_x.iter_mut().zip(&self.scales).for_each(|(d, scale)| *d /= scale);
         transposed_differences(&mut by_x[..self.lags.output]);
@@ -113,22 +113,21 @@ impl Regressors {
         outputs.chain(inputs).chain(["Δ".to_owned(), "s".to_owned()]).collect()
     }
 
-    /// Index of s, of which powers above the first say nothing.
+    /// Index of s, whose powers above the first are redundant.
     pub(super) fn direction(&self) -> usize {
         self.lags.count() - 1
     }
 }
 
 impl Series {
-    /// Samples that can be predicted from valid ones and are valid themselves: nothing reaches over the start
-    /// of a record.
+    /// Valid samples with all lagged samples valid and within the record.
     pub fn rows(&self, lags: Lags) -> impl Iterator<Item = usize> + '_ {
         let past = lags.past();
         (past..self.y.len()).filter(move |&k| self.valid[k - past..=k].iter().all(|v| *v))
     }
 }
 
-/// Backward differences of ascending order of (g₁, g₂, …), the newest first, in their place.
+/// Backward differences of ascending order of (g₁, g₂, …), the newest first, in place.
 fn differences(g: &mut [f64]) {
     for order in 1..g.len() {
         for j in (order..g.len()).rev() {
@@ -147,8 +146,8 @@ fn transposed_differences(g: &mut [f64]) {
     }
 }
 
-/// Direction in which the drive last moved: turns only where it comes back from its last extremum by more
-/// than `band`. Before the first move that large it is that move's.
+/// Direction in which the drive last moved, with a dead band: it reverses only after a return from the last
+/// extremum by more than `band`. Before the first such move it is that of this move.
 pub(super) fn directions(u: &[f64], band: f64) -> Vec<f64> {
     let Some(&first) = u.first() else { return Vec::new() };
     let mut extremum = first;

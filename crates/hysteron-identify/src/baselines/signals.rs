@@ -1,12 +1,12 @@
-//! Records as a NARX model takes them: in units of the training ranges, one lag interval apart.
+//! Signals of NARX models: normalised to the training ranges, one lag interval apart.
 
 use super::BaselineError;
 use super::regressors::{Series, directions};
 use hysteron_model::record::{InputOutput, range_of, shortest_swing};
 
-/// The drive turns where it comes back by more than this share of its training range.
+/// Least return of the drive at a reversal, as a share of its training range.
 const TURN: f64 = 0.005;
-/// An interval that is a whole number of samples to this share is one.
+/// Relative tolerance for an interval of a whole number of samples.
 const WHOLE: f64 = 1e-3;
 
 /// An affine map of a signal onto −1 … 1.
@@ -79,8 +79,8 @@ impl Units {
         Ok(stride as usize)
     }
 
-    /// The record as as many series as there are samples in a lag interval, each one sample later than the
-    /// one before.
+    /// Splits the record into one series per sample in a lag interval, each one sample later than the
+    /// previous one.
     ///
     /// # Errors
     /// Those of [`Units::stride`]; [`BaselineError::NotFinite`].
@@ -104,7 +104,7 @@ impl Units {
 }
 
 /// Lag intervals to try for these records \[s\]: about 10, 20 and 40 to the period of the fastest drive, each
-/// a whole number of samples of the slowest-sampled record. Of the records only the drives count.
+/// a whole number of samples of the slowest-sampled record. Only the drives are used.
 ///
 /// # Errors
 /// [`BaselineError::NoRecords`], [`BaselineError::NoSampleRate`].

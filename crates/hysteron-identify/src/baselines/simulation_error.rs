@@ -8,12 +8,12 @@ use hysteron_optimize::{
     Unobserved, minimize, root_mean_square,
 };
 
-/// Errors that are minimised at most, evenly taken: neighbours say nearly the same.
+/// Most errors minimised, evenly spaced: neighbours are redundant.
 const ERRORS: usize = 8000;
-/// Fall of the cost below which a search ends.
+/// Relative decrease of the cost below which a search ends.
 const COST_TOLERANCE: f64 = 1e-5;
 
-/// Which outputs a model is given.
+/// Past outputs fed to a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Feedback {
     /// The measured ones: one-step prediction, "series-parallel".
@@ -23,14 +23,13 @@ pub(super) enum Feedback {
     Simulated,
 }
 
-/// The coefficients of `model` from which the error over the valid samples of `series` (about 8000 of them)
-/// is least, sought from those it has, each within `reach` of them, by Levenberg–Marquardt.
+/// Minimises the error over the valid samples of `series` (about 8000 of them) by Levenberg–Marquardt, from
+/// the coefficients of `model`, each within `reach`.
 ///
-/// Derivatives of the simulated output follow the simulation:
-/// dy_k/dθ = ∂f/∂θ + Σ_i ∂f/∂y_{k−i} dy_{k−i}/dθ.
+/// Sensitivities of the simulated output: dy_k/dθ = ∂f/∂θ + Σ_i ∂f/∂y_{k−i} dy_{k−i}/dθ.
 ///
 /// # Errors
-/// [`BaselineError::Search`], also where the simulation diverges from where it starts.
+/// [`BaselineError::Search`], also where the initial simulation diverges.
 pub(super) fn refine<M: Differentiable>(
     model: &M,
     regressors: &Regressors,
@@ -75,7 +74,7 @@ struct Fit<'a, M> {
     series: &'a [Series],
     feedback: Feedback,
     bounds: Bounds,
-    /// Samples of each series whose errors count, and how many they are.
+    /// Scored samples of each series, and their number.
     counted: Vec<Vec<usize>>,
     count: usize,
 }
@@ -87,7 +86,7 @@ impl<M: Differentiable> Fit<'_, M> {
         model
     }
 
-    /// Outputs that the model is fed with; `None` where it diverges.
+    /// Past outputs fed to the model; `None` where it diverges.
     fn fed(&self, model: &M, one: &Series) -> Option<Vec<f64>> {
         match self.feedback {
             Feedback::Measured => Some(one.y.clone()),
@@ -198,7 +197,7 @@ mod tests {
         vec![one(60, 0.11), one(45, 0.29)]
     }
 
-    /// A quarter of the way to its past, with bends.
+    /// A stable nonlinear recursion.
     fn polynomial() -> PolynomialNarx {
         let terms = [vec![], vec![0], vec![1], vec![3], vec![0, 0, 5], vec![2, 5, 6], vec![4, 4]];
         let coefficients = vec![0.05, 0.6, 0.1, 0.3, -0.2, 0.15, 0.4];

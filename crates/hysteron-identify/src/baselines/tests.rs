@@ -18,7 +18,7 @@ use hysteron_model::record::{InterSample, TimeBase};
 const RATE_HZ: f64 = 400.0;
 const NOISE_UM: f64 = 0.01;
 
-/// A Bouc–Wen loop: rate-independent, so that a polynomial can come near it and nothing linear can.
+/// A Bouc–Wen loop: rate-independent, so that a polynomial can approximate it and no linear model can.
 fn device() -> Model {
     Model {
         hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![3.0, -0.08], 0.9, 0.9, 0.3, 1.0).unwrap()),
@@ -57,7 +57,7 @@ fn rmse(trained: &Trained, record: &InputOutput) -> f64 {
     (square / simulated.len() as f64).sqrt()
 }
 
-/// √ of the mean squared error of the line through the record: what no linear model without memory beats.
+/// rms error of the regression line: the least of any static linear model.
 fn about_the_line(record: &InputOutput) -> f64 {
     let columns = [vec![1.0; record.len()], record.u.clone()];
     let c = kernel_narx::least_squares(&columns, &record.y);
@@ -169,7 +169,7 @@ fn what_is_left_out_is_scored_by_what_is_trained_on_the_rest_whatever_the_thread
     let missing = one.fold_rmse.iter().chain([&one.training_rmse]).filter(|e| e.is_none()).count();
     assert_eq!(one.failures.len(), missing, "{one:?}");
     assert_eq!(one.error().is_some(), one.fold_rmse.iter().all(Option::is_some));
-    // The last record is not trained on: its output may be anything, the error says so.
+    // The last record is held out: changing its output changes only the error.
     let mut other = records.clone();
     other[3].y.iter_mut().skip(100).for_each(|y| *y *= 2.0);
     let changed = cross_validate(Baseline::Kernel, &other, &folds[..1], &Stop::new()).unwrap();

@@ -1,13 +1,13 @@
-//! The training records, a part of which is held back to choose a structure by.
+//! Training records with a held-out part for structure selection.
 
 use super::BaselineError;
 use super::regressors::{Lags, Regressors, Series};
 use super::signals::Units;
 use hysteron_model::record::InputOutput;
 
-/// A record is cut into so many parts of equal length …
+/// A record is divided into this many parts of equal length …
 const PARTS: usize = 8;
-/// … of which these are held back: a quarter of the record, from two places.
+/// … of which these are held out: a quarter of the record, from two places.
 const HELD_BACK: [usize; 2] = [2, 5];
 
 /// Training records at one lag interval: every sample that is a whole number of intervals after the first.
@@ -16,9 +16,9 @@ pub(super) struct TrainingSet {
     pub units: Units,
     /// One of each record, all valid samples valid.
     pub series: Vec<Series>,
-    /// `series` with the held-back samples not valid.
+    /// `series` with the held-out samples not valid.
     pub fitted: Vec<Series>,
-    /// Valid samples that are held back.
+    /// Valid samples that are held out.
     pub held_back: Vec<Vec<bool>>,
 }
 
@@ -38,7 +38,7 @@ impl TrainingSet {
     }
 }
 
-/// Regressors of the usable rows of some series and what they are to predict.
+/// Regressors and targets of the usable rows of some series.
 #[derive(Clone, Debug)]
 pub(super) struct Rows {
     /// Row by row.
@@ -49,7 +49,7 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    /// All usable rows, or about `most` of them, evenly taken.
+    /// All usable rows, or about `most` of them, evenly spaced.
     ///
     /// # Errors
     /// [`BaselineError::TooFewRows`] with no more rows than regressors.

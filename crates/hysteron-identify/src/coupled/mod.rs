@@ -2,10 +2,10 @@
 //! branches of all outputs in one fit.
 //!
 //! Gains and offsets are linear and eliminated at every point of the search (variable projection: G. H.
-//! Golub, V. Pereyra, doi:10.1137/0710036); what is searched are three numbers an actuator and three a path.
-//! Starts: one shape for all actuators, then the natural frequency, damping and delay of one path after the
-//! other from a lattice, until none is better; bounded least squares from the best of them. Standard errors
-//! come from the derivatives of everything at once, gains included, under white noise.
+//! Golub, V. Pereyra, doi:10.1137/0710036); the search is over three parameters per actuator and three per
+//! path. Starts: one shape for all actuators, then a coordinate search over a grid of natural frequency,
+//! damping and delay of each path; bounded least squares from the best. Standard errors are from the
+//! derivatives with respect to all parameters, gains included, assuming white noise.
 
 mod problem;
 mod written;
@@ -27,15 +27,15 @@ use hysteron_optimize::{
 use problem::{CoupledProblem, OF_ACTUATOR, OF_PATH, SettledRecord};
 use serde::{Deserialize, Serialize};
 
-/// Damping ratios and shares of the sample rate that natural frequencies start from.
+/// Grid of damping ratios, and of natural frequencies as shares of the sample rate.
 const DAMPINGS: [f64; 3] = [0.02, 0.15, 0.8];
 const FREQUENCIES: [f64; 14] =
     [0.01, 0.016, 0.025, 0.035, 0.05, 0.065, 0.08, 0.1, 0.125, 0.15, 0.19, 0.24, 0.3, 0.4];
-/// Delays that paths start from \[samples\].
+/// Grid of delays \[samples\].
 const DELAYS: [f64; 2] = [0.3, 3.0];
 /// Rounds over all paths.
 const ROUNDS: usize = 3;
-/// Shapes of the loops that are started from: α, β' times half the range of the drive.
+/// Initial loop shapes: α, β' times half the range of the drive.
 const SHAPES: [(f64, f64); 2] = [(0.2, 2.0), (0.35, 0.7)];
 
 /// Options of the identification.
@@ -69,12 +69,12 @@ pub struct CoupledIdentification {
     pub findings: Vec<Finding>,
     /// The search was stopped early; the model is the best so far.
     pub interrupted: bool,
-    /// State to go on from.
+    /// State to resume from.
     pub resume: Searches,
 }
 
 /// Identifies the branches from records that share the device, the sample rate and the channels. Every input
-/// rested at its first sample before its record, or is in its steady state where all of them repeat.
+/// is at rest at its first sample before its record, or in periodic steady state where all repeat.
 ///
 /// # Errors
 /// [`IdentifyError`].
@@ -123,7 +123,7 @@ pub fn identify(
         .collect::<Result<Vec<_>, IdentifyError>>()?;
     for (record, score) in records.iter().zip(&scores) {
         let fit_percent = score.fit_percent.unwrap_or(0.0);
-        // Who interrupts takes what there is.
+        // After a stop any fit is accepted.
         if fit_percent < options.least_fit_percent && !engine.cancelled {
             let (record, need) = (record.label(), options.least_fit_percent);
             return Err(IdentifyError::AxesClass { what: "branches", record, fit_percent, need });
@@ -134,8 +134,8 @@ pub fn identify(
     Ok(CoupledIdentification { model, errors, records: scores, findings, interrupted, resume })
 }
 
-/// Best point of the lattice, one path after the other; `None` where nothing can be simulated, or it was
-/// stopped.
+/// Best point of the grid, by coordinate search over the paths; `None` where no point can be simulated, or
+/// after a stop.
 fn start(problem: &CoupledProblem<'_>, (alpha, beta): (f64, f64), stop: &Stop) -> Option<Vec<f64>> {
     let bounds = problem.bounds();
     let rate = problem.pieces.first()?.record.sample_rate_hz;
@@ -196,8 +196,8 @@ fn start(problem: &CoupledProblem<'_>, (alpha, beta): (f64, f64), stop: &Stop) -
     least.iter().all(|cost| cost.is_finite()).then_some(x)
 }
 
-/// Standard errors from the derivatives with respect to everything but the offsets, which every residual has
-/// off.
+/// Standard errors from the derivatives with respect to all parameters but the offsets, which are eliminated
+/// in every residual.
 fn errors(
     pieces: &[SettledRecord<'_>],
     problem: &CoupledProblem<'_>,

@@ -1,4 +1,4 @@
-//! Simulated against measured outputs, gains and offsets eliminated.
+//! Output-error problem with gains and offsets eliminated.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -12,14 +12,14 @@ pub(super) const OF_ACTUATOR: usize = 3;
 /// Numbers of a path: natural frequency, damping, delay.
 pub(super) const OF_PATH: usize = 3;
 
-/// A record and where its settled period ends.
+/// A record and the end of its settled period.
 #[derive(Clone, Debug)]
 pub(super) struct SettledRecord<'a> {
     pub record: &'a AxesRecord,
     pub settled: Option<usize>,
 }
 
-/// The search: shapes of the actuators and of the paths; with `gains_free` their gains as well, for the
+/// The search: shapes of the actuators and of the paths; with `gains_free` also their gains, for standard
 /// errors of all.
 #[derive(Debug)]
 pub(super) struct CoupledProblem<'a> {
@@ -143,7 +143,7 @@ impl<'a> CoupledProblem<'a> {
     /// Residuals of every output in turn, and the gains.
     pub(super) fn solve(&self, x: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
         let columns = self.columns(&self.point(x))?;
-        // With free gains the columns have them already.
+        // With free gains the columns include them already.
         let ones = vec![1.0; self.inputs];
         let given = self.gains_free.then_some(ones.as_slice());
         let (mut residuals, mut gains) = (Vec::with_capacity(self.residuals), Vec::new());
@@ -187,14 +187,13 @@ fn valid_mean(x: &[f64], record: &AxesRecord) -> f64 {
     sum / f64::max(count, 1.0)
 }
 
-/// The mean over the valid samples off, and 0 where a sample is not valid.
+/// Subtracts the mean over the valid samples; 0 where a sample is not valid.
 fn centred(x: &[f64], record: &AxesRecord) -> Vec<f64> {
     let mean = valid_mean(x, record);
     x.iter().enumerate().map(|(k, x)| if is_valid(record, k) { x - mean } else { 0.0 }).collect()
 }
 
-/// Weights of the columns, by normal equations of columns of length 1; columns that nothing tells apart get
-/// no solution.
+/// Least-squares coefficients, by normal equations of unit columns; `None` for linearly dependent columns.
 fn least_squares(columns: &[&Vec<f64>], target: &[f64]) -> Option<Vec<f64>> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let lengths: Vec<f64> = columns.iter().map(|c| dot(c, c).sqrt()).collect();

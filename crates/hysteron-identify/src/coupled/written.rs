@@ -8,7 +8,7 @@ use hysteron_model::model_file::{CoupledFile, Maker, Provenance, RecordEntry, Si
 use super::CoupledIdentification;
 
 impl CoupledIdentification {
-    /// The model of these `records` as data: numbers with standard errors, range, how it was made.
+    /// Model file: parameters with standard errors, range of validity, provenance with these `records`.
     pub fn model_file(&self, records: &[AxesRecord], maker: &Maker) -> CoupledFile {
         let first = records.first();
         let units = first.map_or_else(SignalUnits::default, |r| SignalUnits::of(&r.u_unit, &r.y_unit));

@@ -10,7 +10,7 @@ use super::{Fit, FitDetails, FitParameter};
 use crate::modes::ModeShift;
 use crate::{Finding, RecordFit, RecordSines};
 
-/// An identification in numbers: its JSON, to be written and read back. What is empty or `None` is left out.
+/// An identification in numbers, for JSON. Empty and `None` fields are omitted.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FitSummary {
@@ -40,7 +40,7 @@ pub struct FitSummary {
     /// Its delay.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub delay: Option<Quantity>,
-    /// Gain and phase at the sines of the records of a Hammerstein model that hold segments of them.
+    /// Gain and phase at the sine segments of the records of a Hammerstein model.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sines: Vec<RecordSines>,
     /// Searches that were run.
@@ -83,9 +83,9 @@ pub struct SearchSummary {
 pub struct ReductionSummary {
     /// Samples of the records.
     pub samples: usize,
-    /// Those that the search looked at.
+    /// Samples used in the search.
     pub searched: usize,
-    /// Largest move of a parameter when all samples were taken, in standard errors.
+    /// Largest change of a parameter in the fit of all samples, in standard errors.
     pub moved_std_errors: f64,
 }
 

@@ -7,11 +7,11 @@ use crate::IdentifyError;
 
 /// Most modes tried where their number is not given.
 const MOST_MODES: usize = 10;
-/// Numbers of modes in a row that the data do not pay for before no more are tried.
+/// Consecutive numbers of modes not supported by the data after which the search ends.
 const PATIENCE: usize = 3;
-/// A maximum of the magnitude this many times above what lies on both sides of it is a resonance.
+/// A maximum of the magnitude above the minima on both sides by this factor is a resonance.
 const PROMINENCE: f64 = 1.3;
-/// Turn of the phase over the band \[°\] from which on a response has dynamics.
+/// Phase change over the band \[°\] from which on a response has dynamics.
 const TURN_DEG: f64 = 45.0;
 
 /// A structure fitted for comparison.
@@ -21,11 +21,11 @@ pub struct Candidate {
     pub name: String,
     /// The fit.
     pub fit: ResponseFit,
-    /// Its fit and its residual, in plain words.
+    /// Explanation of fit and residual, in plain words.
     pub explanation: String,
 }
 
-/// A kind of structure, as people ask for it.
+/// A family of structures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
     /// K s^{−μ}.
@@ -61,11 +61,11 @@ impl Family {
     pub fn summary(self) -> &'static str {
         match self {
             Self::Fractional => {
-                "b/(s^α₂ + c₁ s^α₁ + c₀) with delay, or a fractional lag where the phase hardly turns"
+                "b/(s^α₂ + c₁ s^α₁ + c₀) with delay, or a fractional lag where the phase varies little"
             }
             Self::Integer => "Poles and zeros, as many parameters as the fractional one",
             Self::PowerLaw => "K s^−μ",
-            Self::LossAngle => "K s^−μ with a constant extra phase, as hysteresis leaves it",
+            Self::LossAngle => "K s^−μ with a constant extra phase, due to hysteresis",
             Self::Modes => "Resonances times a power law, with delay",
         }
     }
@@ -80,7 +80,7 @@ impl Family {
     }
 }
 
-/// Whether the magnitude has a maximum inside the band that stands out on both sides by a factor of 1.3.
+/// True if the magnitude has a maximum inside the band, above both sides by a factor of 1.3.
 pub fn has_resonance(response: &FrequencyResponse) -> bool {
     let magnitudes: Vec<f64> = response.values.iter().map(|g| g.norm()).collect();
     let lowest = |part: &[f64]| part.iter().copied().fold(f64::INFINITY, f64::min);
@@ -91,8 +91,7 @@ pub fn has_resonance(response: &FrequencyResponse) -> bool {
     })
 }
 
-/// Whether there is more than creep and loss: a resonance, or a phase that turns by more than 45° over the
-/// band.
+/// True if there is more than creep and loss: a resonance, or a phase change above 45° over the band.
 pub fn has_dynamics(response: &FrequencyResponse) -> bool {
     let phases = response.phase_deg();
     let low = phases.iter().copied().fold(f64::INFINITY, f64::min);
@@ -101,7 +100,7 @@ pub fn has_dynamics(response: &FrequencyResponse) -> bool {
 }
 
 /// Fits the structures of the families in order. `modes`: their number; `None` adds modes as long as the data
-/// pay for their parameters.
+/// support their parameters.
 ///
 /// # Errors
 /// Those of [`fit_structure`].
@@ -155,7 +154,7 @@ pub fn compare(
     Ok(candidates)
 }
 
-/// Modes one by one with the factors of `base`: `wanted` of them, or as many as the data pay for.
+/// Modes one by one with the factors of `base`: `wanted` of them, or as many as the data support.
 fn modal(
     response: &FrequencyResponse,
     weighting: Weighting,
@@ -184,9 +183,9 @@ fn modal(
     Ok(best)
 }
 
-/// Whether the data pay for the further parameters: the criterion of Schwarz (1978,
-/// doi:10.1214/aos/1176344136), n ln(Σ|w e|²/n) + k ln n, with n the number of independent real residuals
-/// that 2N correlated ones are worth.
+/// True if the data support the further parameters, by the criterion of Schwarz (1978,
+/// doi:10.1214/aos/1176344136), n ln(Σ|w e|²/n) + k ln n, with n the effective number of independent
+/// residuals among the 2N real ones.
 fn supported(richer: &ResponseFit, simpler: &ResponseFit) -> bool {
     let independent = 2.0 * richer.points as f64 / richer.correlation;
     let more = richer.parameters.len() as f64 - simpler.parameters.len() as f64;

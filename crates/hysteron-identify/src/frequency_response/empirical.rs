@@ -1,11 +1,11 @@
 //! Frequency response, noise and distortion from records of periodic multisines.
 //!
-//! Whole periods in steady state are transformed, so nothing leaks from one line into another. The records'
-//! excited lines give the response, the scatter between periods its noise, the scatter between realisations
-//! (records with other random phases on the same lines) noise and stochastic nonlinear distortion together,
-//! and lines in the band that are not excited the distortion of odd and of even order. This is the robust
-//! method of R. Pintelon and J. Schoukens, *System Identification: A Frequency Domain Approach*, 2nd ed.,
-//! Wiley 2012, doi:10.1002/9781118287422, chapter 4.
+//! Whole periods in steady state are transformed, so there is no leakage. The records' excited lines give the
+//! response, the scatter between periods its noise, the scatter between realisations (records with other
+//! random phases on the same lines) noise and stochastic nonlinear distortion together, and lines in the band
+//! that are not excited the distortion of odd and of even order. This is the robust method of R. Pintelon and
+//! J. Schoukens, *System Identification: A Frequency Domain Approach*, 2nd ed., Wiley 2012,
+//! doi:10.1002/9781118287422, chapter 4.
 
 use super::FrequencyResponse;
 use crate::IdentifyError;
@@ -26,11 +26,11 @@ const WHOLE: f64 = 0.1;
 pub struct EmpiricalOptions {
     /// Length of a period \[s\]; `None`: found from the input.
     pub period_s: Option<f64>,
-    /// Periods left out at the start of each record; `None`: those in which the output has not settled.
+    /// Periods omitted at the start of each record; `None`: those before steady state.
     pub settling_periods: Option<usize>,
 }
 
-/// Response, noise and distortion at the excited lines, and what the unexcited ones show.
+/// Response, noise and distortion at the excited lines, and distortion at the detection lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EmpiricalResponse {
     /// Mean response over the realisations. Its `std_dev` is the total uncertainty: between realisations
@@ -41,9 +41,9 @@ pub struct EmpiricalResponse {
     /// Standard deviation of the response of one realisation by stochastic nonlinear distortion: √(M (total²
     /// − noise²)), 0 where the total does not exceed the noise. `None` with one realisation.
     pub distortion_std: Option<Vec<f64>>,
-    /// Output at lines in the band that are not excited, odd multiples of 1/period.
+    /// Output at odd detection lines: unexcited odd multiples of 1/period in the band.
     pub odd_detection: DetectionLines,
-    /// Likewise at even multiples.
+    /// Output at even detection lines.
     pub even_detection: DetectionLines,
     /// Records used.
     pub realisations: usize,
@@ -53,15 +53,14 @@ pub struct EmpiricalResponse {
     pub period_samples: usize,
 }
 
-/// Root mean square over the realisations of the output's amplitude at lines that are not excited, in the
-/// output's unit.
+/// rms over the realisations of the output's amplitude at unexcited lines, in the output's unit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DetectionLines {
     /// Frequencies \[Hz\].
     pub frequency_hz: Vec<f64>,
     /// Amplitude of the mean period: distortion and residual noise.
     pub amplitude: Vec<f64>,
-    /// Part of it that the noise explains, from the scatter between periods; 0 with one period.
+    /// Its noise level, from the scatter between periods; 0 with one period.
     pub noise: Vec<f64>,
 }
 
@@ -74,11 +73,11 @@ struct Realisation {
     periods: usize,
 }
 
-/// Takes the response from one or more records of the same multisine lines.
+/// Estimates the response from one or more records of the same multisine lines.
 ///
 /// # Errors
 /// [`IdentifyError::NoResponse`]: no record; no uniform sample rate; a period that is not a whole number of
-/// samples or not there twice where it has to be found; masked samples; records of different rates, periods
+/// samples, or not repeated where it has to be detected; masked samples; records of different rates, periods
 /// or lines. [`IdentifyError::Record`]: no period found.
 pub fn empirical_response(
     records: &[InputOutput],
@@ -130,7 +129,7 @@ fn rate(record: &InputOutput) -> Result<f64, IdentifyError> {
     })
 }
 
-/// Samples of a period, and the range of samples that is used: whole periods in steady state.
+/// Samples of a period, and the range of samples used: whole periods in steady state.
 fn steady_part(
     record: &InputOutput,
     options: &EmpiricalOptions,
@@ -188,7 +187,7 @@ fn spectra(record: &InputOutput, samples: usize, range: std::ops::Range<usize>) 
             .chunks_exact(samples)
             .map(|period| {
                 let mut spectrum = fft.forward.make_output_vec();
-                // The lengths are the plan's own.
+                // The lengths are those of the plan.
                 fft.transform(&mut period.to_vec(), &mut spectrum);
                 spectrum.iter_mut().for_each(|z| *z *= 2.0 / samples as f64);
                 spectrum
@@ -268,7 +267,7 @@ fn assemble(
         name: first.name.clone(),
         frequency_hz: lines.iter().map(|&k| k as f64 * resolution).collect(),
         values,
-        // A noise of exactly zero (a simulation) is no uncertainty to divide by.
+        // Zero noise (a simulation) cannot weight residuals.
         std_dev: total.or_else(|| noise.clone()).filter(|s| s.iter().all(|s| *s > 0.0)),
         unit: if output.is_empty() && input.is_empty() {
             String::new()

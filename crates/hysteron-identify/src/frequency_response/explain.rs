@@ -27,7 +27,7 @@ pub(super) fn explain(fit: &ResponseFit, response: &FrequencyResponse) -> String
     if structure.power_law {
         let exponent = fit.value("exponent");
         parts.push(format!(
-            "a magnitude that goes as f^{} and, with it, a phase of {} at every frequency",
+            "a magnitude proportional to f^{} with a constant phase of {}",
             signed(-exponent, 4),
             degrees(-90.0 * exponent)
         ));
@@ -35,8 +35,8 @@ pub(super) fn explain(fit: &ResponseFit, response: &FrequencyResponse) -> String
     if structure.loss_angle {
         let angle = fit.value("loss_angle").to_degrees();
         parts.push(format!(
-            "{} more as a loss angle, a phase without a fall of the magnitude, as rate-independent \
-             hysteresis leaves it (it would change with the amplitude of the drive; creep would not)",
+            "a further constant phase of {}, a loss angle without a fall of the magnitude, as of \
+             rate-independent hysteresis (it would change with the amplitude of the drive; creep would not)",
             degrees(-angle)
         ));
     }
@@ -53,7 +53,7 @@ pub(super) fn explain(fit: &ResponseFit, response: &FrequencyResponse) -> String
         format!(" On the edge of the search: {}.", edges.join(", "))
     };
     format!(
-        "{}. Leaves {:.2} % rms, at most {:.2} % (at {}).{edge}",
+        "{}. Error {:.2} % rms, at most {:.2} % (at {}).{edge}",
         sentence(&parts.join("; ")),
         100.0 * fit.relative_rms,
         100.0 * fit.largest.0,
@@ -61,7 +61,7 @@ pub(super) fn explain(fit: &ResponseFit, response: &FrequencyResponse) -> String
     )
 }
 
-/// d + g/(1 + s/ω) has its zero where s/ω = −(d + g)/d, and lags most in the geometric middle.
+/// d + g/(1 + s/ω) has its zero at s/ω = −(d + g)/d, and its largest lag at the geometric mean.
 fn lead_lag(fit: &ResponseFit) -> String {
     let (pole, direct, gain) = (fit.value("pole_frequency"), fit.value("direct"), fit.value("pole_gain"));
     let zero = pole * (direct + gain) / direct;
@@ -71,8 +71,8 @@ fn lead_lag(fit: &ResponseFit) -> String {
     let middle = (pole * zero).sqrt();
     let phase = ((middle / zero).atan() - (middle / pole).atan()).to_degrees();
     format!(
-        "a pole at {} and a zero at {}: a phase that bends, most ({}) at {}, where a constant phase would \
-         need ever more of them",
+        "a pole at {} and a zero at {}: a phase that varies, most ({}) at {}; a constant phase would need \
+         ever more of them",
         hertz(pole),
         hertz(zero),
         degrees(phase),
@@ -80,7 +80,7 @@ fn lead_lag(fit: &ResponseFit) -> String {
     )
 }
 
-/// Resonances inside the band, and the other poles by their number.
+/// Resonances inside the band, and the number of other poles.
 fn modes(fit: &ResponseFit, pairs: usize, response: &FrequencyResponse) -> Vec<String> {
     let (low, high) = response.range_hz();
     let pair = |i: usize| (fit.value(&format!("mode{i}_frequency")), fit.value(&format!("mode{i}_damping")));

@@ -1,4 +1,4 @@
-//! A frequency response, the structures fitted to it, and what is shown of them.
+//! A frequency response, the structures fitted to it, and their presentation.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ use super::empirical::{DetectionLines, EmpiricalResponse};
 use super::{Candidate, FrequencyResponse, Weighting};
 use crate::IdentifyError;
 
-/// Relative rms error from which on a structure is not handed out without a word.
+/// Relative rms error above which a structure is returned with a warning.
 pub const POOR: f64 = 0.1;
 
 /// A measured response and the structures fitted to it.
@@ -23,22 +23,22 @@ pub const POOR: f64 = 0.1;
 pub struct Explained {
     /// The response that was fitted.
     pub response: FrequencyResponse,
-    /// Estimate of the response from records, where it comes from these.
+    /// The empirical estimate, where the response comes from records.
     pub empirical: Option<EmpiricalResponse>,
     /// The structures.
     pub candidates: Vec<Candidate>,
 }
 
-/// The structure that a model file can hold, of the lowest AIC.
+/// The structure of lowest AIC that a model file can hold.
 #[derive(Clone, Debug)]
 pub struct WrittenStructure {
     /// The model.
     pub file: ModelFile,
     /// Its name among the candidates.
     pub name: String,
-    /// √(mean |Ĝ/G − 1|²) that it leaves.
+    /// Relative rms error √(mean |Ĝ/G − 1|²).
     pub relative_rms: f64,
-    /// Its gain at zero frequency is infinite (a power law).
+    /// Its DC gain is infinite (a power law).
     pub is_unbounded_at_rest: bool,
 }
 
@@ -77,8 +77,8 @@ impl Explained {
         let best = self.candidates.iter().min_by(|a, b| a.fit.relative_rms.total_cmp(&b.fit.relative_rms));
         if let Some(best) = best.filter(|best| best.fit.relative_rms > POOR) {
             let text = format!(
-                "The closest structure, {}, leaves {} % rms: none of these describes the response. Take a \
-                 narrower band, or more modes.",
+                "The best structure, {}, has an error of {} % rms: none of these describes the response. \
+                 Take a narrower band, or more modes.",
                 best.name,
                 significant(100.0 * best.fit.relative_rms, 3)
             );
@@ -87,11 +87,10 @@ impl Explained {
         findings
     }
 
-    /// The model file of the structure of the lowest AIC that one can hold; behind a hysteresis block without
-    /// hysteresis.
+    /// The model file of the structure of lowest AIC that one can hold, with a linear hysteresis block.
     ///
     /// # Errors
-    /// Why the best one has no place in a file, or no model at all.
+    /// The best structure cannot be held in a file, or there is none.
     pub fn model_file(&self, maker: &Maker) -> Result<WrittenStructure, IdentifyError> {
         let mut order: Vec<&Candidate> = self.candidates.iter().collect();
         order.sort_by(|a, b| a.fit.aic.total_cmp(&b.fit.aic));
@@ -134,7 +133,7 @@ impl Explained {
             sample_rate_hz: None,
             inter_sample: InterSample::Linear,
         };
-        // v = u carries the input's unit into the dynamic block, whose gain carries the rest.
+        // With v = u in the input's unit, the gain of the dynamic block converts the units.
         let units = SignalUnits { input: input.to_owned(), output: output.to_owned() };
         let mut file = ModelFile::from_model(&model, units);
         if let Ok((names, covariance)) = candidate.fit.covariance_of_numbers() {
@@ -153,7 +152,7 @@ impl Explained {
     }
 }
 
-/// Fits to a frequency response in numbers: their JSON, to be written and read back.
+/// Fits to a frequency response in numbers, for JSON.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ExplainedSummary {
@@ -170,7 +169,7 @@ pub struct ExplainedSummary {
     /// Warnings about the fits.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub findings: Vec<Finding>,
-    /// Estimate of the response, where it comes from records.
+    /// Quality of the empirical estimate, where the response comes from records.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub empirical: Option<EmpiricalSummary>,
     /// Structures that were fitted, the preferred one first.
@@ -189,13 +188,13 @@ pub struct StructureSummary {
     pub rms_error_percent: f64,
     /// Largest relative error \[%\].
     pub largest_error_percent: f64,
-    /// Frequency at which it is \[Hz\].
+    /// Frequency of the largest error \[Hz\].
     pub largest_error_at_hz: f64,
     /// Akaike's information criterion.
     pub aic: f64,
     /// Starts of the search.
     pub starts: usize,
-    /// Those that ended in the best optimum.
+    /// Starts that ended in the best optimum.
     pub starts_in_best_optimum: usize,
     /// Meaning of the parameters, in a sentence.
     pub explanation: String,
@@ -215,7 +214,7 @@ pub struct ResponseParameter {
     pub unit: String,
     /// Standard error, where the response determines it.
     pub std_error: Option<f64>,
-    /// It ended at an end of its range.
+    /// It ended at a bound of its range.
     pub on_edge: bool,
 }
 
@@ -352,7 +351,7 @@ impl EmpiricalResponse {
                     significant(distortion, 3)
                 );
             }
-            None => text += " Records with other phases would tell nonlinear distortion from noise.",
+            None => text += " Records with other phases would distinguish nonlinear distortion from noise.",
         }
         for (parity, lines) in [("odd", &s.odd_detection), ("even", &s.even_detection)] {
             if let Some(d) = lines {

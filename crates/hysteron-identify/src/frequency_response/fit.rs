@@ -17,24 +17,24 @@ use hysteron_optimize::{
 
 /// Iterations of one start.
 const ITERATIONS: usize = 150;
-/// Starts whose cost exceeds the best by less than this share have reached the same optimum.
+/// Relative cost tolerance for starts that reached the best optimum.
 const SAME_OPTIMUM: f64 = 1e-4;
 
-/// Scale that a residual is divided by.
+/// Scale of the residuals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weighting {
-    /// The measured value: every point counts by its relative error, which to first order is the difference
-    /// of the complex logarithms.
+    /// The measured value: relative errors, to first order the difference of the complex logarithms.
     Relative,
     /// The measured value and the scatter of its neighbours ([`FrequencyResponse::scatter`]): √(|G|² +
-    /// (s/0.3)²), so that noise counts for little.
+    /// (s/0.3)²), so that noisy points have little weight.
     Scatter,
-    /// The standard deviation of the point; as `Relative` where the response has none.
+    /// The standard deviation of the point; `Relative` where the response has none.
     Uncertainty,
 }
 
 impl Weighting {
-    /// By the uncertainty where there is one, by the scatter where more than 5 % of the points are noise.
+    /// By the uncertainty if given, by the scatter where more than 5 % of the points are noise, else
+    /// relative.
     pub fn of(response: &FrequencyResponse) -> Self {
         if response.std_dev.is_some() {
             return Self::Uncertainty;
@@ -44,7 +44,7 @@ impl Weighting {
         if 20 * noisy > response.len() { Self::Scatter } else { Self::Relative }
     }
 
-    /// As JSON names it.
+    /// Name in JSON.
     pub fn name(self) -> &'static str {
         match self {
             Self::Relative => "relative",
@@ -56,9 +56,9 @@ impl Weighting {
     /// The weighting in words.
     pub fn in_words(self) -> &'static str {
         match self {
-            Self::Relative => "each counted by its relative error",
-            Self::Scatter => "each counted by its relative error, and less where its neighbours scatter",
-            Self::Uncertainty => "each counted by its uncertainty",
+            Self::Relative => "relative errors",
+            Self::Scatter => "relative errors, weighted less where neighbours scatter",
+            Self::Uncertainty => "errors weighted by their uncertainty",
         }
     }
 }
@@ -72,9 +72,9 @@ pub struct FittedParameter {
     pub value: f64,
     /// Unit: `Hz`, `s`, `rad`, the response's own for gains, empty for pure numbers.
     pub unit: String,
-    /// Standard error; `None` on the edge of the search range or where the response does not determine it.
+    /// Standard error; `None` at a bound or where the response does not determine it.
     pub std_error: Option<f64>,
-    /// Whether it ended on the edge of its search range.
+    /// It ended at a bound of its search range.
     pub on_edge: bool,
 }
 
@@ -87,8 +87,8 @@ pub struct ResponseFit {
     pub weighting: Weighting,
     /// Nonlinear parameters, then linear coefficients.
     pub parameters: Vec<FittedParameter>,
-    /// Covariance of the parameters; zero rows and columns for those on an edge, or all where the rest is not
-    /// determined.
+    /// Covariance of the parameters; zero rows and columns for those at a bound, all zero where the others
+    /// are not determined.
     pub covariance: DMatrix<f64>,
     /// Number of points.
     pub points: usize,
@@ -97,12 +97,12 @@ pub struct ResponseFit {
     /// Largest |Ĝ/G − 1| and its frequency \[Hz\].
     pub largest: (f64, f64),
     /// Akaike's criterion for N points and k parameters: 2N ln(Σ|w e|²/2N) + 2k by relative weights, Σ|w
-    /// e|² + 2k by uncertainties. Differences between structures on the same points count; it takes the
-    /// residuals for independent.
+    /// e|² + 2k by uncertainties. Only differences between structures on the same points are meaningful;
+    /// residuals are assumed independent.
     pub aic: f64,
     /// Σ|w e|², the weighted sum of squares.
     pub square: f64,
-    /// Number of neighbouring points that carry the information of one (1: residuals independent).
+    /// Correlation factor: points per independent point (1: residuals independent).
     pub correlation: f64,
     /// Starts followed.
     pub starts: usize,
@@ -110,16 +110,15 @@ pub struct ResponseFit {
     pub agreeing: usize,
 }
 
-/// Fits a structure: linear starts over a coarse search (modes one by one, each fit also a start of the
-/// next), then bounded least squares on all nonlinear parameters, linear coefficients projected out.
+/// Fits a structure: linear starts over a coarse grid (modes one by one, each fit also a start of the next),
+/// then bounded least squares on all nonlinear parameters, linear coefficients projected out.
 ///
-/// Standard errors are those of linearised least squares. Their variance is that of the residuals, or by
-/// uncertainties 1, and more where the residuals exceed the uncertainties; times the factor by which
-/// neighbouring residuals are correlated (1 + 2Σρ up to the first ρ ≤ 0), which what a structure leaves
-/// unexplained always are.
+/// Standard errors are those of linearised least squares. The variance is that of the residuals, or with
+/// uncertainties 1 and more where the residuals exceed them; times the correlation factor of neighbouring
+/// residuals (1 + 2Σρ up to the first ρ ≤ 0), as model error is always correlated.
 ///
 /// # Errors
-/// [`IdentifyError`]: an unsound response, too few points (2N must exceed the number of parameters), a value
+/// [`IdentifyError`]: an invalid response, too few points (2N must exceed the number of parameters), a value
 /// of zero under relative weights, no start.
 pub fn fit_structure(
     response: &FrequencyResponse,
@@ -139,8 +138,8 @@ pub fn fit_structure(
     }
 }
 
-/// [`fit_structure`] of a structure that contains a fitted one: started also from that, so that it never fits
-/// worse.
+/// [`fit_structure`] of a structure that contains a fitted one, with that as an additional start, so that it
+/// never fits worse.
 pub(super) fn fit_containing(
     response: &FrequencyResponse,
     weighting: Weighting,
@@ -151,7 +150,7 @@ pub(super) fn fit_containing(
     }
     let structure = fitted.structure;
     let problem = ResponseProblem::new(response, structure, weighting)?;
-    // A factor that the simpler one does not have is one there.
+    // A factor missing in the simpler structure is one there.
     let start =
         problem.bounds().ranges.iter().map(|range| contained.value(&range.name).clamp(range.low, range.high));
     let outcome = polish(&problem, vec![start.collect()])?;
@@ -172,7 +171,7 @@ pub(super) fn fit_beside(
     structure.check()?;
     check_points(response, structure)?;
     if let Some(zero) = response.values.iter().position(|g| *g == Complex64::ZERO) {
-        return Err(response.bad_value(zero, "something an error can be relative to").into());
+        return Err(response.bad_value(zero, "usable for relative errors").into());
     }
     let problem = ResponseProblem::new(response, *structure, weighting)?;
     if structure.nonlinear_count() == 0 {
@@ -303,10 +302,10 @@ fn on_edge(bounds: &Bounds, x: &[f64]) -> Vec<bool> {
     bounds.ranges.iter().zip(x).map(|(range, &x)| edge(range.to_unit(x))).collect()
 }
 
-/// A standard error this many times the value says that the response does not determine the parameter.
+/// A parameter whose standard error exceeds this multiple of its value is undetermined.
 const UNDETERMINED: f64 = 1e3;
 
-/// Covariance of all parameters; zero for those on an edge, and for all where the rest is not determined.
+/// Covariance of all parameters; zero for those at a bound, and for all where the others are not determined.
 fn covariance(
     problem: &ResponseProblem,
     weighting: Weighting,
@@ -346,8 +345,8 @@ fn covariance(
     covariance
 }
 
-/// 1 + 2Σ ρ_k over neighbouring frequencies, up to the first ρ_k ≤ 0 or a tenth of the points; real parts
-/// first.
+/// 1 + 2Σ ρ_k over neighbouring frequencies, up to the first ρ_k ≤ 0 or a tenth of the points. `residuals`:
+/// real parts, then imaginary parts.
 fn correlation(residuals: &[f64]) -> f64 {
     let (re, im) = residuals.split_at(residuals.len() / 2);
     let power: f64 = residuals.iter().map(|r| r * r).sum();

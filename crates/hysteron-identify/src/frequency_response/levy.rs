@@ -1,4 +1,4 @@
-//! Coefficients of a transfer function of given orders, linear: Levy's equations and their iteration.
+//! Linear estimate of a transfer function of given orders: Levy's method and its iteration.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -13,10 +13,10 @@ use hysteron_numeric::Complex64;
 ///
 /// One pass minimises Σ |w_i (N(s_i) − G_i D(s_i))/D'(s_i)|² with D' the denominator of the pass before. The
 /// first, with D' = 1, is Levy's (1959, doi:10.1109/TAC.1959.6429401); the further ones are Sanathanan and
-/// Koerner's (1963, doi:10.1109/TAC.1963.1105517), which take away the weight that Levy's equations give to
-/// high frequencies. w_i is 1/σ_i where the response has an uncertainty, else 1/|G_i|. The iteration
-/// converges to the least-squares estimate only as the noise vanishes: it is a start, not an end. Solved in
-/// s/ω₀, ω₀ in the middle of the band.
+/// Koerner's (1963, doi:10.1109/TAC.1963.1105517), which remove the bias of Levy's equations towards high
+/// frequencies. w_i is 1/σ_i where the response has an uncertainty, else 1/|G_i|. The iteration converges to
+/// the least-squares estimate only as the noise vanishes: it is a starting value. Solved in s/ω₀, ω₀ in the
+/// middle of the band.
 ///
 /// # Errors
 /// [`IdentifyError::Undetermined`] for fewer equations than coefficients, or without a finite solution;
@@ -74,7 +74,7 @@ pub fn levy(
             break;
         }
     }
-    // Σ ĉ (s/ω₀)^order with the lowest denominator coefficient brought back to 1.
+    // Σ ĉ (s/ω₀)^order, rescaled to a lowest denominator coefficient of 1.
     let term = |(&order, &c): (&f64, &f64)| Term::new(c * middle.powf(lowest - order), order);
     let numerator = numerator_orders.iter().zip(&solution).map(term).collect();
     let mut denominator = vec![Term::new(1.0, lowest)];

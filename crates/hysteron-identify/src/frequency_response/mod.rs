@@ -1,12 +1,12 @@
 //! Identification from a measured frequency response.
 //!
-//! 1. [`FrequencyResponse`] is what was measured: complex values at frequencies, with or without uncertainty.
-//!    [`empirical`] makes one, with its noise and its distortion, from records of periodic multisines.
-//! 2. [`Structure`] is what may lie behind it: a power law, a fractional lag or oscillator, poles and zeros,
-//!    with delay, with a hysteresis loss angle.
+//! 1. [`FrequencyResponse`]: measured complex values at frequencies, with or without uncertainty.
+//!    [`empirical`] estimates one, with its noise and distortion, from records of periodic multisines.
+//! 2. [`Structure`]: a power law, a fractional lag or oscillator, poles and zeros, with delay, with a
+//!    hysteresis loss angle.
 //! 3. [`fit_structure`] fits one: linear starts ([`levy`], relocation of poles), then bounded least squares
 //!    with the linear coefficients projected out and an analytic Jacobian, with standard errors. [`compare`]
-//!    fits those that answer the question which of them the response supports, and says what each explains.
+//!    fits the structures usual for this kind of response and explains each.
 //!
 //! ```
 //! use hysteron_model::dynamics::TransferFunction;

@@ -14,7 +14,7 @@ use hysteron_numeric::Complex64;
 use hysteron_numeric::dot;
 use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, root_mean_square};
 
-/// A structure against a response.
+/// Least-squares problem of a structure and a response.
 pub(super) struct ResponseProblem {
     pub structure: Structure,
     bounds: Bounds,
@@ -89,8 +89,7 @@ impl ResponseProblem {
         ws.coefficients
     }
 
-    /// Residuals at `x` and the derivatives by all parameters, nonlinear ones first, then the coefficients,
-    /// column by column.
+    /// Residuals at `x` and the Jacobian, column by column: nonlinear parameters, then coefficients.
     pub fn full_jacobian(&self, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let mut ws = self.workspace();
         self.evaluate(x, &mut ws);
@@ -116,7 +115,7 @@ fn add_products(columns: &[f64], rows: usize, coefficients: &[f64], out: &mut [f
     }
 }
 
-/// 1/G_i, less where neighbours scatter, or √2/σ_i so that real and imaginary part of a residual have
+/// 1/G_i, smaller where neighbours scatter, or √2/σ_i so that real and imaginary part of a residual have
 /// variance 1.
 fn weights(response: &FrequencyResponse, weighting: Weighting) -> Result<Vec<Complex64>, IdentifyError> {
     match (weighting, &response.std_dev) {
@@ -124,7 +123,7 @@ fn weights(response: &FrequencyResponse, weighting: Weighting) -> Result<Vec<Com
             Ok(std_dev.iter().map(|s| Complex64::new(SQRT_2 / s, 0.0)).collect())
         }
         _ => match response.values.iter().position(|g| *g == Complex64::ZERO) {
-            Some(index) => Err(response.bad_value(index, "something an error can be relative to").into()),
+            Some(index) => Err(response.bad_value(index, "usable for relative errors").into()),
             None if weighting == Weighting::Scatter => {
                 let points = response.values.iter().zip(response.scatter());
                 Ok(points.map(|(g, s)| g.inv() / (s / (NOISY * g.norm())).hypot(1.0)).collect())

@@ -1,8 +1,8 @@
-//! Poles of a rational response by vector fitting, in the form that [`Core::Rational`] takes.
+//! Poles of a rational response by vector fitting, in the form of [`Core::Rational`].
 //!
 //! Sanathanan and Koerner's iteration in partial fractions, where it stays well conditioned at any number of
 //! poles (Gustavsen and Semlyen 1999, doi:10.1109/61.772353): with σ(s) = 1 + Σ c̃_k φ_k(s), the equations (σ
-//! G)(s_i) ≈ Σ c_k φ_k(s_i) [+ d] are linear, and the zeros of σ are better poles than those of φ.
+//! G)(s_i) ≈ Σ c_k φ_k(s_i) [+ d] are linear, and the zeros of σ are improved poles.
 
 use std::f64::consts::TAU;
 
@@ -18,7 +18,7 @@ pub(super) struct Relocation<'a> {
     pub omega: &'a [f64],
     /// G without its power law, loss angle and delay.
     pub values: &'a [Complex64],
-    /// Whether there is a constant beside the poles.
+    /// Includes a direct feedthrough.
     pub direct: bool,
 }
 
@@ -54,7 +54,7 @@ impl Relocation<'_> {
             }
             target[i] = 1.0;
         }
-        // Columns of unit length: poles at low and at high frequency differ by decades.
+        // Columns scaled to unit length: poles differ by decades.
         let lengths: Vec<f64> = matrix.chunks_exact(rows).map(|c| dot(c, c).sqrt()).collect();
         for (column, length) in matrix.chunks_exact_mut(rows).zip(&lengths) {
             column.iter_mut().for_each(|x| *x /= length.max(f64::MIN_POSITIVE));
@@ -70,7 +70,7 @@ impl Relocation<'_> {
     }
 }
 
-/// Eigenvalues of A − b c̃ᵀ for the real state space of the poles, brought into the left half-plane.
+/// Eigenvalues of A − b c̃ᵀ for the real state space of the poles, reflected into the left half-plane.
 fn zeros_of_sigma(poles: &[Complex64], residues: &[f64]) -> Option<Vec<Complex64>> {
     let order = residues.len();
     let mut matrix = DMatrix::zeros(order, order);

@@ -1,4 +1,4 @@
-//! Starts: linear estimates of the core over a coarse search of orders, power law and delay.
+//! Starts: linear estimates of the core over a coarse grid of orders, power law and delay.
 
 use std::f64::consts::TAU;
 
@@ -10,21 +10,20 @@ use crate::IdentifyError;
 use hysteron_numeric::Complex64;
 use hysteron_optimize::{Bounds, Problem};
 
-/// Exponents of the power law and delays, in parts of 1/f_high, that are tried.
+/// Grid of exponents of the power law, and of delays in units of 1/f_high.
 const EXPONENTS: [f64; 5] = [0.0, 0.03, 0.1, 0.3, 0.8];
 const DELAYS: [f64; 5] = [0.0, 0.05, 0.15, 0.4, 1.0];
 /// Orders of a fractional lag, and the lower and the higher order of a fractional oscillator.
 const LAG_ORDERS: [f64; 9] = [0.1, 0.2, 0.35, 0.5, 0.7, 0.9, 1.1, 1.4, 1.8];
 const LOWER_ORDERS: [f64; 5] = [0.3, 0.6, 0.9, 1.1, 1.4];
 const HIGHER_ORDERS: [f64; 5] = [1.0, 1.4, 1.7, 1.95, 2.1];
-/// Passes of Sanathanan and Koerner's iteration, and of the relocation of poles.
+/// Sanathanan–Koerner iterations, and pole relocations.
 const PASSES: usize = 6;
 const RELOCATIONS: usize = 20;
-/// Starts handed on.
+/// Number of starts returned.
 const KEPT: usize = 4;
 
-/// The best few starts by their cost, best first, and as different as they can be: of every exponent and
-/// delay the best.
+/// The best few starts by cost, best first, one for each exponent and delay to keep them different.
 pub(super) fn starts(response: &FrequencyResponse, problem: &ResponseProblem) -> Vec<Vec<f64>> {
     let structure = problem.structure;
     let (_, high) = response.range_hz();
@@ -61,13 +60,12 @@ pub(super) fn starts(response: &FrequencyResponse, problem: &ResponseProblem) ->
     found.into_iter().map(|(_, x)| x).collect()
 }
 
-/// Frequencies at which a further mode is tried.
+/// Number of frequencies at which a further mode is tried.
 const PLACES: usize = 40;
 /// Its damping.
 const LIGHT: f64 = 0.02;
 
-/// Starts with one mode more than a fit of one mode less, `modes` of them in `before`: the best two places
-/// for it.
+/// Starts that add a mode to a fit with `modes` modes and parameters `before`, at its best two frequencies.
 pub(super) fn one_mode_more(
     response: &FrequencyResponse,
     problem: &ResponseProblem,
@@ -125,7 +123,7 @@ fn core_starts(response: &FrequencyResponse, core: Core) -> Vec<Vec<f64>> {
     }
 }
 
-/// 1 + a s^α has its corner at a^(−1/α); the middle of the band where the linear estimate gives none.
+/// Corner a^(−1/α) of 1 + a s^α; the middle of the band where the linear estimate gives none.
 fn lag(response: &FrequencyResponse, order: f64) -> Vec<f64> {
     let (low, high) = response.range_hz();
     let corner = levy(response, &[0.0], &[0.0, order], PASSES)
@@ -146,7 +144,7 @@ fn oscillator(response: &FrequencyResponse, order1: f64, order2: f64) -> Result<
     Ok(vec![omega / TAU, 0.5 * one.coefficient * omega.powf(order1), order1, order2])
 }
 
-/// The poles of every pass of the relocation: it does not always end at its best.
+/// The poles of every relocation pass: the last is not always the best.
 fn relocated(response: &FrequencyResponse, count: usize, direct: bool) -> Vec<Vec<f64>> {
     let omega: Vec<f64> = response.frequency_hz.iter().map(|f| TAU * f).collect();
     let relocation = Relocation { omega: &omega, values: &response.values, direct };

@@ -1,4 +1,4 @@
-//! Structures of a frequency response: what is nonlinear in them, what is linear, and the derivatives.
+//! Structures of a frequency response: nonlinear and linear parameters, basis functions and derivatives.
 
 use crate::IdentifyError;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -10,21 +10,22 @@ use hysteron_optimize::Range;
 /// Most poles of a [`Core::Rational`].
 pub const MOST_POLES: usize = 40;
 
-/// Largest damping of a mode: beyond 1/√2 there is no resonance, and the pair would stand in for creep.
+/// Largest damping of a mode: above 1/√2 there is no resonance, and the pair would mimic creep.
 const MOST_DAMPING: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// G(s) = e^{−sτ} · e^{−iδ} · s^{−μ} · Σ_k c_k φ_k(s), s = 2πi f.
 ///
-/// The basis φ is the [`Core`]; μ, δ and τ are there where the three switches say so, otherwise zero. The c_k
-/// are real and enter linearly: they are projected out of every fit.
+/// The basis φ is the [`Core`]; the three switches enable μ, δ and τ, which are zero otherwise. The c_k are
+/// real and enter linearly: they are projected out of every fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Structure {
     /// The functions φ_k.
     pub core: Core,
-    /// The power law s^{−μ}: a fall of −20μ dB a decade with a constant phase of −90°·μ, as creep has it.
+    /// The power law s^{−μ}: a slope of −20μ dB per decade with a constant phase of −90°·μ, as for creep.
     pub power_law: bool,
-    /// The loss angle e^{−iδ} (at −f its conjugate): a phase without a fall, as rate-independent hysteresis
-    /// driven by a sine has it. No causal linear system has it, so no model file can hold it.
+    /// The loss angle e^{−iδ} (at −f its conjugate): a constant phase at constant gain, as for
+    /// rate-independent hysteresis under sine drive. No causal linear system has it, so no model file can
+    /// hold it.
     pub loss_angle: bool,
     /// The delay e^{−sτ}.
     pub delay: bool,
@@ -41,16 +42,16 @@ pub enum Core {
     FractionalOscillator,
     /// Poles in partial fractions: 1 if `direct`; 1/(1 + x) for the one real pole of an odd number; for each
     /// pair of poles 1/(1 + 2ζx + x²) and x/(1 + 2ζx + x²), ζ > 1 being two real poles. With `direct` as many
-    /// zeros as poles, without it one less.
+    /// zeros as poles, otherwise one less.
     Rational {
         /// Number of poles, 1 … [`MOST_POLES`].
         poles: usize,
-        /// Whether there is a constant among the functions.
+        /// Includes a direct feedthrough.
         direct: bool,
     },
     /// Resonances (ζ ≤ 1/√2) with real residues, as light damping gives them: 1, and for each 1/(1 + 2ζx +
-    /// x²). Unlike the free numerator of `Rational`, whose highest coefficient stands in for a small delay,
-    /// they determine a delay beside them.
+    /// x²). Unlike the free numerator of `Rational`, whose highest coefficient can replace a small delay,
+    /// they leave a delay identifiable.
     Modes {
         /// Number of modes, 1 … [`MOST_POLES`]/2.
         count: usize,
@@ -94,7 +95,7 @@ impl Structure {
     }
 
     /// # Errors
-    /// [`IdentifyError::ResponseStructure`] for a number of poles that is not fitted.
+    /// [`IdentifyError::ResponseStructure`] for a number of poles out of range.
     pub fn check(&self) -> Result<(), IdentifyError> {
         match self.core {
             Core::Rational { poles, .. } if poles == 0 || poles > MOST_POLES => {
@@ -149,7 +150,7 @@ impl Structure {
             Core::FractionalOscillator => vec![
                 wide("natural_frequency"),
                 Range::linear("damping", 0.0, 100.0),
-                // Apart from each other: two equal orders cannot be told from one.
+                // Separate ranges: two equal orders are not identifiable.
                 Range::linear("order1", 0.02, 1.4),
                 Range::linear("order2", 1.0, 2.5),
             ],
@@ -295,7 +296,7 @@ impl Structure {
     }
 }
 
-/// Ranges of one real pole, where there is one, and of pairs.
+/// Ranges of one real pole, if any, and of pole pairs.
 fn sections(real: bool, pairs: usize, low_hz: f64, high_hz: f64) -> Vec<Range> {
     let near = |name: &str| Range::logarithmic(name, 1e-2 * low_hz, 1e2 * high_hz);
     let mut ranges = Vec::new();
@@ -309,7 +310,7 @@ fn sections(real: bool, pairs: usize, low_hz: f64, high_hz: f64) -> Vec<Range> {
     ranges
 }
 
-/// ln(s/2πf) on the main sheet, for s on the positive imaginary axis.
+/// Principal value of ln(s/2πf), for s on the positive imaginary axis.
 fn logarithm(s: Complex64, f: f64) -> Complex64 {
     Complex64::new((s.im / (TAU * f)).ln(), FRAC_PI_2)
 }

@@ -21,8 +21,8 @@ impl ResponseFit {
     /// Transfer function and delay \[s\] of the fit, checked against it at the points of `response`.
     ///
     /// # Errors
-    /// [`IdentifyError::NoTransferFunction`] for a loss angle, or where the polynomials of many poles lose
-    /// the fit to rounding.
+    /// [`IdentifyError::NoTransferFunction`] for a loss angle, or where the polynomials of many poles are
+    /// ill-conditioned.
     pub fn to_transfer_function(
         &self,
         response: &FrequencyResponse,
@@ -33,8 +33,7 @@ impl ResponseFit {
         };
         if self.structure.loss_angle {
             return refuse(
-                "no causal linear system has a phase that does not depend on frequency and no fall of its \
-                 magnitude with it"
+                "no causal linear system has a constant non-zero phase without a fall of the magnitude"
                     .to_owned(),
             );
         }
@@ -113,7 +112,7 @@ impl ResponseFit {
 
     /// Numerator and denominator over the product of all poles, monic.
     fn polynomials(&self) -> (Polynomial, Polynomial) {
-        // Of each section its denominator and its numerator, coefficients ascending.
+        // Denominator and numerator of each section, coefficients ascending.
         let mut sections: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
         if let Some(pole) = self.parameter("pole_frequency") {
             let omega = TAU * pole.value;

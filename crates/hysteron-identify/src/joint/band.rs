@@ -1,8 +1,8 @@
-//! Prediction bands: what the uncertainty of the parameters means for the output.
+//! Prediction bands: the uncertainty of the parameters propagated to the output.
 //!
-//! The output is known to sd(t) = √(J(t) C J(t)ᵀ) with J its derivatives in all parameters and C their
-//! covariance; a measurement of it scatters by the residual beside that. Offset, drift and the memory of a
-//! new record are not part of it: the band is that of the output about its mean, as it is scored.
+//! The standard deviation of the output is sd(t) = √(J(t) C J(t)ᵀ) with J its derivatives with respect to all
+//! parameters and C their covariance; a measurement adds the scatter of the residual. Offset, drift and the
+//! memory of a new record are not included: the band is that of the output about its mean, as it is scored.
 
 use std::ops::Range;
 
@@ -26,7 +26,7 @@ use hysteron_optimize::{Bounds, Problem};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-/// Rows worked on at a time.
+/// Rows processed at a time.
 const ROWS: usize = 1024;
 
 /// Uncertainty of the output for a drive.
@@ -35,8 +35,8 @@ pub struct PredictionBand {
     /// Standard deviation of the model's output at each sample, from the uncertainty of the parameters
     /// \[output unit\].
     pub std_dev: Vec<f64>,
-    /// Standard deviation of a measurement about the model: the residual of the records identified from
-    /// \[output unit\].
+    /// Standard deviation of a measurement about the model: the rms residual of the training records \[output
+    /// unit\].
     pub noise: f64,
 }
 
@@ -117,7 +117,7 @@ pub struct OutputUncertainty {
     x: Vec<f64>,
     /// Coefficients of u, u², … and weights.
     coefficients: Vec<f64>,
-    /// Of the eliminated coefficients and `x`, in the fit's own symbols.
+    /// Covariance of the eliminated coefficients and `x`, in the fit's own symbols.
     covariance: DMatrix<f64>,
     scheme: Scheme,
     inter_sample: InterSample,
@@ -233,8 +233,8 @@ impl OutputUncertainty {
     }
 }
 
-/// Gives the records identified from their bands, and the errors of the model at their sines, out of the
-/// linearisation that the covariance came from.
+/// Sets the bands of the training records and the errors of the model at their sines, from the linearisation
+/// behind the covariance.
 pub(super) fn give(problem: &JointProblem, known: &Knowledge, fits: &mut [RecordFit]) {
     let at = &known.linearisation;
     let Covariance { matrix, .. } = &known.covariance;
@@ -248,7 +248,7 @@ pub(super) fn give(problem: &JointProblem, known: &Knowledge, fits: &mut [Record
             own
         });
         let mut std_dev = deviations(&[&own[0], &own[1]], rows.len(), 0..rows.len(), matrix);
-        // Where a sample does not count, the one before stands for it.
+        // A sample without weight takes the value of the one before.
         let counts = |(_, weight): &(&mut f64, &f64)| **weight > 0.0;
         let mut last = std_dev.iter_mut().zip(record.weights()).find(counts).map_or(0.0, |(sd, _)| *sd);
         for (sd, weight) in std_dev.iter_mut().zip(record.weights()) {
@@ -259,7 +259,7 @@ pub(super) fn give(problem: &JointProblem, known: &Knowledge, fits: &mut [Record
         }
         fit.band = Some(PredictionBand { std_dev, noise: fit.scores.rmse });
         let columns: Vec<&[f64]> = own.iter().flat_map(|block| block.chunks_exact(rows.len())).collect();
-        // Derivatives are known where samples count.
+        // Derivatives are known only where samples have weight.
         let counts = |sine: &&mut SineResponse| {
             record.weights().get(sine.samples.clone()).is_some_and(|weights| weights.iter().all(|w| *w > 0.0))
         };
@@ -279,7 +279,7 @@ fn deviations(blocks: &[&[f64]], total: usize, rows: Range<usize>, covariance: &
         let mut image = vec![0.0; variance.len()];
         let mut sum = vec![0.0; variance.len()];
         for i in 0..columns.len() {
-            // C is symmetric: what is beside its diagonal counts twice.
+            // C is symmetric: off-diagonal elements count twice.
             image.fill(0.0);
             for j in 0..=i {
                 let c = covariance[(i, j)] * if i == j { 1.0 } else { 2.0 };

@@ -1,4 +1,4 @@
-//! The records of a joint fit: what came before each, how noisy it is, at what rate it is worked on.
+//! The records of a joint fit: initial state, noise level and decimation of each.
 
 use super::super::options::{Initial, Options};
 use super::super::static_step::{self, OFFSET};
@@ -12,15 +12,15 @@ use hysteron_model::hysteresis::{Hysteresis, RecordEnds};
 use hysteron_model::record::{Dependence, Timing, noise_floor, quantisation_step};
 use hysteron_model::validate::{first_cycle, unfollowed_start};
 
-/// Samples kept a swing of the drive, so that its first seven harmonics are in the pass band, and in a
-/// record, when it is reduced.
+/// Samples kept by reduction, per swing of the drive (its first seven harmonics are in the pass band) and per
+/// record.
 const SAMPLES_A_SWING: usize = 12;
 const SAMPLES_A_RECORD: usize = 2000;
-/// A record without visible noise is taken to be right to this share of its stroke.
+/// Least noise assumed, as a share of the stroke.
 const LEAST_NOISE: f64 = 1e-6;
-/// Weight of the first of several cycles, whose past is not known, over that of the others.
+/// Weight of the first of several cycles, with unknown history, relative to the others.
 pub(in super::super) const UNKNOWN_PAST: f64 = 0.01;
-/// A first sample off 0 V by more than this share of the range may be a start from 0 V.
+/// A first sample off 0 V by more than this share of the range may be a step from 0 V.
 const JUMP: f64 = 0.02;
 
 /// One record of a joint fit.
@@ -28,11 +28,11 @@ const JUMP: f64 = 0.02;
 pub(in super::super) struct JointMember<'a> {
     pub(in super::super) facts: &'a RecordFacts,
     pub(in super::super) before: Start<()>,
-    /// Motion left over from before the record is allowed for.
+    /// A free transient from before the record is fitted.
     pub(in super::super) transients: bool,
     /// Standard deviation of the output's noise \[output unit\].
     pub(in super::super) noise: f64,
-    /// Every how many samples one is worked on while searching.
+    /// Decimation factor while searching.
     pub(in super::super) factor: usize,
     pub(in super::super) rate_hz: f64,
 }
@@ -67,13 +67,13 @@ impl<'a> JointMember<'a> {
                 }
             },
             Initial::Periodic => (periodic(facts)?, false),
-            // The unknown past of the first of several cycles does not justify a parameter: a memory fitted
-            // to it at any price spoils the rest.
+            // The unknown history of the first of several cycles does not justify a parameter: fitting a
+            // memory to it biases the other parameters.
             Initial::Auto if facts.first_of_several_cycles().is_some() => {
                 (Start::Rest { voltage_v: first }, false)
             }
-            // Uneven stamps are those of a logger that ran before: the drive did not jump to its first
-            // sample.
+            // Non-uniform stamps come from a logger that was already running: the drive did not step to its
+            // first sample.
             Initial::Auto if !uneven && first.abs() > JUMP * facts.range_v() => {
                 match static_step::choose_start(facts, options, engine)? {
                     Start::Rest { voltage_v } if voltage_v != first => (Start::Rest { voltage_v }, false),
@@ -83,7 +83,7 @@ impl<'a> JointMember<'a> {
             Initial::Auto => (remembering, false),
         };
         let floor = noise_floor(&facts.data, facts.periods.as_ref()).map_or(0.0, |floor| floor.rms);
-        // A converter's steps are uniform noise of step/√12 that differences of a slow signal do not show.
+        // Quantisation is uniform noise of step/√12, which differences of a slow signal do not show.
         let step = quantisation_step(&facts.data.y).unwrap_or(0.0) / 12f64.sqrt();
         let noise = floor.max(step).max(LEAST_NOISE * facts.stroke());
         let whole = facts.scored(0).len() == facts.data.y.len();
@@ -97,7 +97,7 @@ impl<'a> JointMember<'a> {
         Ok(Self { facts, before, transients, noise, factor, rate_hz })
     }
 
-    /// Samples at the beginning that a law without dynamics cannot follow.
+    /// Number of initial samples that a model without dynamics cannot follow.
     pub(super) fn unfollowed(&self) -> usize {
         match self.before {
             Start::Rest { voltage_v } => unfollowed_start(&self.facts.data, &Start::Rest { voltage_v }),
@@ -111,7 +111,7 @@ impl<'a> JointMember<'a> {
         JointMember { facts, before, transients, noise, factor, rate_hz }
     }
 
-    /// The record as the fit sees it. `reduced`: at its lower rate. `scale` times 1/noise is its weight.
+    /// The record prepared for the fit. `reduced`: at its lower rate. `scale` times 1/noise is its weight.
     pub(in super::super) fn prepare(
         &self,
         reduced: bool,
@@ -124,7 +124,7 @@ impl<'a> JointMember<'a> {
         if matches!(timing, Timing::Stamps(_)) {
             return self.prepare_stamps(factor > 1, scale, degree, options);
         }
-        // A thinned record is band-limited, whatever the scheme of the whole.
+        // A reduced record is band-limited, independently of the scheme.
         let scheme = if factor > 1 { Scheme::BandLimited } else { options.scheme() };
         let data = &self.facts.data;
         let samples = data.y.len();
@@ -162,7 +162,7 @@ impl<'a> JointMember<'a> {
         })?)
     }
 
-    /// [`Self::prepare`] of a record on uneven stamps. `thin`: of the samples that show every swing.
+    /// [`Self::prepare`] for a non-uniformly sampled record. `thin`: only samples that resolve every swing.
     fn prepare_stamps(
         &self,
         thin: bool,
@@ -192,7 +192,7 @@ impl<'a> JointMember<'a> {
         let duration = self.facts.duration_s();
         let drift = || kept.iter().map(|&k| (times_s[k] - first) / duration - 0.5).collect();
         let (before, cycles) = match self.before {
-            // Samples that show every swing are enough of what was before, but where time counts.
+            // Samples that resolve every swing suffice for the history, unless the operator depends on time.
             Start::Settled { period_samples: Some(period), .. } => {
                 let every = depends_on != Dependence::Order;
                 let rows = if every { (0..data.len()).collect() } else { thinned(data) };
@@ -228,7 +228,7 @@ impl<'a> JointMember<'a> {
         })?)
     }
 
-    /// The start that is tried first where nothing is known of the record's memory.
+    /// The first start tried for an unknown memory.
     pub(in super::super) fn fresh_start(&self) -> Start {
         match self.before {
             Start::Rest { voltage_v } | Start::Remembering { voltage_v, .. } => Start::Rest { voltage_v },
@@ -273,13 +273,13 @@ fn periodic(facts: &RecordFacts) -> Result<Start<()>, IdentifyError> {
     }
 }
 
-/// Whether dynamics behind the hysteresis average what it does between samples.
+/// True if dynamics after the hysteresis average its output between samples.
 fn is_averaged(options: &Options) -> bool {
     !super::setup::form(options).parameters().is_empty()
 }
 
-/// By how much a record can be thinned and still show every swing of its drive. A jump into the record is not
-/// band-limited, and what tells of it is in the first samples.
+/// Largest decimation factor that resolves every swing of the drive. An initial step is not band-limited, and
+/// the first samples determine its response.
 fn reduction(facts: &RecordFacts, before: Start<()>) -> usize {
     let samples = facts.data.u.len();
     let most = (facts.shortest_swing / SAMPLES_A_SWING).min(samples / SAMPLES_A_RECORD).max(1);

@@ -1,5 +1,4 @@
-//! The drive as the hysteresis runs over it, and how the samples at its own rate follow from what that puts
-//! out.
+//! Drive grid for the hysteresis, and resampling of its output to the record's rate.
 
 use super::record::Clock;
 use hysteron_model::dynamics::{Knots, Scheme};
@@ -7,18 +6,18 @@ use hysteron_model::hammerstein::{FINER, SETTLING_PERIODS, SimulationError, join
 use hysteron_model::hysteresis::{RecordEnds, polygon_of_means};
 use hysteron_model::record::{Dependence, InterSample, Timing, even_times};
 
-/// Rule that takes the samples at the record's own rate from those of the fine drive.
+/// Resampling from the fine drive to the record's rate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in super::super) enum Thinning {
-    /// Every so many samples.
+    /// Decimation by this factor.
     Pick(usize),
-    /// The drive is twice as fine: each sample allows for the mean of the curve beside it
+    /// The drive is twice as fine: samples preserve the mean of the curve between them
     /// ([`polygon_of_means`]).
     Means,
 }
 
 impl Thinning {
-    /// Every how many samples of the fine drive the operator puts one out.
+    /// Decimation factor of the operator's output on the fine drive.
     pub(super) fn every(self) -> usize {
         match self {
             Self::Pick(factor) => factor,
@@ -27,7 +26,7 @@ impl Thinning {
         }
     }
 
-    /// By how much the fine drive is finer than the record.
+    /// Oversampling factor of the fine drive.
     pub(super) fn finer(self) -> usize {
         match self {
             Self::Pick(factor) => factor,
@@ -43,7 +42,7 @@ impl Thinning {
         }
     }
 
-    /// A function of the fine drive at the record's rate.
+    /// Resamples a signal on the fine grid to the record's rate.
     pub(super) fn apply(self, fine: &[f64], out: &mut [f64]) {
         match self {
             Self::Pick(factor) => {
@@ -54,16 +53,16 @@ impl Thinning {
     }
 }
 
-/// A drive as the hysteresis runs over it.
+/// A drive on the grid on which the hysteresis is simulated.
 pub(super) struct TimedDrive {
-    /// The drive where that is not on its own samples.
+    /// The fine drive; `None`: its own samples.
     pub(super) fine: Option<Vec<f64>>,
     pub(super) thinning: Thinning,
     pub(super) clock: Clock,
 }
 
 impl TimedDrive {
-    /// A drive on time stamps, and what it did `before` its first sample, of which there is no output.
+    /// A drive on time stamps, with its history `before` the first sample, which has no output.
     ///
     /// # Errors
     /// Those of [`Self::new`].
@@ -87,8 +86,8 @@ impl TimedDrive {
         Ok(timed)
     }
 
-    /// The drive `u` sampled as `timing` says; `averaged`: dynamics behind the hysteresis see its means;
-    /// `depends_on`: what the hysteresis does.
+    /// The drive `u` at the samples of `timing`; `averaged`: dynamics after the hysteresis respond to its
+    /// means; `depends_on`: dependence of the hysteresis.
     ///
     /// # Errors
     /// [`SimulationError::NoSampleRate`] where that is unknown; a drive that cannot be interpolated.
@@ -117,8 +116,8 @@ impl TimedDrive {
     }
 }
 
-/// Times and values of the drive before a record whose first `period` samples repeat (a settled start): in
-/// every period those of `rows`.
+/// Times and values of the drive before a record whose first `period` samples repeat (a settled start), at
+/// the samples `rows` of every period.
 pub(super) fn cycles_before(
     times_s: &[f64],
     u: &[f64],
@@ -130,8 +129,7 @@ pub(super) fn cycles_before(
     (times_before(times_s, period, rows).collect(), drive)
 }
 
-/// The drive on the grid that the hysteresis runs over (`None`: its own), and how its samples follow from
-/// that.
+/// The drive on the grid for the hysteresis (`None`: its own), and the resampling from there.
 pub(super) fn fine_drive(
     drive: &[f64],
     (scheme, averaged): (Scheme, bool),
@@ -139,7 +137,7 @@ pub(super) fn fine_drive(
     ends: RecordEnds,
 ) -> Result<(Option<Vec<f64>>, Thinning), SimulationError> {
     let (finer, thinning) = if joins_means(scheme, inter_sample) {
-        // Without averaging too: a family's limits on the drive are checked between the samples as well.
+        // Also without averaging: a family's limits on the drive are checked between samples too.
         (2, if averaged { Thinning::Means } else { Thinning::Pick(2) })
     } else if inter_sample == InterSample::BandLimited {
         (FINER, Thinning::Pick(FINER))

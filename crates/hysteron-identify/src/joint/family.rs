@@ -1,5 +1,4 @@
-//! Requirements of a joint fit on each family of hysteresis operators: roles and ranges of its numbers, and
-//! its starts.
+//! Parameters of each family of hysteresis operators in a joint fit: roles, ranges and starts.
 
 use std::f64::consts::TAU;
 
@@ -23,7 +22,7 @@ impl JointSetup<'_> {
         let demands = &self.options.demands;
         let Scales { range_v, largest_v, slope, .. } = self.scales;
         let weights = (0..form.columns()).map(|index| {
-            // µm per unit of the column, whose size goes with its power of the drive.
+            // µm per unit of the column, which scales with a power of the drive.
             let power = 1 + family.weight_unit(index).input;
             let most = family.weight_reach() * slope.abs() * range_v.max(largest_v).powi(power);
             let range = Range::linear(&family.weight_name(index), -most, most);
@@ -47,7 +46,7 @@ impl JointSetup<'_> {
         (weights, shape)
     }
 
-    /// Voltages, rates and settings by which the family sets the ranges of its numbers.
+    /// Voltages, rates and settings from which the family derives its parameter ranges.
     fn drive_span(&self) -> DriveSpan {
         let demands = &self.options.demands;
         let fixed = demands.fixed("n");
@@ -66,10 +65,9 @@ impl JointSetup<'_> {
         }
     }
 
-    /// Ends of what a family's grid covers: of a plane of relays all that a drive can switch. A device that
-    /// was virgin where a record begins has relays that close on the first way up and open far below the
-    /// lowest voltage only: a plane that ends at the voltages of the records leaves them out, and with them
-    /// the first branch.
+    /// Range of a family's grid. The Preisach plane covers the range a demagnetised device needs: relays that
+    /// close on the virgin curve open only far below the lowest voltage, so that a plane limited to the
+    /// voltages of the records would lack them, and with them the virgin curve.
     fn grid(&self) -> [f64; 2] {
         let (low, high) = self.span();
         let is_plane = self.hysteresis.description().is_plane();
@@ -78,7 +76,7 @@ impl JointSetup<'_> {
             Start::Rest { voltage_v } => Some(voltage_v),
             _ => member.facts.data.u.first().copied(),
         });
-        // Virgin at v, relays with α + β < 2v are closed: mirror images of the ends.
+        // Demagnetised at v, relays with α + β < 2v are closed: mirror images of the ends.
         virgin.fold([low, high], |[lowest, highest], v| {
             [lowest.min(2.0 * v - high), highest.max(2.0 * v - low)]
         })
@@ -90,7 +88,7 @@ impl JointSetup<'_> {
         spans.fold((f64::MAX, f64::MIN), |(low, high), (l, h)| (low.min(l), high.max(h)))
     }
 
-    /// Where the memory of a record is searched.
+    /// Search range of the memory of a record.
     pub(super) fn memory_range(&self, record: usize) -> (f64, f64) {
         let ends = range_of(&self.members[record].facts.data.u).into();
         self.hysteresis.description().memory_range(ends, self.scales.range_v).into()

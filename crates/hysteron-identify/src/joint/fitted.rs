@@ -17,23 +17,23 @@ pub(super) const ALL_SAMPLES: &str = "all samples";
 /// The optimum of a joint fit.
 pub(super) struct FittedOptimum<'a> {
     pub(super) setup: JointSetup<'a>,
-    /// All samples; those of the search where a stop left no fit of all.
+    /// Problem of all samples; that of the search where a stop left no fit of them.
     pub(super) problem: JointProblem,
     pub(super) x: Vec<f64>,
-    /// The thinned records that were searched, and the optimum there.
+    /// Problem of the thinned records, and its optimum.
     pub(super) thinned: Option<(JointProblem, Vec<f64>)>,
     pub(super) search: Search,
     pub(super) degree: usize,
     /// Degrees tried, with cost and BIC.
     pub(super) degrees: Vec<(usize, f64, f64)>,
-    /// Choice of the rule between samples, where the records could tell.
+    /// Choice of the inter-sample rule, where the records discriminate.
     pub(super) between: Option<InterSampleChoice>,
     pub(super) reduction: Option<Reduction>,
 }
 
 impl<'a> FittedOptimum<'a> {
-    /// Fits all samples from the optimum of a search on `reduced` records, also under the `other` rules
-    /// between samples.
+    /// Fits all samples from the optimum of a search on `reduced` records, also under the inter-sample rules
+    /// of `others`.
     pub(super) fn on_all_samples(
         optimum: Optimum<'a>,
         reduced: bool,

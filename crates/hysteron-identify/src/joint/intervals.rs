@@ -12,22 +12,22 @@ use hysteron_optimize::{LeastSquaresProblem, Problem};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Where the straight valley is looked at, in standard errors, and the departure of z from there that asks
-/// for a profile.
+/// Standard errors along the tangent of the valley at which z is checked, and its relative departure above
+/// which a profile is computed.
 const LOOK_AT: f64 = 2.0;
 const DEPARTURE: f64 = 0.1;
-/// Work allowed for, in residuals differentiated along one parameter: about a second. A count, not a clock,
-/// so that the result is the same on every machine.
+/// Budget, in residuals differentiated with respect to one parameter: about a second. A count instead of a
+/// time makes the result the same on every machine.
 const WORK: usize = 20_000_000;
-/// A simulation, and a typical profile, in linearisations.
+/// Cost of a simulation and of a typical profile, in linearisations.
 const SIMULATION: f64 = 0.4;
 const PROFILE: f64 = 12.0;
-/// Linearisations allowed for one end of an interval: at least, where the work is short, and at most.
+/// Least and largest number of linearisations for one end of an interval.
 const STEPS: [f64; 2] = [18.0, 60.0];
-/// Work of a residual of a record on stamps over that of a uniform one, whose dynamics are a transform's.
+/// Cost of a residual of a record on time stamps over that of a uniform one, simulated by FFT.
 const ON_STAMPS: usize = 4;
 
-/// An interval that holds the true value in 95 of 100 campaigns.
+/// A 95 % confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Interval {
@@ -50,7 +50,7 @@ pub enum IntervalMethod {
     Profile,
     /// 1.96 standard errors of the logarithm, for a positive coefficient that depends on others as a power.
     Logarithmic,
-    /// 1.96 standard errors to each side, not checked: the record is too long, or the profile ends nowhere.
+    /// 1.96 standard errors to each side, not checked: the record is too long, or the profile has no end.
     Unchecked,
 }
 
@@ -71,15 +71,15 @@ impl Interval {
         Self { low: value - NORMAL_975 * std_error, high: value + NORMAL_975 * std_error, method }
     }
 
-    /// Of a positive value whose logarithm is the better scale.
+    /// Interval of a positive value on a logarithmic scale.
     pub(in super::super) fn logarithmic(value: f64, std_error: f64) -> Self {
         let factor = (NORMAL_975 * std_error / value).exp();
         Self { low: value / factor, high: value * factor, method: IntervalMethod::Logarithmic }
     }
 }
 
-/// Intervals of everything that `whole` has a standard error of, in its order and symbols (unit-α). The shape
-/// of the sum of squares is taken from `problem`, which may be the reduced one, at its own optimum `known`.
+/// Intervals of all parameters with a standard error in `whole`, in its order and symbols (unit-α). The
+/// curvature of the sum of squares is that of `problem`, which may be reduced, at its own optimum `known`.
 /// Intervals cut short by `stop` stay unchecked.
 pub(in super::super) fn intervals(
     problem: &JointProblem,
@@ -92,13 +92,13 @@ pub(in super::super) fn intervals(
         error.map(|error| Interval::symmetric(value, error, IntervalMethod::Unchecked))
     };
     let mut found: Vec<Option<Interval>> = errors.iter().zip(&whole.values).map(unchecked).collect();
-    // Weights that end at zero are no parameters: where thinned and whole records differ in these, shapes do
+    // Weights at zero are not parameters: where thinned and whole records differ in these, the profiles do
     // not carry over.
     if known.covariance.names != whole.names {
         return found;
     }
     let at = &known.covariance.values;
-    // Those on the edge of their range may come away from it.
+    // Parameters at a bound may leave it.
     let free: Vec<usize> = (0..at.len()).filter(|&j| known.covariance.matrix[(j, j)] > 0.0).collect();
     let square = known.linearisation.residuals.iter().map(|r| r * r).sum();
     let optimum = Optimum { at, square, free: &free };
@@ -143,7 +143,7 @@ pub(in super::super) fn intervals(
             found.method = IntervalMethod::Quadratic;
         }
     }
-    // The most curved first, as far as the work goes.
+    // The most nonlinear first, within the budget.
     curved.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     curved.truncate((left / PROFILE) as usize);
     if stop.is_requested() {
@@ -157,7 +157,7 @@ pub(in super::super) fn intervals(
             let (profiled, error) = (profiled(j)?, errors[j]?);
             let end = |side| profiled.end(&mut whole_fit(), &optimum, (side, NORMAL_975), steps);
             let (low, high) = rayon::join(|| end(-1.0), || end(1.0));
-            // From the reduced records' own optimum and errors to those of all samples.
+            // Transferred from optimum and errors of the reduced records to those of all samples.
             let moved = |end: f64| whole.values[j] + (end - at[j]) * error / profiled.std_error;
             Some(Interval { low: moved(low?), high: moved(high?), method: IntervalMethod::Profile })
         })
@@ -168,7 +168,7 @@ pub(in super::super) fn intervals(
     found
 }
 
-/// A joint problem in all of its parameters: the eliminated coefficients, then what is searched.
+/// A joint problem in all of its parameters: the eliminated coefficients, then the searched numbers.
 struct WholeProblem<'a> {
     problem: &'a JointProblem,
     eliminated: &'a [usize],
@@ -281,7 +281,7 @@ mod tests {
         let left: f64 = drive.iter().zip(&output).map(|(u, y)| (y - y0 - slope * (u - u0)).powi(2)).sum();
         let variance = left / (n - 2.0) / square;
         assert!((known.white[(0, 0)] / variance - 1.0).abs() < 1e-9);
-        // White noise has no colour but what chance gives it.
+        // For white noise the two errors agree within chance.
         let error = known.covariance.std_error(0).unwrap();
         assert!((error / variance.sqrt() - 1.0).abs() < 0.15, "{error} {}", variance.sqrt());
 

@@ -5,10 +5,10 @@
 //! the covariance of the estimate is (JᵀJ)⁻¹ JᵀΩJ (JᵀJ)⁻¹. JᵀΩJ = Σ_k w_k ρ_k Σ_t J_t J_{t+k}ᵀ record by
 //! record, ρ the autocovariance of the record's residual and w the Parzen window (Newey, West 1987,
 //! doi:10.2307/1913610, for errors that are stationary and do not depend on the regressors; Parzen's window
-//! keeps the estimate positive). The residual is whitened by a first-order autoregression before and coloured
-//! again after, so that the window cuts little (Andrews, Monahan 1992, doi:10.2307/2951574). The fit takes
-//! power out of the residual where its own derivatives lie: h of the n/τ independent samples of a record, h
-//! the record's leverage and τ its correlation time, whence the factor 1/(1 − hτ/n).
+//! keeps the estimate positive). The residual is prewhitened by a first-order autoregression and recoloured
+//! afterwards, which reduces the bias of the window (Andrews, Monahan 1992, doi:10.2307/2951574). The fit
+//! removes power from the residual in the span of its derivatives: h of the n/τ independent samples of a
+//! record, h the record's leverage and τ its correlation time, hence the factor 1/(1 − hτ/n).
 
 use super::super::result::Correlation;
 use super::super::uncertainty::{autocorrelation, correlation, correlation_time, initial_positive_sum};
@@ -21,38 +21,36 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// Strongest autoregression taken out.
+/// Largest coefficient of the prewhitening autoregression.
 const STRONGEST: f64 = 0.97;
-/// Largest part of a record's independent samples that the fit may be held to have used.
+/// Largest share of a record's independent samples in the leverage correction.
 const MOST_USED: f64 = 0.75;
 /// Lags of the window as a multiple of the whitened residual's correlation time, and fewest.
 const WINDOW: f64 = 6.0;
 const FEWEST_LAGS: usize = 12;
 /// Combinations of parameters (of columns of unit length) with a singular value below this share of the
-/// largest are not determined: the inverse of the information would be rounding in them.
+/// largest are not determined: the inverse information there is rounding error.
 const NOT_DETERMINED: f64 = 1e-7;
-/// Share of a parameter in such combinations that is rounding.
+/// Share of a parameter in such combinations up to which it is rounding error.
 const ROUNDING: f64 = 1e-12;
-/// Share of a deviation that an undetermined parameter must make up to leave its function undetermined.
+/// Share of a standard deviation due to an undetermined parameter above which the function is undetermined.
 const NOTICED: f64 = 1e-3;
-/// Rows worked on at a time: all columns of so many stay in the processor's cache.
+/// Rows processed at a time: all columns of a block fit the processor's cache.
 const ROWS: usize = 1024;
 
-/// Covariance of everything estimated.
+/// Covariance of all estimates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Covariance {
-    /// Names: coefficients and weights in the order of the model, then what was searched, in unit-α symbols
-    /// where `internal`.
+    /// Names: coefficients and weights in the order of the model, then the searched numbers.
     pub names: Vec<String>,
     /// Estimates.
     pub values: Vec<f64>,
-    /// Covariance matrix; zero rows and columns where a parameter is held. Of the combinations that the
-    /// records determine: those that they do not are left out. The edge of a range of the search is no
-    /// knowledge: what stands on it counts as free here, and how far everything would move without the edge
-    /// counts as an error.
+    /// Covariance matrix, zero rows and columns where a parameter is held, over the combinations that the
+    /// records determine. A bound of the search box is no information: parameters at a bound count as free
+    /// here, and the shift of all estimates without the bound counts as an error.
     pub matrix: DMatrix<f64>,
-    /// Parameters that such a combination moves more than everything else does, whose variance in `matrix` is
-    /// a part of theirs, and those on the edge of their range.
+    /// Parameters with most of their variance in undetermined combinations, so that `matrix` holds only part
+    /// of it, and those at a bound.
     pub undetermined: Vec<bool>,
     /// Ratio of the largest to the smallest singular value of the Jacobian with columns of unit length.
     pub condition_number: f64,
@@ -64,13 +62,13 @@ impl Covariance {
         self.deviation(index).filter(|_| !self.undetermined[index])
     }
 
-    /// The matrix with zero rows and columns for what is not determined.
+    /// The matrix with zero rows and columns for undetermined parameters.
     pub fn of_determined(&self) -> DMatrix<f64> {
         let lost = |i: usize| self.undetermined[i];
         self.matrix.map_with_location(|i, j, c| if lost(i) || lost(j) { 0.0 } else { c })
     }
 
-    /// Root of its variance in the matrix, if there is one.
+    /// Standard deviation from the matrix, if any.
     fn deviation(&self, index: usize) -> Option<f64> {
         let variance = self.matrix[(index, index)];
         (variance.is_finite() && variance > 0.0).then(|| variance.sqrt())
@@ -94,7 +92,7 @@ impl Covariance {
             // Parameters that are held do not vary.
             let Some(std_error) = self.deviation(j) else { continue };
             let size = self.values[j].abs();
-            // An error that is larger than its value says no more than that: f need not exist so far away.
+            // A standard error above the value does not set the step: f may be undefined at that distance.
             let within = if size > 0.0 { std_error.min(size) } else { std_error };
             let step = 1e-3 * within.max(1e-9 * size);
             at[j] = self.values[j] + step;
@@ -123,21 +121,21 @@ impl Covariance {
 /// coefficients, then the searched numbers.
 #[derive(Debug)]
 pub(in super::super) struct Knowledge {
-    /// Robust to coloured residuals.
+    /// Covariance robust to coloured residuals.
     pub(in super::super) covariance: Covariance,
-    /// s² (JᵀJ)⁻¹, which holds for white residuals.
+    /// s² (JᵀJ)⁻¹, the covariance for white residuals.
     pub(in super::super) white: DMatrix<f64>,
-    /// s² = Σ r² / (N − p), offsets counted, of the weighted residuals.
+    /// s² = Σ r² / (N − p) of the weighted residuals, p including the offsets.
     pub(in super::super) variance: f64,
     pub(in super::super) linearisation: Linearisation,
 }
 
-/// Knowledge at the optimum `x`. `None` where nothing can be said.
+/// Estimates and covariance at the optimum `x`. `None` where no covariance can be estimated.
 pub(in super::super) fn knowledge(problem: &JointProblem, x: &[f64]) -> Option<Knowledge> {
     knowledge_of(problem, x, problem.linearise(x)?)
 }
 
-/// [`knowledge`] out of the linearisation at `x`.
+/// [`knowledge`] from the linearisation at `x`.
 pub(in super::super) fn knowledge_of(
     problem: &JointProblem,
     x: &[f64],
@@ -169,7 +167,7 @@ pub(in super::super) fn knowledge_of(
     let free_norms: Vec<f64> = free.iter().map(|&j| norms[j]).collect();
     let of_unit_columns =
         |matrix: DMatrix<f64>| matrix.map_with_location(|i, j, x| x / (free_norms[i] * free_norms[j]));
-    // Of columns of unit length.
+    // Triangular factor of columns of unit length.
     let r = triangular(&free_columns).map_with_location(|_, j, x| x / free_norms[j]);
     let svd = r.svd(false, true);
     let (singular, directions) = (svd.singular_values, svd.v_t?);
@@ -181,8 +179,7 @@ pub(in super::super) fn knowledge_of(
         (0..p).partition(|&k| singular[k] > NOT_DETERMINED * singular.max());
     let scaled = DMatrix::from_fn(kept.len(), p, |k, j| directions[(kept[k], j)] / singular[kept[k]]);
     let bread = scaled.transpose() * &scaled;
-    // Variance that the truncated singular directions add to a parameter, each singular value at least that
-    // of rounding.
+    // Variance of a parameter in the truncated singular directions, with singular values floored at rounding.
     let undetermined_free: Vec<bool> = (0..p)
         .map(|j| {
             let share: f64 = lost.iter().map(|&k| directions[(k, j)].powi(2)).sum();
@@ -205,7 +202,7 @@ pub(in super::super) fn knowledge_of(
             let used = (leverage / independent).min(MOST_USED);
             of_unit_columns(coloured_square(&own, residual)) / (1.0 - used)
         })
-        // Summed in the order of the records, whatever the threads.
+        // Summed in the order of the records, independently of the threads.
         .collect::<Vec<_>>()
         .into_iter()
         .fold(DMatrix::zeros(p, p), |sum, part| sum + part);
@@ -219,7 +216,7 @@ pub(in super::super) fn knowledge_of(
         }
         matrix
     };
-    // Shift of the estimates if those on a bound were free: a bias, beside the error from the noise.
+    // Shift of the estimates if those at a bound were free: a bias in addition to the noise error.
     let held_back = free.iter().zip(&free_columns).zip(&free_norms);
     let pull = held_back.map(|((&j, c), norm)| if on_bound[j] { dot(c, residuals) / norm } else { 0.0 });
     let moved = &bread * DVector::from_iterator(p, pull);
@@ -257,7 +254,7 @@ fn gram<C: AsRef<[f64]> + Sync>(columns: &[C]) -> DMatrix<f64> {
 /// Σ_k w_k ρ_k Σ_t J_t J_{t+k}ᵀ over one record, in the frequency domain.
 pub(in super::super) fn coloured_square(columns: &[&[f64]], residual: &[f64]) -> DMatrix<f64> {
     let n = residual.len();
-    // Twice the length, so that nothing wraps.
+    // Zero-padded to twice the length against circular wrap-around.
     let fft = RealFft::new(fast_length(2 * n));
     let root = root_power(residual, &fft);
     let buffers = || {
@@ -269,7 +266,7 @@ pub(in super::super) fn coloured_square(columns: &[&[f64]], residual: &[f64]) ->
         .map_init(buffers, |(time, spectrum, scratch), column| {
             time[..n].copy_from_slice(column);
             time[n..].fill(0.0);
-            // All lengths come from the plan, so the transform cannot refuse them.
+            // All lengths come from the plan, so the transform cannot fail.
             fft.transform_with(scratch, time, spectrum);
             let mut coloured = vec![0.0; 2 * spectrum.len()];
             for ((pair, x), root) in coloured.chunks_exact_mut(2).zip(&*spectrum).zip(&root) {
@@ -281,8 +278,8 @@ pub(in super::super) fn coloured_square(columns: &[&[f64]], residual: &[f64]) ->
     gram(&coloured)
 }
 
-/// Root of the residual's smoothed power at each frequency of `fft`, such that the sum of squares of what it
-/// multiplies is that over time.
+/// Root of the residual's smoothed power spectrum at each frequency of `fft`, scaled so that sums of squares
+/// over frequency equal those over time.
 fn root_power(residual: &[f64], fft: &RealFft) -> Vec<f64> {
     let n = residual.len();
     let (memory, white) = whitened(residual);
@@ -304,7 +301,7 @@ fn root_power(residual: &[f64], fft: &RealFft) -> Vec<f64> {
     let root = |(bin, power): (usize, &Complex64)| {
         let angle = TAU * bin as f64 / length as f64;
         let coloured = power.re / (1.0 - 2.0 * memory * angle.cos() + memory * memory);
-        // Every frequency but the first and the last stands for its negative too.
+        // Every frequency but the first and the last also represents its negative.
         let twice = if bin == 0 || 2 * bin == length { 1.0 } else { 2.0 };
         (twice * coloured.max(0.0) / length as f64).sqrt()
     };
@@ -344,7 +341,7 @@ mod tests {
             let rho = white.iter().zip(&white[k..]).map(|(x, y)| x * y).sum::<f64>() / n as f64;
             parzen(k as f64 / (lags + 1) as f64) * rho
         };
-        // Coloured again: the autocovariance of an autoregression of memory a falls as a^|k|/(1 − a²).
+        // Recoloured: the autocovariance of a first-order autoregression a falls as a^|k|/(1 − a²).
         let coloured = |k: i32| -> f64 {
             (-(lags as i32)..=lags as i32)
                 .map(|m| of_white(m.unsigned_abs() as usize) * memory.powi((k - m).abs()))
@@ -389,7 +386,7 @@ mod tests {
         assert!(white[0] == 1.0 && white[1..].iter().all(|x| x.abs() < 1e-12));
     }
 
-    /// Of a, b and c, b is not determined: neither is what hangs on it, and the rest keeps its error.
+    /// Of a, b and c, b is not determined: functions of b are not either, and the others keep their errors.
     #[test]
     fn a_function_of_what_is_not_determined_is_not_determined() {
         let known = Covariance {

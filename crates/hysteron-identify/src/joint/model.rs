@@ -11,7 +11,7 @@ use hysteron_model::dynamics::{Creep, DynamicForm, Dynamics, Modes};
 use hysteron_model::hammerstein::Model;
 use hysteron_model::model_file::{ModelFile, SignalUnits};
 
-/// The model at a point of the search as it would be handed out, without errors and scores.
+/// The model at a point of the search, without standard errors and scores.
 pub(super) fn shown(
     problem: &JointProblem,
     x: &[f64],

@@ -1,9 +1,9 @@
-//! A joint fit searched in coefficients at a frequency inside the data.
+//! A joint fit searched in normalised coefficients of its second-order factors.
 //!
 //! A second-order factor 1/(b₂ (s/ω₀)^α₂ + b₁ (s/ω₀)^α₁ + 1) is nearly linear in b₂ and b₁ where ω₀ lies
-//! within the band of the records, while natural frequency and damping, b₂ = (ω₀/ω)^α₂ and b₁ = 2ζ
-//! (ω₀/ω)^α₁, make up for each other and for the orders along a bent valley where the resonance lies beyond
-//! it. The optimum is the same, in fewer evaluations (`docs/theory/joint.md`).
+//! within the band of the records, while natural frequency and damping, b₂ = (ω₀/ω)^α₂ and b₁ = 2ζ (ω₀/ω)^α₁,
+//! compensate for each other and for the orders along a curved valley where the resonance lies beyond it. The
+//! optimum is the same, in fewer evaluations (`docs/theory/joint.md`).
 
 use super::super::engine::{Engine, Search, Show, quick, rough};
 use super::super::layout::Role;
@@ -13,10 +13,10 @@ use hysteron_optimize::{
     Bounds, Derivative, LeastSquaresOptions, LeastSquaresProblem, OptimizeError, Problem, Range,
 };
 
-/// Least coefficient: the factor is without this term.
+/// Least coefficient, at which the term is negligible.
 const NOTHING: f64 = 1e-12;
 
-/// One second-order factor: where its numbers stand in the search.
+/// Indices of the parameters of one second-order factor in the search vector.
 #[derive(Clone, Copy, Debug)]
 struct Factor {
     natural_frequency: usize,
@@ -41,7 +41,7 @@ impl Order {
     }
 }
 
-/// A joint fit with the coefficients b₂ and b₁ of its second-order factors in the place of their natural
+/// A joint fit with the coefficients b₂ and b₁ of its second-order factors instead of their natural
 /// frequencies and dampings.
 pub(super) struct Normalised<'p> {
     problem: &'p JointProblem,
@@ -97,7 +97,7 @@ impl<'p> Normalised<'p> {
         Some(Self { problem, factors, at_hz, bounds })
     }
 
-    /// The problem's own point of coefficients: f = f₀ b₂^(−1/α₂), ζ = ½ b₁ b₂^(−α₁/α₂).
+    /// The search vector of the original problem from coefficients: f = f₀ b₂^(−1/α₂), ζ = ½ b₁ b₂^(−α₁/α₂).
     pub(super) fn own(&self, point: &[f64]) -> Vec<f64> {
         let mut x = point.to_vec();
         for Factor { natural_frequency, damping, orders } in &self.factors {
@@ -109,7 +109,7 @@ impl<'p> Normalised<'p> {
         x
     }
 
-    /// The coefficients at a point of the problem's own.
+    /// The coefficients from a search vector of the original problem.
     pub(super) fn coefficients(&self, x: &[f64]) -> Vec<f64> {
         let mut point = x.to_vec();
         for Factor { natural_frequency, damping, orders } in &self.factors {
@@ -121,12 +121,12 @@ impl<'p> Normalised<'p> {
         point
     }
 
-    /// The point within the problem's own ranges that is nearest to `x`.
+    /// The point within the original ranges nearest to `x`.
     fn nearest(&self, x: &[f64]) -> Vec<f64> {
         self.problem.bounds().ranges.iter().zip(x).map(|(range, x)| x.clamp(range.low, range.high)).collect()
     }
 
-    /// Whether a point of the problem's own is one that may be searched.
+    /// True if `x` is within the original ranges.
     fn is_inside(&self, x: &[f64]) -> bool {
         self.problem.bounds().ranges.iter().zip(x).all(|(range, x)| (range.low..=range.high).contains(x))
     }
@@ -173,7 +173,7 @@ impl LeastSquaresProblem for Normalised<'_> {
             let [order2, order1] = factor.orders.map(|order| order.value(point));
             let b2 = point[factor.natural_frequency];
             let log = b2.ln() / order2;
-            // ∂f/∂ and ∂ζ/∂ of b₂, b₁, α₂, α₁.
+            // Partial derivatives of f and ζ with respect to b₂, b₁, α₂, α₁.
             let by = [
                 (factor.natural_frequency, -f / (order2 * b2), -damping * order1 / (order2 * b2)),
                 (factor.damping, 0.0, 0.5 * b2.powf(-order1 / order2)),
@@ -223,8 +223,9 @@ pub(super) fn rough_fit(
     local_fits(engine, step, problem, starts, rough(), None)
 }
 
-/// Local fits from the given starts, in coefficients where that is the shorter way. Where one ends beyond the
-/// ranges of natural frequency and damping, all go on from their nearest points within, and from their starts.
+/// Local fits from the given starts, in normalised coefficients where these apply. If the best ends outside
+/// the ranges of natural frequency and damping, all are refitted within, from their nearest points there and
+/// from the starts.
 pub(super) fn local_fits(
     engine: &mut Engine<'_, '_>,
     step: &str,
@@ -246,7 +247,7 @@ pub(super) fn local_fits(
     if normalised.is_inside(&search.outcome.best) || engine.is_stopped() {
         return Ok(search);
     }
-    // The nearest points may be ones that cannot be simulated: then from the given starts.
+    // The nearest points may not be simulable: hence also from the given starts.
     let ends = search.outcome.starts.iter().map(|start| normalised.nearest(&start.best));
     let nearest = ends.chain(starts).collect();
     let mut inside =

@@ -1,4 +1,4 @@
-//! The joint fit as a standalone problem: to study its cost, or to hand it to another optimiser.
+//! The joint fit as a standalone problem, for studies of its cost or for another optimiser.
 
 use super::super::campaign::usable;
 use super::super::{CampaignRecord, Choice, Engine, IdentifyError, Options, Watch};
@@ -22,8 +22,8 @@ pub struct JointObjective {
 pub struct JointScratch(JointWorkspace);
 
 impl JointObjective {
-    /// The problem of these records. `reduced`: on thinned records, as the starts are tried, else on all
-    /// samples. With [`Choice::Auto`] the polynomial has the degree of the starts, 3.
+    /// The problem of these records. `reduced`: on thinned records, as in the comparison of starts, else on
+    /// all samples. With [`Choice::Auto`] the polynomial has the degree of the starts, 3.
     ///
     /// # Errors
     /// Those that [`super::super::identify`] returns before any fit.
@@ -47,7 +47,7 @@ impl JointObjective {
         Ok(Self { problem, starts })
     }
 
-    /// The starts that are read off the data.
+    /// The data-driven starts.
     pub fn starts(&self) -> &[Vec<f64>] {
         &self.starts
     }

@@ -36,12 +36,12 @@ impl JointLayout {
         self.form.get(place).copied()
     }
 
-    /// Where a parameter of the dynamics stands in the search, if it is searched.
+    /// Index of a parameter of the dynamics in the search vector, if searched.
     pub(super) fn place(&self, form: &DynamicForm, kind: ParameterKind) -> Option<usize> {
         self.role(form, kind).and_then(Role::index)
     }
 
-    /// Name of what the output is linear in.
+    /// Name of a linear parameter.
     pub(in super::super) fn linear_name(&self, index: usize, form: HysteresisForm) -> String {
         match index.checked_sub(self.polynomial.len()) {
             None => polynomial_name(index + 1).into_owned(),

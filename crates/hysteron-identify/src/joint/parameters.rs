@@ -12,8 +12,7 @@ use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::Hysteresis;
 use hysteron_model::model_file::{polynomial_name, transfer_function_numbers};
 
-/// Where the names of the fit are among those that it estimated, and what they are held at where they are
-/// not.
+/// Index of each parameter among the estimates, and its value where it is held.
 struct Places {
     weights: Vec<(Option<usize>, f64)>,
     shape: Vec<(Option<usize>, f64)>,
@@ -102,7 +101,7 @@ pub(super) fn of_numbers(
         out.extend(block.numbers().into_iter().map(|(_, value)| value));
         out.extend(transfer_function_numbers(&g).1);
         out.push(at(delay, solution.delay_s));
-        // Orders that pass each other merge into one term.
+        // Equal orders merge into one term.
         if out.len() == count { out } else { vec![f64::NAN; count] }
     });
     numbers.matrix.iter().all(|c| c.is_finite()).then_some(numbers)

@@ -1,13 +1,13 @@
 //! The joint fit of all records and both blocks as a least-squares problem by variable projection.
 //!
-//! Searched are the shape numbers of the hysteresis (β', γ', n), the parameters of the dynamics, the delay
-//! and the unknown memory of each record; offset, drift and transients of each record, the coefficients of
-//! l\[u\] and the weights of the hysteresis (α) are eliminated by linear least squares at every candidate
-//! (Golub, Pereyra 1973, doi:10.1137/0710036); weights of one sign by non-negative least squares, where those
-//! that end at 0 are held there. With Φ(θ) the columns, c the eliminated coefficients and P⊥ the projector
-//! off the columns, the residual is r = P⊥ y and the Jacobian −P⊥ (∂Φ/∂θ) c: Kaufman's form
-//! (doi:10.1007/BF01932995). It leaves out a term in the span of the columns, to which r is orthogonal, so
-//! that the gradient Jᵀr is exact.
+//! The search is over the shape numbers of the hysteresis (β', γ', n), the parameters of the dynamics, the
+//! delay and the unknown memory of each record; offset, drift and transients of each record, the coefficients
+//! of l\[u\] and the weights of the hysteresis (α) are eliminated by linear least squares at every candidate
+//! (Golub, Pereyra 1973, doi:10.1137/0710036); sign-constrained weights by non-negative least squares, where
+//! active constraints hold weights at 0. With Φ(θ) the columns, c the eliminated coefficients and P⊥ the
+//! projector onto their orthogonal complement, the residual is r = P⊥ y and the Jacobian −P⊥ (∂Φ/∂θ) c:
+//! Kaufman's form (doi:10.1007/BF01932995). It omits a term in the span of the columns, to which r is
+//! orthogonal, so that the gradient Jᵀr is exact.
 
 mod elimination;
 mod held_memory;
@@ -30,7 +30,7 @@ use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, Range,
 /// Meaning of one searched number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum SearchedNumber {
-    /// Something that changes every record.
+    /// A number that affects every record.
     Everywhere(Direction),
     /// The memory of one record.
     Memory(usize),
@@ -40,7 +40,7 @@ enum SearchedNumber {
 #[derive(Debug)]
 pub(in super::super) struct JointProblem {
     records: Arc<[JointRecord]>,
-    /// First residual of each record, and the number of residuals.
+    /// Index of the first residual of each record, and the number of residuals.
     at: Vec<usize>,
     hysteresis: HysteresisForm,
     form: DynamicForm,
@@ -50,7 +50,7 @@ pub(in super::super) struct JointProblem {
     shaped: Vec<bool>,
     bounds: Bounds,
     identity: String,
-    /// A frequency inside the band of the records \[Hz\].
+    /// Normalisation frequency of the dynamics \[Hz\].
     inside_hz: f64,
     stop: Stop,
     best: Mutex<Option<Evaluated>>,
@@ -74,11 +74,11 @@ pub(in super::super) struct JointWorkspace {
     column: Vec<f64>,
     target: Vec<f64>,
     projection: Projection,
-    /// Columns of the weights of one sign, without those eliminated before.
+    /// Columns of the sign-constrained weights, orthogonal to those eliminated before.
     signed: Vec<f64>,
     /// Which coefficients the columns of `projection` belong to.
     eliminated: Vec<usize>,
-    /// Where the columns, the sensitivities and the residual of this workspace belong to; empty: nowhere.
+    /// Point of the columns, sensitivities and residual in this workspace; empty: none.
     at: Vec<f64>,
 }
 
@@ -138,7 +138,7 @@ impl JointProblem {
         }
     }
 
-    /// This problem with `inside_hz` as the frequency inside the band of the records \[Hz\].
+    /// This problem with `inside_hz` as the normalisation frequency of the dynamics \[Hz\].
     pub(super) fn with_inside(self, inside_hz: f64) -> Self {
         Self { inside_hz, ..self }
     }
@@ -153,13 +153,13 @@ impl JointProblem {
         self.best.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map(|best| best.x.clone())
     }
 
-    /// Best evaluation so far, if it is that of `x` and the work is stopped.
+    /// The best evaluation so far, if it is at `x` and a stop is requested.
     fn known(&self, x: &[f64]) -> Option<Evaluated> {
         if self.stop.is_requested() { self.best_at(x) } else { None }
     }
 
-    /// Weighted residuals at `x`; those of the best point so far are not worked out again. `None` where it
-    /// cannot be simulated.
+    /// Weighted residuals at `x`; those of the best point so far are reused. `None` where it cannot be
+    /// simulated.
     pub(super) fn residuals_of(&self, x: &[f64]) -> Option<Vec<f64>> {
         if let Some(best) = self.best_at(x) {
             return Some(best.residuals);
@@ -168,10 +168,10 @@ impl JointProblem {
         self.residuals(x, &mut self.workspace(), &mut residuals).then_some(residuals)
     }
 
-    /// Best evaluation so far, if it is that of `x`.
+    /// The best evaluation so far, if it is at `x`.
     fn best_at(&self, x: &[f64]) -> Option<Evaluated> {
         let best = self.best.lock().unwrap_or_else(PoisonError::into_inner);
-        // The optimiser's unit box rounds a point that is handed to it.
+        // Scaling to the optimiser's unit box rounds a point.
         let same = |best: &&Evaluated| {
             let apart = |(range, (a, b)): (&Range, (&f64, &f64))| range.to_unit(*a) - range.to_unit(*b);
             self.bounds.ranges.iter().zip(best.x.iter().zip(x)).map(apart).all(|by| by.abs() <= 1e-12)
@@ -179,7 +179,7 @@ impl JointProblem {
         best.as_ref().filter(same).cloned()
     }
 
-    /// Keeps the point just eliminated at if it is the best so far; its cost.
+    /// Keeps the evaluated point if it is the best so far; returns its cost.
     fn keep(&self, x: &[f64], ws: &mut JointWorkspace) -> f64 {
         let cost = root_mean_square(&ws.target);
         let is_best = |best: &Option<Evaluated>| best.as_ref().is_none_or(|best| cost < best.cost);
@@ -194,7 +194,7 @@ impl JointProblem {
         cost
     }
 
-    /// [`Self::eliminate`] for a search; given up where a stop is asked for meanwhile.
+    /// [`Self::eliminate`] for a search; abandoned on a stop.
     fn evaluate(&self, x: &[f64], derivatives: Derivatives<'_>, ws: &mut JointWorkspace) -> bool {
         ws.set_stop(&self.stop);
         self.eliminate(x, derivatives, ws)
@@ -209,7 +209,7 @@ impl JointProblem {
         self.hysteresis
     }
 
-    /// Whether shape numbers of the hysteresis are searched, with which its operators run anew.
+    /// True if shape numbers of the hysteresis are searched, so that its operators must be rerun.
     pub(super) fn searches_shape(&self) -> bool {
         self.shaped.contains(&true)
     }
@@ -219,7 +219,7 @@ impl JointProblem {
         self.form
     }
 
-    /// A frequency inside the band of the records \[Hz\].
+    /// Normalisation frequency of the dynamics \[Hz\].
     pub(super) fn inside_hz(&self) -> f64 {
         self.inside_hz
     }
@@ -253,8 +253,8 @@ impl JointProblem {
         self.layout.form.iter().map(|role| role.value(x)).collect()
     }
 
-    /// Candidate `x` with its modes in order ([`DynamicForm::in_order`]), where that is one of this search. The
-    /// best point so far, which is all that there is after a stop, is then this one.
+    /// Candidate `x` with its modes in order ([`DynamicForm::in_order`]), if within the search box. Where `x`
+    /// is the best point so far (the only one available after a stop), that is reordered too.
     pub(super) fn in_order(&self, x: Vec<f64>) -> Vec<f64> {
         let Some(values) = self.form_values(&x) else { return x };
         let ordered = self.form.in_order(&values);
@@ -298,12 +298,12 @@ impl JointProblem {
             .map(|((record, ws), &memory)| {
                 record.respond(self.hysteresis, &candidate, memory, dynamics, derivatives, ws)
             })
-            // No short cut: which records are visited must not depend on the threads.
+            // No short-circuiting: the set of evaluated records must not depend on the threads.
             .reduce(|| true, |a, b| a & b)
     }
 
-    /// All parameter values at `x`, the eliminated ones by linear least squares. After a stop those at the best
-    /// point so far, all that is known then: it may be a trial that the stop kept a search from accepting.
+    /// All parameter values at `x`, the eliminated ones by linear least squares. After a stop those at the
+    /// best point so far, which may be a trial point that the search had not yet accepted.
     pub(in super::super) fn solve(&self, x: &[f64]) -> Option<JointSolution> {
         if self.stop.is_requested() {
             let best = self.best.lock().unwrap_or_else(PoisonError::into_inner).clone()?;
@@ -334,13 +334,14 @@ impl JointProblem {
         Some(&self.shaped)
     }
 
-    /// Derivative of the fit along every searched number at fixed linear coefficients, each record's local
-    /// columns taken off, into `out` column by column. After [`Self::respond`] with derivatives.
+    /// Derivative of the fit with respect to every searched number at fixed linear coefficients, each
+    /// record's local columns projected out, into `out` column by column. After [`Self::respond`] with
+    /// derivatives.
     fn differentiate(&self, coefficients: &[f64], records: &mut [RecordWorkspace], out: &mut [f64]) {
         let count = self.residual_count();
         let weights: Vec<f64> =
             coefficients.iter().skip(self.degree()).map(|w| self.hysteresis.sign() * w).collect();
-        // One slice a record, each holding its rows of every column.
+        // One entry per record: its rows of every column.
         let mut slices: Vec<Vec<&mut [f64]>> = self.records.iter().map(|_| Vec::new()).collect();
         for mut column in out.chunks_exact_mut(count) {
             for (r, slices) in slices.iter_mut().enumerate() {
@@ -372,7 +373,7 @@ impl Problem for JointProblem {
     fn workspace(&self) -> JointWorkspace {
         let (degree, weights) = (self.degree(), self.layout.weights.len());
         let parameters = self.layout.form.len();
-        // None after a stop: nothing is evaluated then, and the memory of long records takes a while to clear.
+        // None after a stop: nothing is evaluated then, and clearing the buffers of long records takes time.
         let records: &[JointRecord] = if self.stop.is_requested() { &[] } else { &self.records };
         let count = if records.is_empty() { 0 } else { self.residual_count() };
         let of_record = |record: &JointRecord| record.workspace(degree, weights, parameters);
@@ -411,7 +412,7 @@ impl LeastSquaresProblem for JointProblem {
             out.copy_from_slice(&known.residuals);
             return true;
         }
-        // Most trial points are taken and differentiated next.
+        // Most trial points are accepted and differentiated next.
         let done = self.evaluate(x, self.derivatives(), ws);
         if done {
             out.copy_from_slice(&ws.target);

@@ -1,29 +1,27 @@
-//! Profile likelihood of one parameter of a least-squares fit: the confidence interval that its curvature
-//! asks for.
+//! Profile likelihood of one parameter of a least-squares fit, for confidence intervals of nonlinear fits.
 //!
-//! With S(v) the least sum of squares at which the parameter has the value v, and S₀ the least of all, the
-//! signed root of the deviance z(v) = ±√((S(v) − S₀)/(s² ρ)) is (v − v̂)/se where the model is linear, and
-//! standard normal far more nearly than that where it is not (Bates, Watts 1988, doi:10.1002/9780470316757,
-//! ch. 6). ρ, the variance of the estimate over what white residuals would give it, keeps it right for
-//! coloured ones (the adjustment of Chandler, Bate 2007, doi:10.1093/biomet/asm015, for one parameter).
+//! With S(v) the least sum of squares with the parameter at the value v, and S₀ its minimum, the signed root
+//! of the deviance z(v) = ±√((S(v) − S₀)/(s² ρ)) is (v − v̂)/se where the model is linear, and much closer to
+//! standard normal than that where it is not (Bates, Watts 1988, doi:10.1002/9780470316757, ch. 6). ρ, the
+//! ratio of the variance of the estimate to that for white residuals, corrects for coloured ones (the
+//! adjustment of Chandler, Bate 2007, doi:10.1093/biomet/asm015, for one parameter).
 
 use super::super::projection::Projection;
 use hysteron_numeric::dot;
 
-/// Values of z within this of the wanted one will do.
+/// Tolerance of z.
 const Z_TOLERANCE: f64 = 0.01;
-/// Most linearisations for one point of the end of an interval.
+/// Most linearisations for one point of the profile.
 const MOST_TO_SETTLE: usize = 15;
-/// Most dampings of a step that leads up, the least of them, and what each is eased by where the step leads
-/// down.
+/// Most dampings tried for one step, the least damping, and its factor after an accepted step.
 const MOST_ATTEMPTS: usize = 10;
 const LEAST_DAMPING: f64 = 1e-4;
 const EASIER: f64 = 0.2;
-/// Farthest and nearest step of the value at a time, in standard errors.
+/// Longest and shortest step of the value, in standard errors.
 const FARTHEST: f64 = 1.5;
 const NEAREST: f64 = 1e-3;
 
-/// A least-squares fit in all of its parameters, linear ones among them.
+/// A least-squares fit in all of its parameters, including linear ones.
 pub(in super::super) trait Fit {
     /// Residuals, measured minus model, and the model's derivatives one column a parameter; `None` where it
     /// cannot be simulated.
@@ -40,7 +38,7 @@ pub(in super::super) struct Optimum<'a> {
     pub(in super::super) at: &'a [f64],
     /// Least sum of squares.
     pub(in super::super) square: f64,
-    /// The parameters that are free.
+    /// Indices of the free parameters.
     pub(in super::super) free: &'a [usize],
 }
 
@@ -50,7 +48,7 @@ pub(in super::super) struct Profiled<'a> {
     pub(in super::super) parameter: usize,
     /// Its standard error.
     pub(in super::super) std_error: f64,
-    /// s² ρ: what one unit of deviance is worth in the sum of squares.
+    /// s² ρ: sum of squares per unit of deviance.
     pub(in super::super) unit: f64,
     /// Derivative of all parameters with respect to this one along the valley of the sum of squares, 1 for
     /// itself.
@@ -58,8 +56,8 @@ pub(in super::super) struct Profiled<'a> {
 }
 
 impl Profiled<'_> {
-    /// z at `steps` standard errors along the straight valley, which tells the departure from the quadratic
-    /// to third order; 0 where the model ends before.
+    /// z at `steps` standard errors along the tangent of the valley, which shows the departure from the
+    /// quadratic to third order; 0 where it is undefined.
     pub(in super::super) fn along_valley(
         &self,
         fit: &mut impl Fit,
@@ -83,8 +81,8 @@ impl Profiled<'_> {
     }
 
     /// The value on this side (±1) at which z = ± `wanted`, or the end of the parameter's range; `None` where
-    /// it is not found within so many `steps`, each a linearisation. The valley is followed outwards, in
-    /// shorter steps where it bends.
+    /// it is not found within `steps` linearisations. The valley is followed outwards, in shorter steps where
+    /// it bends.
     pub(in super::super) fn end(
         &self,
         fit: &mut impl Fit,
@@ -119,7 +117,7 @@ impl Profiled<'_> {
             if next == bound {
                 return Some(bound);
             }
-            // A valley that goes down again is followed on to where it rises.
+            // A valley that descends again is followed until it rises.
             let asked = (wanted - to.z) / (side * to.rate);
             length = if asked > 0.0 { asked.clamp(2.0 * nearest, farthest) } else { farthest };
             from = to;
@@ -127,8 +125,8 @@ impl Profiled<'_> {
         None
     }
 
-    /// The others at their best, by damped Gauss–Newton steps (Levenberg–Marquardt) from `at`; `None` where
-    /// they are not found.
+    /// Optimises the other parameters by damped Gauss–Newton steps (Levenberg–Marquardt) from `at`; `None`
+    /// where this does not converge.
     fn settled(
         &self,
         fit: &mut impl Fit,
@@ -145,7 +143,7 @@ impl Profiled<'_> {
                 Rest::solve(fit, self.parameter, optimum.free, (&at, damping), &residuals, &columns)
             };
             let rest = solve(fit, 0.0);
-            // The gain still expected must not count in z.
+            // Converged when the remaining expected gain is negligible in z.
             if rest.gain <= 2.0 * Z_TOLERANCE * wanted * self.unit {
                 let z = self.root(rest.square, optimum);
                 let mut direction = vec![0.0; at.len()];
@@ -155,7 +153,7 @@ impl Profiled<'_> {
                     direction[j] = *tangent;
                     at[j] = (at[j] + change).clamp(low, high);
                 }
-                // dz/dv from dS/dv = −2 Jᵀr, at the best of the others.
+                // dz/dv from dS/dv = −2 Jᵀr, at the optimum of the others.
                 return Some(Point { at, z, rate: -rest.gradient / (z * self.unit), direction });
             }
             let mut better = None;
@@ -181,7 +179,7 @@ impl Profiled<'_> {
     }
 }
 
-/// A point of the valley: the parameter at a value, the others at their best.
+/// A point of the valley: the parameter at a value, the others at their optimum.
 struct Point {
     at: Vec<f64>,
     z: f64,
@@ -192,7 +190,7 @@ struct Point {
 }
 
 impl Point {
-    /// Along the valley to where the parameter is `value`, within all ranges.
+    /// Moves along the tangent of the valley to the parameter `value`, clamped to all ranges.
     fn moved(&self, parameter: usize, value: f64, fit: &impl Fit) -> Vec<f64> {
         let by = value - self.at[parameter];
         let to = |(j, (p, d)): (usize, (&f64, &f64))| {
@@ -209,11 +207,11 @@ impl Point {
 /// Linear least squares over all parameters but the profiled one.
 struct Rest {
     free: Vec<usize>,
-    /// Step of each of them to their best.
+    /// Step of each free parameter to the optimum.
     change: Vec<f64>,
     /// Derivative of each of them with respect to the profiled one.
     tangent: Vec<f64>,
-    /// Sum of squares before the step, and how much the step is expected to gain.
+    /// Sum of squares before the step, and its expected reduction.
     before: f64,
     gain: f64,
     /// Sum of squares after the step, as expected.
@@ -234,7 +232,7 @@ impl Rest {
         let rows = residuals.len();
         let column = |j: usize| &columns[j * rows..(j + 1) * rows];
         let before = dot(residuals, residuals);
-        // Those that their range holds back stay where they are.
+        // Parameters held by a bound stay fixed.
         let free: Vec<usize> = free
             .iter()
             .copied()
@@ -244,7 +242,7 @@ impl Rest {
                 j != parameter && !(at[j] <= low && uphill < 0.0 || at[j] >= high && uphill > 0.0)
             })
             .collect();
-        // Damping is a row more for each of them, in units of its column.
+        // Damping adds one row per free parameter, in units of its column.
         let with_rows = |x: &[f64]| x.iter().copied().chain(free.iter().map(|_| 0.0)).collect::<Vec<f64>>();
         let mut basis = Projection::new(rows + free.len(), free.len());
         for (row, &j) in free.iter().enumerate() {
@@ -349,7 +347,7 @@ mod tests {
             let found = profiled.end(&mut bod(), &optimum, (side, wanted), STEPS).unwrap();
             assert!((found - oracle).abs() <= tolerance, "{found} {oracle} {tolerance}");
         }
-        // The straight valley shows the profile's asymmetry: z(h) + z(−h) is of second order in h.
+        // The tangent of the valley shows the profile's asymmetry: z(h) + z(−h) is of second order in h.
         let h = 0.2;
         let z = |side: f64| side * deviance(0.5311 + side * h * std_error);
         let of_profile = z(1.0) + z(-1.0);

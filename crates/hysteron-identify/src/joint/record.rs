@@ -1,8 +1,8 @@
-//! One record of a joint fit: what is precomputed of it, and the linear columns and their derivatives at a
+//! One record of a joint fit: precomputed quantities, and the linear columns and their derivatives at a
 //! candidate.
 //!
 //! Output of record r at a candidate θ (`docs/theory/joint.md`), linear in the coefficients c and w and in
-//! the record's own nuisance:
+//! the record's nuisance parameters:
 //!
 //! y = offset (+ drift t) + Σ cᵢ Φᵢ(θ) + Σ w_j Ψ_j(θ) (+ transients),  Φᵢ = G(θ) ∗ (uⁱ − uⁱ(rest)),  Ψ_j = s
 //! G(θ) ∗ (H_j(θ) − H_j(rest)),
@@ -10,9 +10,9 @@
 //! with the columns H_j, weights w_j and the sign s of the family of hysteresis operators
 //! ([`HysteresisForm`]): for Bouc–Wen one column ζ with weight α and sign −1.
 //!
-//! The hysteresis runs over the drive at its own rate or a finer one, so that every turning point is met.
-//! Where the record is reduced, its output and the measured one go through the same low-pass before samples
-//! are left out ([`Reduction`]).
+//! The hysteresis is simulated at the rate of the drive or a finer one, so that every turning point is
+//! resolved. For a reduced record, simulated and measured output pass the same low-pass before decimation
+//! ([`Reduction`]).
 
 use super::super::projection::Projection;
 use super::drive::Thinning;
@@ -38,27 +38,27 @@ pub(in super::super) use preparation::{Clock, Ingredients};
 /// One record prepared for a joint fit.
 #[derive(Debug)]
 pub(in super::super) struct JointRecord {
-    /// Drive on the grid that the hysteresis runs over \[V\].
+    /// Drive on the grid on which the hysteresis is simulated \[V\].
     drive: Vec<f64>,
     /// Time grid of the drive.
     grid: DriveGrid<'static>,
-    /// Rate and duration of the move to each sample of the drive, where these are not an equal time apart.
+    /// Rate and duration of the move to each sample of the drive, where sampling is non-uniform.
     paces: Option<Vec<Pace>>,
     thinning: Thinning,
     reduction: Option<Reduction>,
     /// Start of the record; an unknown memory at rest at u(0) is a parameter of the fit.
     before: Start<()>,
-    /// Cycles that the record consists of; 1 where it has none.
+    /// Cycles in the record; 1 where it has none.
     pub(super) cycles: usize,
     weighting: Weighting,
     /// Orthonormal weighted columns of offset and drift.
     nuisance: Projection,
-    /// Measured output, weighted, without nuisance.
+    /// Measured output, weighted, nuisance projected out.
     pub(super) target: Vec<f64>,
     /// Samples with weight.
     pub(super) valid: usize,
-    /// Response to a constant, 1 but at the ends of a reduced record, where the output at rest counts: the
-    /// offset is held.
+    /// Where the offset is held: response to the constant output at rest, 1 except at the ends of a reduced
+    /// record.
     rest: Option<Vec<f64>>,
     plan: RecordPlan,
     sampling: Sampling,
@@ -77,7 +77,7 @@ pub(in super::super) struct Candidate {
     pub(in super::super) memory: Vec<f64>,
 }
 
-/// Shorter records are worked on by one thread: handing work over would cost more.
+/// Shorter records are processed by one thread: dispatch would cost more.
 const SHARED: usize = 4096;
 /// Most threads that share the columns of a record.
 const LANES: usize = 8;
@@ -90,14 +90,14 @@ pub(in super::super) struct RecordWorkspace {
     total: PlanInput,
     /// Nuisance, and the transients of the candidate.
     local: Projection,
-    /// Weighted columns of u, u², …, s H_j without local columns, one after the other.
+    /// Weighted columns of u, u², …, s H_j, local columns projected out, one after the other.
     pub(in super::super) columns: Vec<f64>,
-    /// Target without transients.
+    /// Target with the transients projected out.
     pub(in super::super) target: Vec<f64>,
     transient_columns: Vec<Vec<f64>>,
     /// Coefficients of the local columns in each global column.
     transient_shares: Vec<Vec<f64>>,
-    /// One a thread that works on this record.
+    /// One per thread working on this record.
     lanes: Vec<Lane>,
 }
 
@@ -106,12 +106,12 @@ pub(in super::super) struct RecordWorkspace {
 struct Lane {
     plan: PlanWorkspace,
     prepared: PlanInput,
-    /// Inputs of derivatives that are worked out together.
+    /// Inputs of derivatives that are computed together.
     inputs: Vec<PlanInput>,
-    /// As long as the record at its own rate, where that is not what is worked on.
+    /// Buffer at the record's own rate, where the record is reduced.
     own: Vec<f64>,
     input: Vec<f64>,
-    /// Weighted sum of what several operators put out.
+    /// Weighted sum of operator outputs.
     sum: Vec<f64>,
 }
 
@@ -122,7 +122,7 @@ impl RecordWorkspace {
     }
 }
 
-/// Whether work with these columns was asked to stop.
+/// True if a stop is requested.
 fn is_stopped(columns: &Columns) -> bool {
     columns.stop.as_ref().is_some_and(Stop::is_requested)
 }
@@ -133,22 +133,22 @@ impl JointRecord {
         self.nuisance.len()
     }
 
-    /// Samples that are worked on.
+    /// Number of samples, after reduction.
     pub(super) fn samples(&self) -> usize {
         self.weighting.weight.len()
     }
 
-    /// Weight of each sample that is worked on, 0 where it does not count.
+    /// Weight of each sample, after reduction; 0 for excluded samples.
     pub(super) fn weights(&self) -> &[f64] {
         &self.weighting.weight
     }
 
-    /// Whether it is sampled on uneven stamps.
+    /// True if the record has time stamps instead of a uniform rate.
     pub(super) fn is_on_stamps(&self) -> bool {
         matches!(self.plan, RecordPlan::Stamped(_))
     }
 
-    /// Takes the weights off a weighted column.
+    /// Removes the weights from a column.
     pub(super) fn unweigh(&self, column: &mut [f64]) {
         self.weighting.undo(column);
     }
@@ -184,7 +184,7 @@ impl JointRecord {
         }
     }
 
-    /// Where the operators stand before the first sample.
+    /// State of the operators before the first sample.
     fn origin(&self, memory: f64) -> Start<f64> {
         match self.before {
             Start::Remembering { .. } => Start::Remembering { voltage_v: self.drive[0], memory },
@@ -194,8 +194,8 @@ impl JointRecord {
         }
     }
 
-    /// Input of the dynamics: `scale` times what an output `x` of an operator adds to its value `before` the
-    /// first sample.
+    /// Input of the dynamics: `scale` times the output `x` of an operator less its value `before` the first
+    /// sample.
     fn prepare_input(&self, x: &[f64], before: f64, scale: f64, lane: &mut Lane) -> bool {
         let Lane { plan, prepared, own, input, .. } = lane;
         match (&self.reduction, self.thinning) {
@@ -211,7 +211,7 @@ impl JointRecord {
         self.plan.prepare_into(input, plan, prepared).is_ok()
     }
 
-    /// Runs the hysteresis and transforms what it puts out. `false` where the candidate cannot be simulated.
+    /// Simulates the hysteresis and transforms its outputs. `false` where the candidate cannot be simulated.
     fn operate(
         &self,
         form: HysteresisForm,
@@ -230,7 +230,7 @@ impl JointRecord {
         if form.run(shape, grid, &self.drive, self.origin(memory), derivatives, columns).is_err() {
             return false;
         }
-        // Made one by one: room for dozens of them at once would hold up a stop.
+        // Filled one by one: allocating dozens at once would delay a stop.
         inputs.resize_with(columns.values.len(), PlanInput::none);
         let share = inputs.len().div_ceil(lanes.len().max(1)).max(1);
         let done = inputs
@@ -253,9 +253,9 @@ impl JointRecord {
         done
     }
 
-    /// Columns of the candidate into `ws.columns` and the target without transients into `ws.target`; with
-    /// `derivatives`, everything that [`Self::differentiate`] needs. `false` where the candidate cannot be
-    /// simulated.
+    /// Columns of the candidate into `ws.columns` and the target, transients projected out, into `ws.target`;
+    /// with `derivatives`, everything that [`Self::differentiate`] needs. `false` where the candidate cannot
+    /// be simulated.
     pub(super) fn respond(
         &self,
         form: HysteresisForm,
@@ -334,7 +334,7 @@ impl JointRecord {
         true
     }
 
-    /// The local columns of the candidate, and the target without them.
+    /// The local columns of the candidate, and the target with them projected out.
     fn respond_to_transients(&self, ws: &mut RecordWorkspace) -> bool {
         ws.target.copy_from_slice(&self.target);
         ws.local.truncate(self.nuisance.len());
@@ -353,12 +353,12 @@ impl JointRecord {
         true
     }
 
-    /// Of so many inputs of the dynamics, how many are taken in one pass.
+    /// Number of inputs of the dynamics processed in one pass.
     fn together(&self, inputs: usize) -> usize {
         if self.is_on_stamps() { inputs.clamp(1, ABREAST) } else { 1 }
     }
 
-    /// Takes off a response what belongs beyond the end of the record.
+    /// Subtracts from a response its part beyond the end of the record.
     fn end(&self, column: &mut [f64]) {
         if let Some(reduction) = &self.reduction {
             reduction.end(column);
@@ -374,5 +374,5 @@ fn rest_voltage(before: Start<()>, drive: &[f64]) -> f64 {
     }
 }
 
-/// Worked out beside the columns: derivatives, with respect to which shape numbers of the hysteresis.
+/// Shape numbers of the hysteresis to differentiate with respect to; `None`: columns without derivatives.
 pub(in super::super) type Derivatives<'a> = Option<&'a [bool]>;

@@ -1,41 +1,40 @@
-//! An oversampled record at a lower rate, such that a fit of it says the same as one of all samples.
+//! Decimation of an oversampled record that leaves the fit nearly unchanged.
 //!
 //! G is linear and time-invariant, so a low-pass F commutes with it: F y = offset + Σ cᵢ G ∗ F(uⁱ − uⁱ(rest))
-//! − α G ∗ F(ζ − ζ(rest)). Measured output and inputs of the dynamics go through the same F before samples
-//! are left out; F stops what would alias, and what it passes is kept exactly. White noise keeps its density
-//! in the pass band, so that a reduced sample counts as `factor` samples.
+//! − α G ∗ F(ζ − ζ(rest)). Measured output and inputs of the dynamics pass the same F before decimation; F is
+//! the anti-aliasing filter, and its pass band is kept exactly. White noise keeps its density in the pass
+//! band, so that a reduced sample has the weight of `factor` samples.
 //!
-//! F reaches beyond the ends of a record. What is compared is F of the residual, taken 0 beyond the ends, so
-//! that no sample is lost: the measured output counts as 0 there, and so must the model's. Before the first
-//! sample it is (inputs are 0, and offset and drift count as 0 as well). Beyond the last one, whatever the
-//! inputs are taken to do there, it follows from the reduced output between its samples, and F of that is
-//! taken off.
+//! F extends beyond the ends of a record. The fit uses F of the residual, zero-padded at the ends, so that no
+//! sample is lost: measured and modelled output must be 0 there. Before the first sample the model's is
+//! (inputs, offset and drift are 0). Beyond the last one, for any extension of the inputs, it follows by
+//! interpolation of the reduced output, and F of that part is subtracted.
 
 use hysteron_model::record::low_pass;
 use hysteron_numeric::{InstructionSet, dot, filter_every};
 
-/// Reach of the low-pass to either side, in reduced samples.
+/// Half length of the low-pass, in reduced samples.
 const REACH: usize = 16;
-/// Reduced samples that F of the output beyond the end is made from, from the first that F reaches the end
-/// for.
+/// Reduced samples that determine F of the output beyond the end, from the first for which F extends to the
+/// end.
 const BEYOND: usize = 3 * REACH;
 
-/// Low-pass, and every so many samples of what it passes.
+/// Low-pass filter and decimation.
 #[derive(Clone, Debug)]
 pub(in super::super) struct Reduction {
     factor: usize,
-    /// F, an odd number of values, even about the middle one.
+    /// F, of odd length and symmetric.
     kernel: Vec<f64>,
     /// Samples of the record.
     samples: usize,
     periodic: bool,
-    /// F of the output beyond the end, for the last [`REACH`] reduced samples in the record, a row each.
+    /// F of the output beyond the end, one row for each of the last [`REACH`] reduced samples in the record.
     beyond: Vec<f64>,
     set: InstructionSet,
 }
 
 impl Reduction {
-    /// For a record of `samples` samples; of a periodic one, `factor` divides them.
+    /// For a record of `samples` samples, in a periodic one a multiple of `factor`.
     pub(super) fn new(factor: usize, samples: usize, periodic: bool) -> Self {
         let kernel = low_pass(factor, REACH);
         let beyond = if periodic { Vec::new() } else { beyond(&kernel, factor, samples) };
@@ -46,24 +45,24 @@ impl Reduction {
         self.kernel.len() / 2
     }
 
-    /// Reduced samples before the first of the record, in which F sees its inputs coming.
+    /// Reduced samples before the record, in which F, being non-causal, already responds to its inputs.
     fn lead(&self) -> usize {
         if self.periodic { 0 } else { REACH }
     }
 
-    /// Number of reduced samples, with those before and beyond the record.
+    /// Number of reduced samples, including those before and beyond the record.
     pub(super) fn rows(&self) -> usize {
         let beyond = if self.periodic { 0 } else { 2 * REACH };
         self.lead() + self.samples.div_ceil(self.factor) + beyond
     }
 
-    /// Place of a reduced sample in the record; it may lie before its first sample or beyond its last.
+    /// Index of a reduced sample in the record; it may be before the first or beyond the last sample.
     fn place(&self, row: usize) -> isize {
         (row * self.factor) as isize - (self.lead() * self.factor) as isize
     }
 
-    /// F of an input of the dynamics, which is `before` ahead of its first sample. Beyond the last it is
-    /// reflected about it, which keeps value and slope. Allocates nothing.
+    /// F of an input of the dynamics, extended by `before` ahead of its first sample and by point reflection
+    /// beyond its last, which keeps value and slope. Allocates nothing.
     pub(super) fn input(&self, x: &[f64], before: f64, out: &mut [f64]) {
         let last = x.len() - 1;
         self.filter(x, out, |k| match usize::try_from(k) {
@@ -77,9 +76,9 @@ impl Reduction {
         self.filter(y, out, |_| 0.0);
     }
 
-    /// F of `x`, which is `outside` beyond its ends.
+    /// F of `x`, extended by `outside` beyond its ends.
     fn filter(&self, x: &[f64], out: &mut [f64], outside: impl Fn(isize) -> f64) {
-        // Those that F stays within the record for: the first of them reaches to the first sample.
+        // Rows for which F stays within the record; for the first of them it begins at the first sample.
         let start = (self.lead() + REACH).min(out.len());
         let inside = x.len().checked_sub(self.kernel.len()).map_or(0, |left| left / self.factor + 1);
         let end = (start + inside).min(out.len());
@@ -96,7 +95,7 @@ impl Reduction {
         }
     }
 
-    /// Takes F of the model's output beyond the end off F of all of it. Allocates nothing.
+    /// Subtracts F of the model's output beyond the end from F of the whole output. Allocates nothing.
     pub(super) fn end(&self, model: &mut [f64]) {
         if self.periodic {
             return;
@@ -109,8 +108,8 @@ impl Reduction {
         model[start..].iter_mut().zip(&cut).for_each(|(x, cut)| *x -= cut);
     }
 
-    /// Weights of the reduced samples from those of the record's: 0 beyond its ends, and where F reaches a
-    /// sample without.
+    /// Weights of the reduced samples from those of the record: 0 beyond its ends, and where F covers an
+    /// excluded sample.
     pub(super) fn weights(&self, weight: &[f64]) -> Vec<f64> {
         let density = (self.factor as f64).sqrt();
         let (half, count) = (self.half() as isize, weight.len() as isize);
@@ -134,14 +133,13 @@ impl Reduction {
     }
 }
 
-/// The first reduced sample of a record, counted from its first, that F reaches beyond the last sample for.
+/// Index of the first reduced sample of a record for which F extends beyond the last sample.
 fn first_cut(factor: usize, samples: usize) -> usize {
     (samples.saturating_sub(1) / factor + 1).saturating_sub(REACH)
 }
 
 /// F of the output beyond the end of a record, y_k = Σ_i φ_(k − factor·i) (reduced y)_i for k ≥ `samples`
-/// with φ = factor · F (between its samples a reduced output follows from the low-pass itself), in the
-/// reduced samples y_i.
+/// with φ = factor · F (the low-pass itself interpolates the reduced output), in the reduced samples y_i.
 fn beyond(kernel: &[f64], factor: usize, samples: usize) -> Vec<f64> {
     let half = (kernel.len() / 2) as isize;
     let start = first_cut(factor, samples);

@@ -1,8 +1,8 @@
-//! Resonances of the records' own frequency response, for starts of forms with several of them.
+//! Resonances from the empirical frequency response of the records, for starts of multi-resonance forms.
 //!
-//! Output over drive of the record that goes fastest, under Hann's window, averaged over bands of
-//! neighbouring frequencies: the best linear approximation, of which hysteresis changes the height and hardly
-//! the resonances. Modes are then fitted to it one by one ([`crate::frequency_response::fit_structure`]).
+//! Frequency response of the fastest record under a Hann window, averaged over bands of neighbouring
+//! frequencies: the best linear approximation, in which hysteresis changes the gain but hardly the
+//! resonances. Modes are then fitted to it one by one ([`crate::frequency_response::fit_structure`]).
 
 use std::f64::consts::TAU;
 
@@ -11,27 +11,28 @@ use crate::frequency_response::{Core, FrequencyResponse, Structure, Weighting, f
 use hysteron_numeric::Complex64;
 use hysteron_numeric::fft::{RealFft, fast_length};
 
-/// Bands of the averaged response, narrower than this are as wide as [`NARROWEST`].
+/// Number of logarithmic bands of the averaged response; each has at least [`NARROWEST`] frequencies.
 const BANDS: usize = 300;
-/// Frequencies in a band, at least.
+/// Fewest frequencies in a band.
 const NARROWEST: usize = 6;
-/// Squared coherence of a band that counts.
+/// Least squared coherence of a band.
 const COHERENT: f64 = 0.8;
-/// Share of the strongest band's drive that a band must have.
+/// Least power of the drive in a band, as a share of the strongest band.
 const DRIVEN: f64 = 1e-8;
-/// The lowest frequency: so many periods in the record.
+/// Fewest periods in the record, which sets the lowest frequency.
 const PERIODS: f64 = 20.0;
 
-/// A resonance of the records.
+/// A resonance measured in the records.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Resonance {
     pub(super) natural_frequency_hz: f64,
     pub(super) damping: f64,
-    /// Part of the gain at rest.
+    /// Share of the DC gain.
     pub(super) share: f64,
 }
 
-/// The resonances of the fastest record, the largest share first; empty where no fit of so many holds.
+/// The resonances of the fastest record, the largest share first; empty where no fit of `count` modes is
+/// valid.
 pub(super) fn resonances(members: &[JointMember<'_>], count: usize) -> Vec<Resonance> {
     let speed = |m: &&JointMember<'_>| m.facts.highest_frequency_hz();
     let Some(fastest) = members.iter().max_by(|a, b| speed(a).total_cmp(&speed(b))) else {
@@ -57,7 +58,7 @@ pub(super) fn resonances(members: &[JointMember<'_>], count: usize) -> Vec<Reson
     if found.iter().all(sound) { found } else { Vec::new() }
 }
 
-/// Averaged output over drive where they are coherent.
+/// Band-averaged frequency response where drive and output are coherent.
 fn response(member: &JointMember<'_>) -> Option<FrequencyResponse> {
     let data = &member.facts.data;
     let samples = data.u.len();
@@ -94,7 +95,7 @@ fn response(member: &JointMember<'_>) -> Option<FrequencyResponse> {
     FrequencyResponse::new("drive to output", frequency_hz, values).ok()
 }
 
-/// Of the signal without its mean under Hann's window.
+/// Spectrum of the signal less its mean, under a Hann window.
 fn spectrum(x: &[f64], fft: &RealFft) -> Vec<Complex64> {
     let length = x.len() as f64;
     let mean = x.iter().sum::<f64>() / length;

@@ -1,5 +1,5 @@
-//! The search of a joint fit, over reduced records where they may be: from many starts, then whether there is
-//! creep and of which degree the polynomial is.
+//! Search of a joint fit, on reduced records where possible: multi-start, then tests for creep and the
+//! polynomial degree.
 
 use super::super::IdentifyError;
 use super::super::engine::{Engine, Search, Show, quick, rough};
@@ -17,19 +17,19 @@ use hysteron_optimize::{
     Algorithm, DeAbcOptions, LeastSquaresOptions, LeastSquaresProblem, OptimizeError, Problem,
 };
 
-/// Degree that the starts are tried with where it is chosen from the data.
+/// Polynomial degree of the starts where the degree is chosen from the data.
 pub(super) const DEGREE_OF_STARTS: usize = 3;
-/// Residuals worth less than this share of their samples are far from white.
+/// Residuals with an effective sample size below this share of their samples are far from white.
 const WHITE: f64 = 0.5;
-/// Evidence for creep that is beyond doubt, over that which is very strong, and the least fall of the cost.
+/// Evidence for creep beyond doubt, relative to very strong evidence, and the least ratio of the costs.
 const EVIDENT: f64 = 10.0;
 const EVIDENT_RATIO: f64 = 1.5;
 /// Starts that must end in the same optimum.
 const AGREEMENT: usize = 3;
-/// Starts with fitted dynamics, beside the best one as it is, before any other.
+/// Number of first starts with fitted dynamics, in addition to the best unfitted one.
 const FIRST_STARTS: usize = 2;
 
-/// The best point of a search, and the structure that it belongs to.
+/// The best point of a search and its structure.
 pub(super) struct Optimum<'a> {
     pub(super) setup: JointSetup<'a>,
     /// The problem that was searched, of the degree of the starts.
@@ -95,7 +95,7 @@ pub(super) fn search<'a>(
     with_degree(setup, (problem, reduced), search, engine)
 }
 
-/// The best point of a search with the degree that it takes.
+/// The best point of a search with the chosen degree.
 fn with_degree<'a>(
     setup: JointSetup<'a>,
     (problem, reduced): (JointProblem, bool),
@@ -112,11 +112,11 @@ fn with_degree<'a>(
     Ok(Optimum { setup, problem, search, degree, best, degrees })
 }
 
-/// Where a search can begin, and the first few points to fit from.
+/// Candidate starts of a search, and the first few to fit from.
 struct FirstPoints {
     places: Places,
     points: Vec<Vec<f64>>,
-    /// Evaluations that it took to find them.
+    /// Evaluations spent on finding them.
     evaluations: usize,
 }
 
@@ -133,7 +133,7 @@ impl FirstPoints {
         Ok(first)
     }
 
-    /// Of places that are known.
+    /// First points from given places.
     fn at(
         places: Places,
         problem: &JointProblem,
@@ -146,7 +146,7 @@ impl FirstPoints {
     }
 }
 
-/// A fit with creep, and a rough fit without it from there.
+/// A fit with creep, and a rough fit without creep from its optimum.
 struct CreepFirst {
     problem: JointProblem,
     search: Search,
@@ -158,12 +158,12 @@ struct CreepFirst {
 }
 
 impl CreepFirst {
-    /// Evaluations beside those of the fit with creep.
+    /// Evaluations other than those of the fit with creep.
     fn evaluations(&self) -> usize {
         self.before + self.plain.as_ref().map_or(0, |plain| plain.outcome.evaluations)
     }
 
-    /// Whether there is creep beyond doubt, in a fit that no range of its dynamics and delay holds back.
+    /// True if creep is beyond doubt in a fit with no parameter of its dynamics and no delay at a bound.
     fn is_evident(&self, plain: &JointProblem, setup: &JointSetup<'_>) -> bool {
         let best = &self.search.outcome.best;
         let own = setup.form.parameters();
@@ -176,8 +176,8 @@ impl CreepFirst {
     }
 }
 
-/// Fits with creep before any fit without it. Without it the lowest order takes its place in records that
-/// creep, along a valley that is long to follow, and as long to come back from.
+/// Fits with creep before any fit without it. Without creep the lowest order compensates for it, along a
+/// valley that takes long to follow in either direction.
 fn begin_with_creep(
     plain: &JointProblem,
     creeping: &JointSetup<'_>,
@@ -186,7 +186,7 @@ fn begin_with_creep(
 ) -> Result<CreepFirst, IdentifyError> {
     let problem = creeping.problem(plain.degree(), reduced)?;
     let places = creeping.places(&problem, engine)?;
-    // A loop held at one without creep leads the dynamics astray where it has a shape.
+    // A loop held at one without creep misleads the dynamics where shape numbers are searched.
     let Starts { points, evaluations } = if problem.searches_shape() {
         Starts { points: creeping.unfitted(&problem, &places, 0..FIRST_STARTS), evaluations: 0 }
     } else {
@@ -204,7 +204,7 @@ fn begin_with_creep(
     Ok(CreepFirst { problem, search, plain: plain_fit, places, before })
 }
 
-/// The points; after a stop the best one known.
+/// The given points; after a stop the best one so far.
 fn first_or_best(
     problem: &JointProblem,
     points: Vec<Vec<f64>>,
@@ -213,8 +213,8 @@ fn first_or_best(
     if engine.is_stopped() { problem.best().into_iter().collect() } else { points }
 }
 
-/// A few good starts; where they disagree all others, and where these disagree a population search on a
-/// twentieth of its usual budget, polished.
+/// A few good starts; if their optima disagree, all others; if these disagree, a population search with a
+/// twentieth of its usual budget and local polishing.
 fn search_globally(
     (problem, reduced): (&JointProblem, bool),
     (setup, first): (&JointSetup<'_>, Option<FirstPoints>),
@@ -270,7 +270,7 @@ fn search_globally(
     Ok(search)
 }
 
-/// Fits from the first few places; from all others where these disagree.
+/// Fits from the first few places; from all others where their optima disagree.
 fn search_from_places(
     problem: &JointProblem,
     (setup, first): (&JointSetup<'_>, Option<FirstPoints>),
@@ -294,7 +294,7 @@ fn search_from_places(
     Ok(search)
 }
 
-/// Takes what `other` found where it is better, and its starts beside those of `search`.
+/// Takes the optimum of `other` if better, and adds its starts to those of `search`.
 fn take_better(search: &mut Search, other: Search) {
     search.outcome.evaluations += other.outcome.evaluations;
     search.outcome.generations += other.outcome.generations;
@@ -313,7 +313,7 @@ struct Gain {
 }
 
 impl Gain {
-    /// Of the cost of a fit without creep and a fit with it.
+    /// Gain from the cost of a fit without creep to that of a fit with it.
     fn new((plain, cost): (&JointProblem, f64), (creeping, found): (&JointProblem, &Search)) -> Self {
         let information = information(creeping, &found.outcome.best);
         let ratio = cost / found.outcome.cost;
@@ -322,20 +322,20 @@ impl Gain {
         Self { likelihood: 2.0 * information * ratio.ln(), price, ratio }
     }
 
-    /// Whether the evidence for creep is very strong.
+    /// True if the evidence for creep is very strong.
     fn is_strong(&self) -> bool {
         self.likelihood > BIC_FALL + self.price
     }
 
-    /// Whether it is beyond doubt though the fit without creep was not followed to its end, which such fits
-    /// of records that creep are long in coming to.
+    /// True if creep is beyond doubt although the fit without it is not converged: on records with creep such
+    /// fits converge slowly.
     fn is_evident(&self) -> bool {
         self.ratio > EVIDENT_RATIO && self.likelihood > EVIDENT * (BIC_FALL + self.price)
     }
 }
 
-/// A fit of the same dynamics with a creep factor, from the point of one without, or what was `found` before
-/// where that is better; `None` where the residuals there are not far from white.
+/// A fit of the same dynamics with a creep factor, from the optimum without one, or the fit `found` before if
+/// better; `None` where the residuals without creep are not far from white.
 fn try_creep(
     (plain, best): (&JointProblem, &[f64]),
     setup: &JointSetup<'_>,
@@ -370,7 +370,7 @@ fn from_other(other: &JointProblem, x: &[f64], problem: &JointProblem, guess: &[
     ranges.map(|(range, &guess)| place(&range.name).map_or(guess, |at| x[at])).collect()
 }
 
-/// Number of independent samples that the residuals at `x` are worth.
+/// Effective number of independent samples of the residuals at `x`.
 pub(super) fn information(problem: &JointProblem, x: &[f64]) -> f64 {
     let residual = problem.residuals_of(x).unwrap_or_else(|| vec![0.0; problem.residual_count()]);
     (0..problem.records().len())
@@ -379,7 +379,7 @@ pub(super) fn information(problem: &JointProblem, x: &[f64]) -> f64 {
         .max(2.0)
 }
 
-/// Starts that ended in the best optimum found (to 1e-6 of its cost).
+/// Number of starts that ended in the best optimum (to 1e-6 of its cost).
 fn agreeing(search: &Search) -> usize {
     let best = search.outcome.cost;
     search
@@ -390,8 +390,7 @@ fn agreeing(search: &Search) -> usize {
         .count()
 }
 
-/// Degree by BIC over the information that the residuals really hold, from one warm fit each, and the best
-/// point in it.
+/// Degree by BIC over the independent samples, from one warm-started fit each, and its best point.
 fn choose_degree(
     setup: &JointSetup<'_>,
     reduced: bool,
@@ -420,7 +419,7 @@ fn choose_degree(
             }
         };
         if degree == highest {
-            // That of the richest fit counts: its residual is the least structured.
+            // That of the richest fit is used: its residual is the least structured.
             information = self::information(&problem, &best);
         }
         fits.push((degree, cost, parameters, best));
@@ -444,7 +443,7 @@ fn choose_degree(
     Ok((degree, best))
 }
 
-/// A local fit with the memory of its start where the operators need not run anew then, else with all free.
+/// A local fit with the memory held where this spares rerunning the operators, else with all free.
 fn fit_with_its_memory(
     engine: &mut Engine<'_, '_>,
     step: &str,

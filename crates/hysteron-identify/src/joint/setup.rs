@@ -19,14 +19,14 @@ use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// Longest delay sought where a fit ended at the longest of the first search, as a share of the fastest
+/// Longest delay searched after a fit ended at the upper bound of the first search, as a share of the fastest
 /// period in the data.
 const FAR_DELAY_PERIODS: f64 = 1.6;
 
-/// Where coefficients of the dynamics are taken, over the fastest frequency of the drive.
+/// Normalisation frequency of the dynamics' coefficients, over the fastest frequency of the drive.
 const INSIDE: f64 = 2.0;
 
-/// Everything that a joint problem of any degree is made from.
+/// Data and options from which a joint problem of any degree is built.
 #[derive(Clone)]
 pub(in super::super) struct JointSetup<'a> {
     pub(in super::super) members: &'a [JointMember<'a>],
@@ -36,20 +36,20 @@ pub(in super::super) struct JointSetup<'a> {
     pub(in super::super) options: &'a Options,
     pub(in super::super) fastest_hz: f64,
     pub(in super::super) rate_hz: f64,
-    /// Longest delay sought \[s\].
+    /// Longest delay searched \[s\].
     longest_delay_s: f64,
     /// Whole and reduced records, prepared when first needed.
     prepared: Arc<[Mutex<Option<Prepared>>; 2]>,
-    /// Found when first needed.
+    /// Computed when first needed.
     resonances: Arc<OnceLock<Vec<Resonance>>>,
-    /// Once it is asked for, starts are no longer compared.
+    /// After a stop, starts are no longer compared.
     pub(super) stop: Stop,
 }
 
-/// The records as a fit sees them, whatever of it is held.
+/// Prepared records, independent of the held parameters.
 #[derive(Clone)]
 struct Prepared {
-    /// Highest degree that they serve.
+    /// Highest polynomial degree prepared.
     degree: usize,
     records: Arc<[JointRecord]>,
     fingerprint: u64,
@@ -94,7 +94,7 @@ impl<'a> JointSetup<'a> {
         self.options
     }
 
-    /// These records prepared anew, under other options.
+    /// This setup with records prepared anew under other options.
     pub(super) fn anew<'b>(&self, options: &'b Options) -> JointSetup<'b>
     where
         'a: 'b,
@@ -106,8 +106,7 @@ impl<'a> JointSetup<'a> {
         }
     }
 
-    /// This setup with longer delays, where a fit ended at the longest of those sought; `None` where it did
-    /// not.
+    /// This setup with longer delays, where a fit ended at the upper bound of the delay; else `None`.
     pub(super) fn with_longer_delays(&self, problem: &JointProblem, x: &[f64]) -> Option<JointSetup<'a>> {
         let asked = self.options.demands.names().any(|name| name == DELAY);
         let mut ranges = problem.bounds().ranges.iter().zip(x);
@@ -117,14 +116,14 @@ impl<'a> JointSetup<'a> {
         widen.then(|| JointSetup { longest_delay_s: longer, ..self.clone() })
     }
 
-    /// Whether a law with dynamics sees its fastest drive with fewer than so many samples a cycle, at one
-    /// rate.
+    /// True if uniformly sampled records have fewer than `samples` samples per cycle of the fastest drive and
+    /// the model has dynamics.
     pub(super) fn samples_coarsely(&self, samples: f64) -> bool {
         let even = self.members.iter().all(|m| m.facts.data.sample_rate_hz().is_some());
         !self.form.parameters().is_empty() && even && self.rate_hz < samples * self.fastest_hz
     }
 
-    /// These records with another form of the dynamics, or other parameters held.
+    /// This setup with another form of the dynamics, or other parameters held.
     pub(super) fn with<'b>(&self, form: DynamicForm, options: &'b Options) -> JointSetup<'b>
     where
         'a: 'b,
@@ -159,7 +158,7 @@ impl<'a> JointSetup<'a> {
             Choice::Given(given) => degree.max(given),
             Choice::Auto => degree.max(HIGHEST_AUTOMATIC_DEGREE),
         };
-        // Weights such that the cost reads as RMSE in the output's unit where all records are equally noisy.
+        // Scaled such that the cost is the RMSE in the output's unit where all records are equally noisy.
         let (mut information, mut samples) = (0.0, 0);
         for member in self.members {
             information += member.facts.scored(0).len() as f64 / (member.noise * member.noise);
@@ -191,7 +190,7 @@ impl<'a> JointSetup<'a> {
             })
             .collect();
         let (weights, shape) = self.family(&mut space);
-        // Nothing is remembered by a hysteretic part that is not there.
+        // Without a hysteretic part there is no memory.
         let hysteretic = weights.iter().any(|weight| *weight != Role::Fixed(0.0));
         let form =
             self.form.parameters().iter().map(|parameter| space.searched(self.range(parameter))).collect();
@@ -215,7 +214,7 @@ impl<'a> JointSetup<'a> {
         (layout, space.finish())
     }
 
-    /// Resonances that the records show, for a form with several pairs of poles.
+    /// Resonances measured in the records, for a form with several pairs of poles.
     pub(super) fn resonances(&self) -> &[Resonance] {
         match pairs(&self.form) {
             0 | 1 => &[],
@@ -225,12 +224,12 @@ impl<'a> JointSetup<'a> {
 
     /// Search range of a parameter of the dynamics.
     fn range(&self, parameter: &FormParameter) -> Range {
-        // A resonance shows in its flank, up to a decade above the fastest drive.
+        // The flank of a resonance determines it even well above the fastest drive.
         let low = (0.5 * self.fastest_hz).min(0.05 * self.rate_hz);
-        // Several of them are only seen within the drive.
+        // Several resonances are determined only within the excited band.
         let (low, lightest) = if pairs(&self.form) > 1 { (0.02 * low, 5e-4) } else { (low, 0.005) };
         let high = (20.0 * self.fastest_hz).min(0.45 * self.rate_hz);
-        // Faster than the fastest drive is not creep, slower than the longest record is drift.
+        // Creep is slower than the fastest drive and faster than the longest record (else drift).
         let longest = self.members.iter().map(JointMember::duration_s).fold(0.0, f64::max);
         let fastest_creep = 1.0 / (TAU * self.fastest_hz);
         let linear = |low, high| Range::linear(parameter.name, low, high);
@@ -241,7 +240,7 @@ impl<'a> JointSetup<'a> {
             ParameterKind::HighestOrder(_) => linear(1.2, 2.6),
             ParameterKind::MiddleOrder(_) => linear(0.02, 1.6),
             ParameterKind::LowestOrder => linear(0.0, 0.5),
-            // A mode may move against the others.
+            // A mode may be in antiphase with the others.
             ParameterKind::Share(_) if matches!(self.form.modes, Modes::Resonances { .. }) => {
                 linear(-1.0, 2.0)
             }
@@ -250,7 +249,7 @@ impl<'a> JointSetup<'a> {
             ParameterKind::CreepSize => logarithmic(1e-4, 1.0),
             ParameterKind::CreepOrder => linear(0.01, 0.6),
             ParameterKind::CreepPerDecade => logarithmic(1e-5, 0.3),
-            // The chain reaches 1e5 times as far.
+            // The chain spans five decades.
             ParameterKind::CreepStart => logarithmic((0.5 / self.rate_hz).max(1e-5 * longest), 0.3 * longest),
             ParameterKind::CreepShare(_) => linear(0.0, 1.0),
             ParameterKind::CreepTime(_) => logarithmic(fastest_creep.min(0.1 * longest), 3.0 * longest),
@@ -258,7 +257,7 @@ impl<'a> JointSetup<'a> {
     }
 }
 
-/// Pairs of poles with whole orders.
+/// Pairs of integer-order poles.
 fn pairs(form: &DynamicForm) -> usize {
     match form.modes {
         Modes::Integer { order } => order / 2,

@@ -1,11 +1,11 @@
-//! Weights on a plane of relays, drawn together as far as that helps on samples that are left out.
+//! Hysteresis weights smoothed by a roughness penalty chosen by cross-validation.
 //!
-//! Records that turn at few voltages determine few of the many weights of a plane, and non-negative least
-//! squares then puts all of a neighbourhood into one of its cells. So, with the nonlinear numbers of the fit
-//! as they were found, the weights are fitted again: c ≥ 0 that minimises ‖y − A c‖² + κ Σ (c_i − c_j)² over
+//! Records with few reversal voltages determine few of the many Preisach weights, and non-negative least
+//! squares then concentrates the weight of a neighbourhood in one cell. So, with the nonlinear parameters
+//! held at the optimum, the weights are refitted: c ≥ 0 that minimises ‖y − A c‖² + κ Σ (c_i − c_j)² over
 //! neighbours i, j of the plane, coefficients of l\[u\] free. κ is chosen by cross-validation: the records
-//! are cut into parts, and each is met by the weights fitted to the others (Stone 1974,
-//! doi:10.1111/j.2517-6161.1974.tb00994.x). Validation records have no part in it.
+//! are divided into folds, and each is predicted by the weights fitted to the others (Stone 1974,
+//! doi:10.1111/j.2517-6161.1974.tb00994.x). Validation records are not used.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -15,25 +15,25 @@ use super::problem::JointProblem;
 use super::record::JointRecord;
 use hysteron_numeric::{non_negative_least_squares, triangular};
 
-/// Parts of all records together, at least; every record has as many as every other.
+/// Least number of folds over all records, equally many from each record without cycles.
 const PARTS: usize = 8;
-/// Amounts tried, as shares of that at which neighbours weigh as much as the records.
+/// Penalties tried, as shares of the one that balances the records.
 const SHARES: [f64; 10] = [0.0, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
 
 /// Roughness penalty chosen for the differences of neighbouring weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smoothing {
-    /// κ, as a share of that at which the differences of neighbours weigh as much as the records; 0 where
-    /// nothing was gained.
+    /// κ, as a share of the penalty that balances the records; 0 where smoothing does not reduce the held-out
+    /// error.
     pub share: f64,
-    /// Weighted error on the parts left out, at this κ.
+    /// Weighted held-out error at this κ.
     pub left_out: f64,
-    /// Weighted error on these parts with κ = 0.
+    /// Weighted held-out error with κ = 0.
     pub left_out_without: f64,
 }
 
-/// Coefficients of u, u², … and weights at the nonlinear numbers `x`, and how they were chosen. `None` where
-/// the family has no neighbours, or a linear number is held or searched.
+/// Coefficients of u, u², … and smoothed weights at the nonlinear parameters `x`, with the choice of κ.
+/// `None` where the family's weights have no neighbours, or a linear parameter is held or searched.
 pub(super) fn smoothed(problem: &JointProblem, x: &[f64]) -> Option<(Vec<f64>, Smoothing)> {
     let form = problem.hysteresis();
     let on_plane = form.neighbours().into_iter().map(|(a, b)| (a, Some(b)));
@@ -58,8 +58,8 @@ pub(super) fn smoothed(problem: &JointProblem, x: &[f64]) -> Option<(Vec<f64>, S
     let parts: Vec<DMatrix<f64>> = (0..problem.records().len())
         .flat_map(|record| {
             let rows = problem.rows(record);
-            // Of a record in cycles each is a part: the level that a cycle leaves is met by the others or
-            // not.
+            // Each cycle of a record in cycles is a fold, so that the level after a cycle is predicted from
+            // the others.
             let cycles = problem.records()[record].cycles;
             let per_record = if cycles > 1 { cycles } else { per_record };
             let end = move |k: usize| rows.start + (rows.end - rows.start) * k / per_record;
@@ -70,7 +70,7 @@ pub(super) fn smoothed(problem: &JointProblem, x: &[f64]) -> Option<(Vec<f64>, S
     let fit = Fit { degree: problem.degree(), sign, neighbours };
     let whole = stacked(parts.iter());
     let unit = fit.unit(&whole);
-    // Held-out error of every part at each penalty, fitted to the other parts.
+    // Held-out error of every fold at each penalty, fitted to the other folds.
     let errors: Vec<Vec<f64>> = (0..parts.len())
         .into_par_iter()
         .map(|out| {
@@ -90,7 +90,7 @@ pub(super) fn smoothed(problem: &JointProblem, x: &[f64]) -> Option<(Vec<f64>, S
     left_out.is_finite().then_some((fit.solve(&whole, SHARES[best] * unit)?, smoothing))
 }
 
-/// The triangular factor of all that these factors were made of.
+/// The triangular factor of all rows behind these factors.
 fn stacked<'a>(factors: impl Iterator<Item = &'a DMatrix<f64>>) -> DMatrix<f64> {
     let factors: Vec<&DMatrix<f64>> = factors.collect();
     let width = factors.first().map_or(0, |factor| factor.ncols());
@@ -102,7 +102,7 @@ fn stacked<'a>(factors: impl Iterator<Item = &'a DMatrix<f64>>) -> DMatrix<f64> 
     triangular(&columns.iter().map(Vec::as_slice).collect::<Vec<_>>())
 }
 
-/// ‖y − A c‖² of the rows that a factor \[A y\] was made of.
+/// ‖y − A c‖² from the triangular factor of \[A y\].
 fn square_left(factor: &DMatrix<f64>, coefficients: &[f64]) -> f64 {
     let last = factor.ncols() - 1;
     (0..factor.nrows())
@@ -115,14 +115,13 @@ fn square_left(factor: &DMatrix<f64>, coefficients: &[f64]) -> f64 {
 
 struct Fit {
     degree: usize,
-    /// That of every weight.
+    /// Sign of all weights.
     sign: f64,
     neighbours: Vec<(usize, Option<usize>)>,
 }
 
 impl Fit {
-    /// κ at which the differences of neighbours weigh as much as the weights' columns, beside those of u, u²,
-    /// ….
+    /// κ that balances the penalty and the weights' columns, orthogonal to those of u, u², ….
     fn unit(&self, factor: &DMatrix<f64>) -> f64 {
         let weights = factor.ncols() - 1;
         let squares: f64 = (self.degree..weights)
@@ -131,11 +130,11 @@ impl Fit {
         squares / (2 * self.neighbours.len()) as f64
     }
 
-    /// Coefficients of u, u², …, then the weights. `None` where powers of u depend on one another.
+    /// Coefficients of u, u², …, then the weights. `None` where powers of u are linearly dependent.
     fn solve(&self, factor: &DMatrix<f64>, kappa: f64) -> Option<Vec<f64>> {
         let (degree, last) = (self.degree, factor.ncols() - 1);
         let root = kappa.sqrt();
-        // Below the rows of u, u², … stands what these leave of the others.
+        // Rows below those of u, u², … hold the other columns with these projected out.
         let column = |j: usize, scale: f64| (degree..factor.nrows()).map(move |i| scale * factor[(i, j)]);
         let differences = |weight: Option<usize>| {
             self.neighbours.iter().map(move |&(a, b)| match weight {
@@ -171,7 +170,7 @@ mod tests {
         triangular(&columns.iter().map(Vec::as_slice).collect::<Vec<_>>())
     }
 
-    /// Three weights behind one power; rows that tell the second and the third apart are missing.
+    /// Three weights after one power; no rows distinguish the second and the third.
     fn columns() -> [Vec<f64>; 5] {
         let power: Vec<f64> = (0..12).map(|k| f64::from(k) * 0.1).collect();
         let first: Vec<f64> = (0..12).map(|k| f64::from(k % 3)).collect();
@@ -194,8 +193,7 @@ mod tests {
 
     #[test]
     fn the_minimum_obeys_its_conditions() {
-        // All neighbours of one another, weights of the negative sign, and a target that one of them cannot
-        // follow.
+        // All weights neighbours, of negative sign, and a target that one of them cannot fit.
         let mut all = columns();
         all[3].iter_mut().enumerate().for_each(|(k, x)| *x += (k as f64).sin());
         all[4].iter_mut().enumerate().for_each(|(k, y)| *y = -*y + 0.3 * (k as f64 * 1.7).cos());

@@ -1,10 +1,9 @@
-//! Where the search of a joint fit begins.
+//! Starts of the search of a joint fit.
 //!
-//! A simulation costs a fraction of an iteration, so the starts begin as the best points of coarse lattices.
-//! The loop comes first, from the record in which the dynamics matter least, once as of a device without
-//! memory and once as of one that comes from loops like those of the record (sharp loops have a second
-//! optimum with a memory that was not there, and dynamics that are far off lead there). Then the dynamics, on
-//! all records with that loop held.
+//! A simulation costs a fraction of an iteration, so the starts are the best points of coarse grids. The loop
+//! comes first, from the record in which the dynamics matter least, once for a device without memory and once
+//! for one settled on loops like those of the record (sharp loops have a second optimum with a spurious
+//! memory, to which poor dynamics lead). Then the dynamics, on all records with that loop held.
 
 use super::super::IdentifyError;
 use super::super::engine::{Engine, Search};
@@ -21,7 +20,7 @@ use hysteron_optimize::{self as optimize, Bounds, Problem, Stop};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Places of the natural frequency in its range.
+/// Grid of the natural frequency, as places in its range.
 const PLACES: [f64; 4] = [0.3, 0.5, 0.7, 0.9];
 const CENTRE: f64 = PLACES[2];
 const DAMPINGS: [f64; 3] = [0.03, 0.2, 1.0];
@@ -31,18 +30,18 @@ const ORDERS: [f64; 3] = [1.0, 0.6, 0.3];
 const ANOTHER: f64 = 1e-3;
 /// First samples that differ by less than this share of the range are the same voltage.
 const SAME_VOLTAGE: f64 = 0.01;
-/// Dynamics that hardly show in a slow record.
+/// Dynamics with little effect on a slow record.
 const FAST: Motion = Motion { place: 0.9, damping: 0.2, order1: 1.0, measured: false };
 
 /// A loop to start from.
 #[derive(Clone, Debug)]
 struct Shape {
     numbers: Vec<f64>,
-    /// The device comes from loops like those of the record.
+    /// The device has settled on loops like those of the record.
     settled: bool,
 }
 
-/// A shape, and the point of the search that it is.
+/// A shape and its search vector.
 type Placed = (Shape, Vec<f64>);
 
 /// Dynamics to start from.
@@ -51,7 +50,7 @@ struct Motion {
     place: f64,
     damping: f64,
     order1: f64,
-    /// Near the resonances that the records show, instead of a place in the range.
+    /// Near the resonances measured in the records, instead of a place in the range.
     measured: bool,
 }
 
@@ -62,31 +61,31 @@ struct Loop {
     memory: f64,
 }
 
-/// Starts of a search, and what it took to find them.
+/// Starts of a search, and the evaluations spent on them.
 #[derive(Debug, Default)]
 pub(super) struct Starts {
     pub(super) points: Vec<Vec<f64>>,
     pub(super) evaluations: usize,
 }
 
-/// Where a search can begin: loops of the slowest record and lattice points of the dynamics, the best first.
+/// Candidate starts: loops of the slowest record and grid points of the dynamics, the best first.
 pub(super) struct Places {
     loops: Vec<Loop>,
     motions: Vec<Motion>,
-    /// Evaluations that it took to find the loops.
+    /// Evaluations spent on finding the loops.
     pub(super) evaluations: usize,
 }
 
 impl Places {
-    /// Dynamics, each with a loop. Loops take turns, so that starts which agree on an optimum came from unlike
-    /// places.
+    /// Dynamics, each with a loop. Loops alternate, so that starts that agree on an optimum come from
+    /// different regions.
     fn pairs(&self) -> impl Iterator<Item = (&Loop, &Motion)> {
         self.loops.iter().cycle().zip(&self.motions)
     }
 }
 
 impl JointSetup<'_> {
-    /// Starts from lattices alone, the model to start from first.
+    /// Starts from grids alone, the model to start from first.
     pub(in super::super) fn guesses(&self, problem: &JointProblem) -> Result<Vec<Vec<f64>>, IdentifyError> {
         let mut guesses: Vec<Vec<f64>> =
             self.options.start.iter().map(|model| of_model(model, problem.bounds())).collect();
@@ -100,14 +99,14 @@ impl JointSetup<'_> {
         Ok(guesses)
     }
 
-    /// The loop fitted to the slowest record, and dynamics that go with it.
+    /// Loops fitted to the slowest record, and dynamics for them.
     pub(super) fn places(
         &self,
         problem: &JointProblem,
         engine: &mut Engine<'_, '_>,
     ) -> Result<Places, IdentifyError> {
         let mut evaluations = 0;
-        // From here on a stop leaves a model.
+        // After this evaluation a stop leaves a model.
         if let Some(numbers) = self.shapes().into_iter().next() {
             let start = self.point(problem.bounds(), &Shape { numbers, settled: false }, FAST);
             problem.cost(&start, &mut problem.workspace());
@@ -167,8 +166,8 @@ impl JointSetup<'_> {
         (0..self.members.len()).min_by(|a, b| slowness(a).total_cmp(&slowness(b))).unwrap_or_default()
     }
 
-    /// The options with the dynamics held where they hardly show in the slowest record: left free they would
-    /// take the place of the loop there.
+    /// The options with the dynamics held where they have little effect on the slowest record: free ones
+    /// would compensate for the loop.
     fn fast(&self, bounds: &Bounds) -> Options {
         let mut options = self.options.clone();
         let point = self.start(bounds, &[], FAST, |_| 0.0);
@@ -179,8 +178,7 @@ impl JointSetup<'_> {
         options
     }
 
-    /// The problem of the slowest record alone, with `options`, and the starts at each shape in the order of
-    /// their cost.
+    /// The problem of the slowest record alone, with `options`, and its starts in order of cost.
     fn slow(&self, options: &Options, degree: usize) -> Result<(JointProblem, Vec<Placed>), IdentifyError> {
         let index = self.slowest();
         let members = self.members.get(index..=index).unwrap_or_default();
@@ -197,8 +195,8 @@ impl JointSetup<'_> {
         Ok((problem, starts))
     }
 
-    /// The loop that fits the slowest record best, and the best one of another optimum, if there is one; none
-    /// where it was stopped before the first.
+    /// The loop that fits the slowest record best, and the best one of another optimum, if any; none after an
+    /// early stop.
     fn loops(
         &self,
         whole: &JointProblem,
@@ -252,7 +250,8 @@ impl JointSetup<'_> {
         }
     }
 
-    /// The best dynamics at a loop, then others of unlike order (of unlike frequency where orders are whole).
+    /// The best dynamics for a loop, then others of different order (of different frequency for integer
+    /// orders).
     fn motions(&self, problem: &JointProblem, point: impl Fn(Motion) -> Vec<f64> + Sync) -> Vec<Motion> {
         if self.form.modes == Modes::None {
             return vec![FAST, FAST];
@@ -262,7 +261,7 @@ impl JointSetup<'_> {
         } else {
             &ORDERS[..1]
         };
-        // Found here, before candidates are tried on all threads.
+        // Computed here, before candidates are tried on all threads.
         let kinds: &[bool] = if self.resonances().is_empty() { &[false] } else { &[false, true] };
         let lattice = orders.iter().flat_map(|&order1| {
             let of = move |&place: &f64| {
@@ -329,14 +328,14 @@ impl JointSetup<'_> {
         })
     }
 
-    /// Where a parameter of the dynamics starts.
+    /// Start value of a parameter of the dynamics.
     fn first_value(&self, kind: ParameterKind, range: &optimize::Range, motion: Motion) -> f64 {
         let measured = |mode: usize| {
             let resonances = if motion.measured { self.resonances() } else { &[] };
             resonances.get(mode - 1)
         };
         match kind {
-            // At these resonances for the place in the centre, else at some distance from them.
+            // At the measured resonances for the centre place, else detuned from them.
             ParameterKind::NaturalFrequency(mode) => match measured(mode) {
                 Some(found) => found.natural_frequency_hz * (1.0 + 0.25 * (motion.place - CENTRE)),
                 None => range.from_unit(motion.place + (1.0 - motion.place) * (1.0 - 1.0 / mode as f64)),
@@ -359,7 +358,7 @@ impl JointSetup<'_> {
             ParameterKind::CreepPerDecade => 0.02,
             ParameterKind::CreepStart => 0.1,
             ParameterKind::CreepShare(_) => 0.03,
-            // Elements share the range of times.
+            // Elements are spread over the range of times.
             ParameterKind::CreepTime(element) => {
                 let elements = match self.form.creep {
                     Creep::KelvinVoigt { elements } => elements,
@@ -371,8 +370,7 @@ impl JointSetup<'_> {
     }
 }
 
-/// The candidates in the order of their cost; last those that cannot be simulated, and those not tried when
-/// it was stopped.
+/// The candidates in order of cost; last those that cannot be simulated or were not tried before a stop.
 fn by_cost<T: Clone + Send + Sync>(
     problem: &JointProblem,
     candidates: &[T],
@@ -394,7 +392,7 @@ fn by_cost<T: Clone + Send + Sync>(
     costs.into_iter().map(|(_, candidate)| candidate).collect()
 }
 
-/// A model as a start.
+/// A start from a model's parameters.
 fn of_model(model: &Model, bounds: &Bounds) -> Vec<f64> {
     let hysteresis = &model.hysteresis;
     let family = hysteresis.form();

@@ -1,37 +1,37 @@
 //! Weights of the samples of a record.
 //!
-//! A sample counts by the error that is expected of it. Outside its class a model is wrong by a share of the
-//! swing, so that in a small oscillation beside large moves it must come closer to count as much as there:
-//! residuals are weighted by the swing of their piece of the record. The level about which a piece oscillates
-//! is left by the large moves before; its error is theirs. So the mean of every period counts as large moves
-//! do, and what goes on about it as small ones do: two orthogonal parts of the residual.
+//! A sample is weighted by its expected error. Model error is proportional to the swing, so that small
+//! oscillations beside large moves need larger weights to count equally: residuals are weighted by the swing
+//! of their segment. The mean level of a small oscillation is set by the large moves before it, with their
+//! error. So the mean of every period is weighted as large moves are, and the deviation from it as small
+//! ones: two orthogonal parts of the residual.
 
 use std::ops::Range;
 
 use hysteron_model::record::{InputOutput, UniformSegment, oscillation_hz, span, turning_points};
 
-/// Error of a model outside its class, as a share of the swing.
+/// Model error, as a share of the swing.
 const MISFIT: f64 = 0.002;
-/// Weights that differ by less than this factor are those of one amplitude.
+/// Weights within this factor are not distinguished from those of large moves.
 const SEVERAL: f64 = 2.0;
-/// An oscillation moves the drive by at least this share of its range in the record.
+/// Least range of an oscillation, as a share of the drive's range in the record.
 const OSCILLATES: f64 = 1e-4;
-/// Samples kept a swing where a record is thinned, and in a piece without reversals.
+/// Samples kept by thinning, per swing and in a segment without reversals.
 const KEPT_A_SWING: f64 = 24.0;
 const KEPT_A_PIECE: f64 = 60.0;
-/// Reversals that thinning keeps: of this share of the range of their piece.
+/// Least reversal kept by thinning, as a share of the range of its segment.
 const REVERSAL: f64 = 0.1;
 
 /// Weights of the samples of a record.
 #[derive(Clone, Debug, Default)]
 pub(in super::super) struct Weighting {
-    /// Of each sample, 0 where it does not count.
+    /// Weight of each sample, 0 for excluded ones.
     pub(in super::super) weight: Vec<f64>,
     /// Periods of oscillations.
     pub(in super::super) periods: Vec<Level>,
 }
 
-/// A period whose mean counts otherwise than what goes on about it.
+/// A period with different weights for its mean and the deviation from it.
 #[derive(Clone, Debug, PartialEq)]
 pub(in super::super) struct Level {
     /// Its samples, whose weights are equal or 0.
@@ -47,25 +47,25 @@ impl From<Vec<f64>> for Weighting {
 }
 
 impl Weighting {
-    /// Weights a column.
+    /// Applies the weights to a column.
     pub(super) fn apply(&self, column: &mut [f64]) {
         column.iter_mut().zip(&self.weight).for_each(|(x, w)| *x *= w);
         self.scale_levels(column, |share| share);
     }
 
-    /// Takes the weights off a column; samples that do not count become 0.
+    /// Removes the weights from a column; excluded samples become 0.
     pub(super) fn undo(&self, column: &mut [f64]) {
         self.scale_levels(column, |share| 1.0 / share);
         column.iter_mut().zip(&self.weight).for_each(|(x, w)| *x = if *w > 0.0 { *x / w } else { 0.0 });
     }
 
-    /// Samples that are not valid do not count.
+    /// Excludes samples that are not valid.
     pub(super) fn mask(&mut self, valid: Option<&[bool]>) {
         let masked = self.weight.iter_mut().zip(valid.unwrap_or_default()).filter(|(_, valid)| !**valid);
         masked.for_each(|(weight, _)| *weight = 0.0);
     }
 
-    /// Weights where only these rows are worked on, each for those up to the next.
+    /// Weights for these rows only, each representing the samples up to the next.
     pub(super) fn of_rows(&self, kept: &[usize]) -> Self {
         let weight = kept.iter().enumerate().map(|(at, &k)| {
             let next = kept.get(at + 1).copied().unwrap_or(self.weight.len());
@@ -90,9 +90,8 @@ impl Weighting {
     }
 }
 
-/// Weights of a record in pieces: `largest` for moves over the whole `stroke`, more for small oscillations,
-/// by the error that is expected of them beside the `noise`, and all of these alike, whatever their number of
-/// samples.
+/// Weights of a record in segments: `largest` for moves over the whole `stroke`, larger for small
+/// oscillations by their expected model error and `noise`, independently of their number of samples.
 pub(super) fn by_swing(data: &InputOutput, largest: f64, noise: f64, stroke: f64) -> Weighting {
     let mut weighting = Weighting::from(vec![largest; data.len()]);
     let expected = |swing: f64| noise.hypot(MISFIT * swing);
@@ -112,7 +111,7 @@ pub(super) fn by_swing(data: &InputOutput, largest: f64, noise: f64, stroke: f64
             small.push((piece.samples, periods, gain));
         }
     }
-    // Each oscillation determines one gain and one phase, however many samples it has: all count alike.
+    // Each oscillation determines one gain and one phase, however many samples it has: all have equal weight.
     let most = small.iter().map(|(rows, ..)| rows.len()).max().unwrap_or(1);
     for (rows, periods, gain) in small {
         let gain = gain * (most as f64 / rows.len() as f64).sqrt();
@@ -122,7 +121,8 @@ pub(super) fn by_swing(data: &InputOutput, largest: f64, noise: f64, stroke: f64
     weighting
 }
 
-/// Samples of a record in pieces that show every swing of its drive, reversals and ends of pieces among them.
+/// Samples of a record in segments that resolve every swing of its drive, including reversals and segment
+/// ends.
 pub(super) fn thinned(data: &InputOutput) -> Vec<usize> {
     let mut kept = Vec::new();
     for (piece, samples) in oscillations(data) {
@@ -138,9 +138,9 @@ pub(super) fn thinned(data: &InputOutput) -> Vec<usize> {
     kept
 }
 
-/// The pieces of a record, each with the samples of a period of its oscillation where it has one.
+/// The segments of a record, each with the samples per period of its oscillation, if any.
 fn oscillations(data: &InputOutput) -> impl Iterator<Item = (UniformSegment, Option<f64>)> {
-    // Once: there may be as many pieces as samples.
+    // Computed once: there may be as many segments as samples.
     let least_range = OSCILLATES * span(&data.u);
     data.time.pieces(data.len()).into_iter().map(move |piece| {
         let hz = oscillation_hz(&data.u, &piece, least_range);
@@ -159,7 +159,7 @@ mod tests {
             weight: vec![1.0, 2.0, 2.0, 0.0, 2.0],
             periods: vec![Level { rows: 1..5, share: 0.25 }],
         };
-        // Mean 3 about which it goes −1, 0, 1, weighted by 2: a mean of 1.5 about which it goes −2, 0, 2.
+        // Mean 3 with deviations −1, 0, 1, weighted by 2: mean 1.5 with deviations −2, 0, 2.
         let mut column = [7.0, 2.0, 3.0, 9.0, 4.0];
         weighting.apply(&mut column);
         assert_eq!(column, [7.0, -0.5, 1.5, 0.0, 3.5]);

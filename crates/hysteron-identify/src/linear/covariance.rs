@@ -1,4 +1,4 @@
-//! Covariance of an estimate whose residual may be coloured.
+//! Covariance of an estimate under coloured residuals.
 
 use nalgebra::DMatrix;
 
@@ -6,9 +6,9 @@ use super::gauss_newton::Linearisation;
 use crate::joint::coloured_square;
 use crate::uncertainty::correlation_time;
 
-/// Covariance of the first `count` unknowns of a least-squares estimate, and how many independent samples its
-/// residual is worth. `segments`: samples of each record, one after the other; `white`: the residual is, by a
-/// model of its colour.
+/// Covariance of the first `count` unknowns of a least-squares estimate, and the effective number of
+/// independent samples of its residual. `segments`: samples of each record, one after the other; `white`: the
+/// residual is white by a noise model.
 pub(super) fn covariance(
     segments: &[usize],
     at: &Linearisation,
@@ -49,7 +49,7 @@ pub(super) fn independent_samples(segments: &[usize], residual: &[f64]) -> f64 {
 }
 
 /// M⁻¹ (Σ_records Σ_k ρ_k Σ_t z_t z_{t+k}ᵀ) M⁻ᵀ for an estimate with M δ = Σ z e, ρ the autocovariance of the
-/// residual; `None` where M is singular. Rows of samples that do not count are 0.
+/// residual; `None` where M is singular. Rows of excluded samples are 0.
 pub(super) fn sandwich(
     segments: &[usize],
     instruments: &DMatrix<f64>,

@@ -8,19 +8,19 @@ pub(super) struct Linearisation {
     pub(super) jacobian: DMatrix<f64>,
 }
 
-/// Where a search ended.
+/// Result of a search.
 pub(super) struct Optimum {
     pub(super) x: Vec<f64>,
     pub(super) at: Linearisation,
     pub(super) iterations: usize,
-    /// No step made the cost smaller by more than rounding, or the steps became negligible.
+    /// No step reduced the cost by more than rounding, or the steps became negligible.
     pub(super) converged: bool,
 }
 
 const ITERATIONS: usize = 100;
-/// A step this small against the unknowns is none.
+/// Step relative to the unknowns below which it is negligible.
 const STEP: f64 = 1e-12;
-/// A relative gain in the sum of squares below this is none.
+/// Relative reduction of the sum of squares below which it is negligible.
 const GAIN: f64 = 1e-13;
 
 /// Least squares from `start`; `at` gives residuals and derivatives, or `None` where the model is not

@@ -1,18 +1,18 @@
-//! Linear dynamics behind the hysteresis block by polynomial models: output error, Box–Jenkins, refined
+//! Linear dynamics after the hysteresis block by polynomial models: output error, Box–Jenkins, refined
 //! instrumental variables.
 //!
-//! All act on the output v of an identified hysteresis block and the measured displacement y, one offset a
+//! All use the output v of an identified hysteresis block and the measured displacement y, one offset per
 //! record:
 //!
 //! - ARX, the equation error by linear least squares, is [`hysteron_model::dynamics::arx`]: fast, biased by
 //!   noise on y;
 //! - [`fit_polynomial`]: *output error* y = B/F v + e minimises the simulation error, *Box–Jenkins* y = B/F
-//!   v + C/D e has a noise model beside it and minimises the prediction error (Ljung 1999, §4.2, ch. 7), in z
+//!   v + C/D e adds a noise model and minimises the prediction error (Ljung 1999, §4.2, ch. 7), in z
 //!   at the sample rate;
 //! - [`fit_srivc`]: B(s)/A(s) in continuous time by simplified refined instrumental variables (Young,
 //!   Garnier).
 //!
-//! Orders are tried by [`select_polynomial`] and [`select_srivc`].
+//! Orders are selected by [`select_polynomial`] and [`select_srivc`].
 //!
 //! Source: L. Ljung, *System Identification: Theory for the User*, 2nd ed., Prentice Hall 1999.
 
@@ -61,7 +61,7 @@ fn is_valid(record: &ArxRecord<'_>, k: usize) -> bool {
     record.valid.is_none_or(|valid| valid[k])
 }
 
-/// The output with masked samples on the straight line between their neighbours.
+/// The output with masked samples interpolated linearly.
 fn bridged(record: &ArxRecord<'_>) -> Vec<f64> {
     let mut y = record.output.to_vec();
     let valid: Vec<usize> = (0..y.len()).filter(|&k| is_valid(record, k)).collect();

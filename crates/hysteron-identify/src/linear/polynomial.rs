@@ -55,7 +55,7 @@ pub struct PolynomialModel {
 }
 
 impl PolynomialModel {
-    /// The model without its noise as a difference equation: what is simulated and saved.
+    /// The deterministic part as a difference equation, for simulation and saving.
     pub fn deterministic(&self) -> Arx {
         Arx { a: self.f.clone(), b: [vec![0.0; self.nk], self.b.clone()].concat() }
     }
@@ -77,18 +77,18 @@ pub struct PolynomialFit {
     pub offsets: Vec<f64>,
     /// Covariance of b₀ …, f₁ …, c₁ …, d₁ …; `None` where the data do not determine them all. Without a noise
     /// model the residual may be coloured: (JᵀJ)⁻¹ (Σ ρ_k Σ_t J_t J_{t+k}ᵀ) (JᵀJ)⁻¹ with its autocovariance
-    /// ρ; with one it is taken to be white.
+    /// ρ; with one it is assumed white.
     pub covariance: Option<DMatrix<f64>>,
-    /// Root mean square of what was minimised: the simulation error, or with a noise model the one-step
+    /// Root mean square of the minimised error: the simulation error, or with a noise model the one-step
     /// prediction error.
     pub rmse: f64,
     /// Root mean square of the simulation error y − B/F v − offset.
     pub simulated_rmse: f64,
-    /// Samples that the residuals are worth: as many as there are where they are white.
+    /// Effective number of independent samples of the residuals: all where they are white.
     pub independent_samples: f64,
     /// Iterations.
     pub iterations: usize,
-    /// Whether the search came to an end.
+    /// The search converged.
     pub converged: bool,
 }
 
@@ -101,11 +101,11 @@ impl PolynomialFit {
 
 /// Fits an output-error or Box–Jenkins model to records of one sample rate.
 ///
-/// Starts at ARX made into an output error by Steiglitz–McBride iterations (doi:10.1109/TAC.1965.1098181),
-/// with the noise model of what they leave by a long autoregression (Hannan, Rissanen,
-/// doi:10.1093/biomet/69.1.81); then Levenberg–Marquardt on the prediction error e = D/C (y − B/F v − offset)
-/// with exact derivatives, filtered signals themselves (Ljung 1999, §10.3). F, C and D stay stable. Samples
-/// that are not valid carry no error: there the noise is what is predicted of it.
+/// Starts from ARX refined by Steiglitz–McBride iterations (doi:10.1109/TAC.1965.1098181), with a noise model
+/// of their residual by a long autoregression (Hannan, Rissanen, doi:10.1093/biomet/69.1.81); then
+/// Levenberg–Marquardt on the prediction error e = D/C (y − B/F v − offset) with exact derivatives, which are
+/// filtered signals (Ljung 1999, §10.3). F, C and D stay stable. Samples that are not valid have no error:
+/// the noise there is its prediction.
 ///
 /// # Errors
 /// [`DynamicsError::NoInputCoefficients`] for nb = 0, [`DynamicsError::Length`],
@@ -123,7 +123,7 @@ pub fn fit_polynomial(
     polish(records, orders, start)
 }
 
-/// The search from B and F, with the offsets of the records.
+/// Prediction-error search from B and F, with the offsets of the records.
 pub(super) fn polish(
     records: &[ArxRecord<'_>],
     orders: PolynomialOrders,

@@ -2,7 +2,7 @@
 //!
 //! With x = B/F v and w = y − offset − x, e = D/C w. Derivatives are filtered signals: ∂x/∂b_j = z^−(j+nk)/F
 //! v, ∂x/∂f_i = −z^−i/F x, ∂e/∂c_i = −z^−i/C e, ∂e/∂d_i = z^−i/C w. At a sample that is not valid e = 0, and
-//! w is what is predicted, Σ c e − Σ d w.
+//! w is its prediction Σ c e − Σ d w.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -122,7 +122,7 @@ impl<'a> PredictionError<'a> {
         }
         let (mut dw, mut de) = (vec![0.0; samples], vec![0.0; samples]);
         for p in (0..self.orders.count()).chain([own]) {
-            // The derivative of the prediction that p's own coefficient brings.
+            // Direct derivative of the prediction with respect to coefficient p.
             let of_noise = p.checked_sub(nb + nf).filter(|i| *i < nc + nd);
             for (k, &valid) in valid.iter().enumerate() {
                 let delayed = |x: &[f64], lag: usize| k.checked_sub(lag).map_or(0.0, |at| x[at]);

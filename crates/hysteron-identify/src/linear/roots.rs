@@ -31,7 +31,7 @@ pub(super) fn monic(roots: &[Complex64]) -> Vec<f64> {
     c.iter().skip(1).map(|c| c.re).collect()
 }
 
-/// Zeros on or outside the unit circle moved to the mirror point inside.
+/// Reflects zeros on or outside the unit circle into it.
 pub(super) fn inside_the_circle(c: &[f64]) -> Vec<f64> {
     let mirror = |z: Complex64| match z.norm() {
         size if size >= 1.0 => (1.0 / z.conj()) * if size < 1.0 + 1e-6 { 0.999 } else { 1.0 },
@@ -40,7 +40,7 @@ pub(super) fn inside_the_circle(c: &[f64]) -> Vec<f64> {
     reflected(c, mirror)
 }
 
-/// Zeros on or right of the imaginary axis moved to the mirror point left of it.
+/// Reflects zeros on or right of the imaginary axis to its left.
 pub(super) fn left_of_the_axis(c: &[f64]) -> Vec<f64> {
     let mirror = |s: Complex64| Complex64::new(-s.re.abs().max(1e-6 * s.norm()), s.im);
     reflected(c, |s| if s.re < 0.0 { s } else { mirror(s) })

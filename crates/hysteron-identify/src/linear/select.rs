@@ -6,22 +6,22 @@ use hysteron_model::dynamics::DynamicsError;
 use hysteron_model::dynamics::arx::ArxRecord;
 use hysteron_model::record::InterSample;
 
-/// Poles that settle the delay before other orders are tried.
+/// Number of poles for choosing the delay before other orders are tried.
 const POLES_OF_DELAY: usize = 2;
 
-/// A fitted model among those of other orders.
+/// A fitted model in the order selection.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Selected<F> {
     /// The fit.
     pub fit: F,
-    /// M ln V + p ln M with the mean square V of the simulation error, p coefficients and M the independent
-    /// samples that the residual of the closest fit is worth.
+    /// M ln V + p ln M with the mean square V of the simulation error, p coefficients and M the effective
+    /// number of independent samples of the best fit's residual.
     pub bic: f64,
 }
 
 /// Fits output-error models with 1 to `most_poles` poles and as many or one more coefficients of B, each with
-/// the delay of 0 to `longest_delay` samples that suits best, and returns them by BIC, the best first; with
-/// `noise` = (nc, nd) the best one has a Box–Jenkins noise model.
+/// its best delay of 0 to `longest_delay` samples, and returns them by BIC, the best first; with `noise` =
+/// (nc, nd) the best one has a Box–Jenkins noise model.
 ///
 /// # Errors
 /// Those of [`fit_polynomial`], where none can be fitted.
@@ -45,8 +45,8 @@ pub fn select_polynomial(
     Ok(list)
 }
 
-/// Fits continuous-time models with 1 to `most_poles` poles and one or two zeros less, each with the delay of
-/// 0 to `longest_delay` samples that suits best, and returns them by BIC, the best first.
+/// Fits continuous-time models with 1 to `most_poles` poles and one or two zeros less, each with its best
+/// delay of 0 to `longest_delay` samples, and returns them by BIC, the best first.
 ///
 /// # Errors
 /// Those of [`fit_srivc`], where none can be fitted.
@@ -70,8 +70,8 @@ pub fn select_srivc(
 /// Number of coefficients, simulation error, independent samples, and the fit.
 type Judged<F> = (usize, f64, f64, F);
 
-/// Every shape with the delay of the least simulation error: all delays for the first shape of two poles, for
-/// the others those next to its best.
+/// Every order with the delay of least simulation error: all delays for the first order with two poles, the
+/// neighbours of its best delay for the others.
 fn ranked<F>(
     shapes: &[(usize, usize)],
     longest_delay: usize,

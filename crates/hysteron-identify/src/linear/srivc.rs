@@ -12,11 +12,11 @@ use hysteron_model::record::InterSample;
 
 /// Iterations from one start.
 const ITERATIONS: usize = 100;
-/// Iterations that tell the starts apart.
+/// Iterations for comparing the starts.
 const FIRST: usize = 6;
-/// Corner frequencies of the first filter.
+/// Number of corner frequencies of the initial filter.
 const CORNERS: usize = 7;
-/// Unknowns that move by less than this share have settled.
+/// Relative change of the unknowns at convergence.
 const SETTLED: f64 = 1e-10;
 
 /// Orders of a continuous-time model.
@@ -41,16 +41,16 @@ pub struct SrivcFit {
     pub denominator: Vec<f64>,
     /// Output offset of each record: measured = simulated + offset + noise.
     pub offsets: Vec<f64>,
-    /// Covariance of the numerator's coefficients and the denominator's without the last, as they are listed;
-    /// the residual may be coloured. `None` where the data do not determine them.
+    /// Covariance of the numerator's coefficients and the denominator's without the last, in this order; the
+    /// residual may be coloured. `None` where the data do not determine them.
     pub covariance: Option<DMatrix<f64>>,
     /// Root mean square of the simulation error.
     pub rmse: f64,
-    /// Samples that the residuals are worth: as many as there are where they are white.
+    /// Effective number of independent samples of the residuals: all where they are white.
     pub independent_samples: f64,
     /// Iterations.
     pub iterations: usize,
-    /// Whether they settled.
+    /// The iterations converged.
     pub converged: bool,
 }
 
@@ -67,19 +67,19 @@ impl SrivcFit {
     }
 }
 
-/// Fits y = B(s)/A(s) v + offset to records sampled at `sample_rate_hz`; v is held or goes along straight
-/// lines between its samples, and was 0 before them.
+/// Fits y = B(s)/A(s) v + offset to records sampled at `sample_rate_hz`; v is held or interpolated linearly
+/// between its samples, and 0 before them.
 ///
-/// Each iteration filters v, y and the model's own noise-free x = B/A v by 1/A of the iteration before, whose
-/// states are the filtered derivatives, and solves sⁿ/A y = −Σ a sʲ/A y + Σ b sʲ/A v with x in the place of y
-/// among the instruments: x is free of the noise of y, so that the estimate is not biased by it, whatever its
-/// colour. What y does between its samples does not matter where it settles, since A/A y = y there (S. Pan,
-/// J. S. Welsh, R. A. González, C. R. Rojas, *Automatica* 2020). Source: P. C. Young, H. Garnier, M. Gilson,
-/// in *Identification of Continuous-time Models from Sampled Data*, Springer 2008, ch. 4. Starts: linear
+/// Each iteration filters v, y and the model's noise-free x = B/A v by 1/A of the previous iteration, whose
+/// states are the filtered derivatives, and solves sⁿ/A y = −Σ a sʲ/A y + Σ b sʲ/A v with x replacing y in
+/// the instruments: x is free of the noise of y, so that the estimate is unbiased for noise of any colour.
+/// The inter-sample behaviour of y does not matter at convergence, since A/A y = y there (S. Pan, J. S.
+/// Welsh, R. A. González, C. R. Rojas, *Automatica* 2020). Source: P. C. Young, H. Garnier, M. Gilson, in
+/// *Identification of Continuous-time Models from Sampled Data*, Springer 2008, ch. 4. Starts: linear
 /// regression on signals filtered by 1/(s + λ)ⁿ for λ over the band. Unstable poles are reflected.
 ///
 /// # Errors
-/// [`DynamicsError::Parameter`] for a number of poles or zeros that cannot be; [`DynamicsError::SampleRate`];
+/// [`DynamicsError::Parameter`] for an invalid number of poles or zeros; [`DynamicsError::SampleRate`];
 /// [`DynamicsError::Length`], [`DynamicsError::InputNotFinite`], [`DynamicsError::TooFewSamples`];
 /// [`DynamicsError::Dependent`] where the data do not determine the coefficients.
 pub fn fit_srivc(
@@ -103,7 +103,7 @@ pub fn fit_srivc(
     check(records, poles + zeros + 1)?;
     let regression = Regression::new(records, (zeros, poles), delay, between);
     let longest = records.iter().map(|r| r.input.len()).max().unwrap_or(1) as f64;
-    // From a few periods in the longest record to a good part of half the sample rate, in samples.
+    // Corners from a few periods in the longest record to a large part of the Nyquist frequency, per sample.
     let (low, high) = (30.0 / longest, 1.0f64);
     let mut starts: Vec<Iterate> = (0..CORNERS)
         .filter_map(|k| {
@@ -119,14 +119,14 @@ pub fn fit_srivc(
     Ok(regression.result(&found, orders, sample_rate_hz, (iterations, converged)))
 }
 
-/// Most poles that are fitted.
+/// Most poles.
 const MOST_POLES: usize = 10;
 
-/// The records, ready to be filtered. Time is counted in sample periods times `unit`, which makes the
-/// coefficients of A of order 1.
+/// The records, prepared for filtering. Time is in sample periods times `unit`, which makes the coefficients
+/// of A of order 1.
 struct Regression<'a> {
     records: &'a [ArxRecord<'a>],
-    /// Delayed inputs and bridged outputs from the level of their first sample.
+    /// Delayed inputs, and gap-filled outputs relative to their first sample.
     inputs: Vec<Vec<f64>>,
     outputs: Vec<Vec<f64>>,
     zeros: usize,
@@ -178,8 +178,8 @@ impl<'a> Regression<'a> {
         }
     }
 
-    /// By linear regression on signals through 1/(s + 1)ⁿ with time in units such that this is `corner` in
-    /// 1/samples, and a few iterations from there.
+    /// Start by linear regression on signals filtered by 1/(s + 1)ⁿ in a time unit that puts the corner at
+    /// `corner` per sample, and a few iterations from there.
     fn started_at(&self, corner: f64) -> Option<Iterate> {
         let n = self.poles;
         let mut a = vec![0.0; n + 1];
@@ -196,8 +196,8 @@ impl<'a> Regression<'a> {
         Some(self.settle(start, FIRST).0)
     }
 
-    /// Iterations until the unknowns settle; of all iterates the one with the least simulation error, or the
-    /// last where they settled.
+    /// Iterates to convergence; returns the last iterate if converged, else the one with the least simulation
+    /// error.
     fn settle(&self, start: Iterate, most: usize) -> (Iterate, usize, bool) {
         let mut best = start.clone();
         let mut now = start;
@@ -214,9 +214,9 @@ impl<'a> Regression<'a> {
         (best, most, false)
     }
 
-    /// One refinement, and the largest relative move of a coefficient of the transfer function.
+    /// One refinement, and the largest relative change of a coefficient of the transfer function.
     fn next(&self, now: &Iterate) -> Option<(Iterate, f64)> {
-        // The unit of time follows the model: its poles lie about 1.
+        // The time unit is rescaled with the model, to poles near 1.
         let now = &self.in_own_time(now);
         let (n, m) = (self.poles, self.zeros);
         let signals = self.filtered(&now.x[..n], now.step);
@@ -235,7 +235,7 @@ impl<'a> Regression<'a> {
         Some((self.judged(now.step, x)?, moved))
     }
 
-    /// This model in units of time that make the product of its poles 1.
+    /// This model in the time unit that makes the product of its poles 1.
     fn in_own_time(&self, now: &Iterate) -> Iterate {
         let (n, m) = (self.poles, self.zeros);
         let rate = now.x[n - 1].abs().powf(1.0 / n as f64);
@@ -268,7 +268,7 @@ impl<'a> Regression<'a> {
     }
 
     /// Columns −sⁿ⁻¹/A y … −1/A y, sᵐ/A v … 1/A v, a one for each record, and sⁿ/A y, rows of samples that
-    /// are not valid 0; with `other` in the place of y.
+    /// are not valid 0; with `other` replacing y.
     fn regressors(
         &self,
         signals: &Filtered,
@@ -312,7 +312,7 @@ impl<'a> Regression<'a> {
         errors
     }
 
-    /// The model made stable, with its simulation error; `None` where it is not finite.
+    /// The model with unstable poles reflected, and its simulation error; `None` where it is not finite.
     fn judged(&self, step: f64, mut x: Vec<f64>) -> Option<Iterate> {
         if x.iter().any(|x| !x.is_finite()) {
             return None;
@@ -341,7 +341,7 @@ impl<'a> Regression<'a> {
         let filtered = noise_free.iter().map(|x| filter.apply(x)).collect();
         let (instruments, _) = self.regressors(&signals, Some(&filtered));
         let own = sandwich(&segments, &instruments, instruments.tr_mul(&regressors), &errors);
-        // From time in units of the model to seconds: a coefficient of s^j counts rate^(n − j).
+        // From the model's time unit to seconds: a coefficient of s^j is scaled by rate^(n − j).
         let rate = found.step * sample_rate_hz;
         let place =
             |i: usize| if i <= m { (n + m - i, n - i) } else { (n - 1 - (i - m - 1), n - (i - m - 1)) };

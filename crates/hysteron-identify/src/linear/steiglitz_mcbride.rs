@@ -13,13 +13,13 @@ use hysteron_numeric::least_squares;
 /// B and F.
 type Polynomials = (Vec<f64>, Vec<f64>);
 
-/// Iterations: they converge within a few for a model of the right order and need not converge for another.
+/// Iterations: a model of the right order converges within a few, another may not converge.
 const ITERATIONS: usize = 15;
 /// A diagonal element of R below this share of its (unit) column makes the column dependent.
 const DEPENDENT: f64 = 1e-12;
 
-/// B and F by ARX on signals filtered by 1/F of the iteration before, which in the end is the output error;
-/// of all iterations those with the least output error.
+/// B and F by ARX on signals filtered by 1/F of the previous iteration, which on convergence approximates the
+/// output error; of all iterations those with the least output error.
 pub(super) fn steiglitz_mcbride(
     records: &[ArxRecord<'_>],
     orders: PolynomialOrders,
@@ -48,7 +48,7 @@ pub(super) fn steiglitz_mcbride(
     best.map(|(_, start)| start).ok_or(DynamicsError::Dependent { column: 0, columns })
 }
 
-/// F y = B v + offset in least squares, both sides filtered by 1/`filter_by`.
+/// Least squares for F y = B v + offset, both sides filtered by 1/`filter_by`.
 fn regression(
     records: &[ArxRecord<'_>],
     outputs: &[Vec<f64>],
@@ -63,7 +63,7 @@ fn regression(
     for (index, (record, output)) in records.iter().zip(outputs).enumerate() {
         let (mut v, mut y) = (vec![0.0; output.len()], vec![0.0; output.len()]);
         filter(&[1.0], 0, filter_by, record.input, &mut v);
-        // From the level of its start: the filter has not seen what was before.
+        // Relative to the initial level, since the filter starts from zero.
         let level = output.first().copied().unwrap_or(0.0);
         let moved: Vec<f64> = output.iter().map(|y| y - level).collect();
         filter(&[1.0], 0, filter_by, &moved, &mut y);
@@ -89,7 +89,7 @@ fn regression(
     Ok((x[..nb].to_vec(), x[nb..nb + nf].to_vec()))
 }
 
-/// Least squares with one right side.
+/// Least squares with one right-hand side.
 fn solved(matrix: DMatrix<f64>, right: DVector<f64>) -> Result<Vec<f64>, DynamicsError> {
     let columns = matrix.ncols();
     let right = DMatrix::from_column_slice(right.len(), 1, right.as_slice());
@@ -114,8 +114,8 @@ fn output_error(records: &[ArxRecord<'_>], nk: usize, b: &[f64], f: &[f64]) -> f
         .sum()
 }
 
-/// C and D of the output error: innovations from a long autoregression, then w on its past and theirs. Zeros
-/// where the regression fails.
+/// C and D of the output error: innovations e from a long autoregression, then regression of w on past w and
+/// e. Zeros where the regression fails.
 pub(super) fn noise_start(
     records: &[ArxRecord<'_>],
     residual: &DVector<f64>,

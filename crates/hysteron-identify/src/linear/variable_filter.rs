@@ -1,5 +1,4 @@
-//! State-variable filter: sʲ/A(s) of a sampled signal, exact for a signal that is held or straight between
-//! its samples.
+//! State-variable filter: sʲ/A(s) of a sampled signal, exact for zero-order hold or linear interpolation.
 
 use nalgebra::DMatrix;
 
@@ -11,14 +10,14 @@ pub(super) struct VariableFilter {
     /// a₁ … a_n of sⁿ + a₁ sⁿ⁻¹ + … + a_n.
     a: Vec<f64>,
     transition: DMatrix<f64>,
-    /// Of u at the start of the period, and of its rise over it.
+    /// Input columns for u at the start of the period and for its rise over it.
     level: Vec<f64>,
     rise: Vec<f64>,
 }
 
 impl VariableFilter {
-    /// `step`: sample period in the unit of time of A. Held signals jump at their samples, others go along
-    /// straight lines.
+    /// `step`: sample period in the unit of time of A. Held signals step at their samples, others are
+    /// interpolated linearly.
     pub(super) fn new(a: &[f64], step: f64, between: InterSample) -> Self {
         let n = a.len();
         // d/dt (z, u, u̇ h) with u̇ constant over the period.
@@ -43,8 +42,8 @@ impl VariableFilter {
         }
     }
 
-    /// sʲ/A(s) u for j = 0 … n, one column each, from zero. A signal that is not held went to its first
-    /// sample within the sample period before.
+    /// sʲ/A(s) u for j = 0 … n, one column each, from zero. A signal that is not held ramps to its first
+    /// sample within the preceding period.
     pub(super) fn apply(&self, u: &[f64]) -> Vec<Vec<f64>> {
         let n = self.a.len();
         let mut out = vec![vec![0.0; u.len()]; n + 1];
@@ -72,8 +71,8 @@ impl VariableFilter {
 mod tests {
     use super::*;
 
-    /// 1/(s + 2) of a held step 1 − e^(−2t) over 2, of a ramp (t − (1 − e^(−2t))/2)/2; and the same by a
-    /// filter of second order, (s + 5)/((s + 5)(s + 2)).
+    /// 1/(s + 2) of a held step is (1 − e^(−2t))/2, of a ramp (t − (1 − e^(−2t))/2)/2; likewise by a filter
+    /// of second order, (s + 5)/((s + 5)(s + 2)).
     #[test]
     fn steps_and_ramps_have_closed_forms() {
         let h = 0.13;

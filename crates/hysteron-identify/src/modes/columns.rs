@@ -1,4 +1,4 @@
-//! The parameters a search moves, and the columns of their derivatives.
+//! Free parameters of a search, and the columns of their derivatives.
 
 use hysteron_model::axes::ScheduledModes;
 use hysteron_numeric::{Forcing, LANES, Target};
@@ -20,12 +20,12 @@ pub(super) enum Group {
 }
 
 impl Group {
-    /// Whether the trajectory of the states depends on it.
+    /// True if the trajectory of the states depends on it.
     fn is_dynamic(self) -> bool {
         self <= Self::Coefficients
     }
 
-    /// The group whose columns, times S, are those of this one.
+    /// The group whose columns times S are those of this one.
     fn base(self) -> Option<Self> {
         match self {
             Self::TransitionSlopes => Some(Self::Transition),
@@ -81,7 +81,7 @@ impl Group {
     }
 }
 
-/// A column of all parameters: which base column it is, and whether it is taken times S.
+/// A parameter's column: index of its base column, and multiplication by S.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Column {
     pub base: usize,
@@ -90,9 +90,9 @@ pub(super) struct Column {
 
 /// The free parameters of a search.
 ///
-/// Base columns: the dynamic ones, whose derivatives are followed along the trajectory; then, output by
-/// output, those of its rows of C, D and D_h, which are the signals x, u and w themselves. Columns of slopes
-/// are base columns times S.
+/// Base columns: the dynamic ones, by forward sensitivities along the trajectory; then, output by output,
+/// those of its rows of C, D and D_h, which are the signals x, u and w themselves. Columns of slopes are base
+/// columns times S.
 #[derive(Clone, Debug)]
 pub(super) struct Freedom {
     groups: Vec<Group>,
@@ -148,7 +148,7 @@ impl Freedom {
         self.dynamic + outputs * self.own.len()
     }
 
-    /// The model a step further.
+    /// The model after a parameter step.
     pub(super) fn moved(&self, model: &ScheduledModes, step: &[f64]) -> ScheduledModes {
         let mut moved = model.clone();
         let mut steps = step.iter();

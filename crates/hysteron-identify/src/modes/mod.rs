@@ -7,11 +7,11 @@
 //!    vector fitting, residues of rank one by singular value decomposition.
 //! 3. *Linear modes.* Levenberg–Marquardt on the simulated outputs of the highest level, then of all levels
 //!    with poles, output rows and feedthrough that follow the level.
-//! 4. *Hysteresis.* Strains of what each actuator would do freely and of its stress are put in feedback;
-//!    first their coefficients, then everything at once.
+//! 4. *Hysteresis.* Hysteretic strains of each actuator's free stroke and stress are added in feedback;
+//!    first their coefficients, then all parameters.
 //!
-//! Derivatives are exact forward sensitivities of the simulation itself. Levels count by their squared error
-//! over their rms output: half way between absolute and relative errors. The result does not depend on the
+//! Derivatives are exact forward sensitivities of the simulation itself. Levels are weighted by their squared
+//! error over their rms output, between absolute and relative errors. The result does not depend on the
 //! number of threads.
 
 mod columns;
@@ -35,14 +35,14 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Pairs of poles the vector fit starts from; `None`: chosen by how well they follow the response. What
-    /// is found can be fewer.
+    /// Initial pole pairs of the vector fit; `None`: chosen by their fit of the response. The result can have
+    /// fewer.
     pub modes: Option<usize>,
-    /// Steps of the simulation a sample.
+    /// Simulation steps per sample.
     pub steps: usize,
     /// Plays of each strain; 0: polynomials alone.
     pub plays: usize,
-    /// Whether there is hysteresis in feedback at all; without it the modes are linear at each level.
+    /// Hysteresis in feedback; without it the modes are linear at each level.
     pub hysteresis: bool,
     /// Corner of the inputs' lags to start from \[Hz\]; `None`: 0.8 of the highest excited frequency.
     pub lag_hz: Option<f64>,
@@ -52,7 +52,7 @@ pub struct Options {
     pub time_constant_s: f64,
     /// Iterations of the last search.
     pub iterations: usize,
-    /// Take a record in which no period is found for one period of a steady state.
+    /// Treat a record without a detected period as one period of a steady state.
     pub whole_records: bool,
     /// Least fit accepted, pooled over the outputs of each record \[%\].
     pub least_fit_percent: f64,
@@ -83,15 +83,15 @@ pub struct ModesIdentification {
     pub model: ScheduledModes,
     /// Free parameters of the last search.
     pub parameters: usize,
-    /// Every record and how the model describes it, in their order.
+    /// Fit of every record, in their order.
     pub records: Vec<ModesRecordFit>,
     /// The modes at the lowest and the highest level.
     pub modes: Vec<ModeShift>,
     /// Influence matrix of every level whose records determine it, ascending.
     pub influence: Vec<LevelInfluence>,
-    /// Whether the search was stopped before its end.
+    /// The search was stopped before its end.
     pub interrupted: bool,
-    /// State to go on from.
+    /// State to resume from.
     pub resume: Searches,
     /// Verdicts, advice and warnings in plain words.
     pub findings: Vec<Finding>,

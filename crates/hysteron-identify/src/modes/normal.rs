@@ -9,10 +9,9 @@ use hysteron_model::axes::{ScheduledModes, Trajectory, simulate_steady};
 use hysteron_numeric::{FeedbackTangent, InstructionSet, LANES, Lanes, TangentState};
 use hysteron_optimize::Stop;
 
-/// Blocks of columns multiplied with each other at once.
+/// Blocks of columns multiplied at once.
 const PANEL: usize = 4;
-/// e-folds of the slowest state before a period that is compared, and before one whose derivatives are
-/// followed.
+/// Preroll in e-folds of the slowest state, for the simulation and for the derivatives.
 const FORGOTTEN: f64 = 20.0;
 const FADED: f64 = 10.0;
 /// Most periods of preroll while a fit runs.
@@ -24,14 +23,14 @@ pub(super) struct NormalEquations {
     pub gradient: DVector<f64>,
 }
 
-/// Steps before the period that is compared, and those of them with derivatives.
+/// Preroll steps before the scored period, and those of them with derivatives.
 fn preroll(model: &ScheduledModes, s: f64, count: usize) -> (usize, usize) {
     let most = MOST_PREROLL * count;
     let compared = model.settling_steps(s, FORGOTTEN).clamp(count.min(most), most);
     (compared, model.settling_steps(s, FADED).min(compared))
 }
 
-/// Mean-free residual of a record, interleaved; `None` where the simulation leaves the range of numbers.
+/// Mean-free residual of a record, interleaved; `None` where the simulation overflows.
 pub(super) fn residual(model: &ScheduledModes, piece: &RecordPeriod) -> Option<Vec<f64>> {
     let s = model.state_of(&piece.period);
     let (compared, _) = preroll(model, s, piece.fine.len() / model.inputs);
@@ -57,7 +56,7 @@ pub(super) fn cost(model: &ScheduledModes, pieces: &[&RecordPeriod]) -> f64 {
     costs.iter().sum()
 }
 
-/// The normal equations at the model; `None` where a record cannot be simulated, or it was stopped.
+/// The normal equations at the model; `None` where a record cannot be simulated, or after a stop.
 pub(super) fn normal_equations(
     model: &ScheduledModes,
     freedom: &Freedom,
@@ -94,7 +93,7 @@ fn of_record(
     let e = difference(piece, &trajectory.y);
     let blocks = derivatives(model, freedom, &trajectory, s, stop);
     let (outputs, samples) = (model.outputs, piece.period.samples());
-    // Panels of each output: its dynamic columns, then its own signals and the residual.
+    // Panels of each output: dynamic columns, then the columns of its own parameters and the residual.
     let dynamic: Vec<&[Vec<Lanes>]> = blocks.chunks(PANEL).collect();
     let panels: Vec<Vec<Panel>> = (0..outputs)
         .into_par_iter()
@@ -147,7 +146,7 @@ fn of_record(
 }
 
 /// Derivatives of the outputs with respect to the dynamic columns, block by block: outputs · samples lanes
-/// each; zeros once it is stopped.
+/// each; zeros after a stop.
 pub(super) fn derivatives(
     model: &ScheduledModes,
     freedom: &Freedom,

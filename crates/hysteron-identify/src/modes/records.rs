@@ -1,4 +1,4 @@
-//! Records brought into the form the fit works on.
+//! Preparation of the records for the fit.
 
 use super::Options;
 use crate::IdentifyError;
@@ -22,7 +22,7 @@ pub(super) struct RecordPeriod {
     pub weight: f64,
 }
 
-/// rms error that, the same in all these records, has this cost.
+/// rms error that, equal in all these records, has this cost.
 pub(super) fn error_of(cost: f64, pieces: &[&RecordPeriod]) -> Option<f64> {
     let weight: f64 = pieces.iter().map(|p| p.weight * p.period.y.len() as f64).sum();
     Some((cost / weight).sqrt()).filter(|error| error.is_finite())
@@ -99,7 +99,7 @@ impl Campaign {
         }
     }
 
-    /// Each level counts by its mean square error over its rms output.
+    /// Weights each level by its mean square error over its rms output.
     fn weigh(&mut self) {
         let count = self.levels.len();
         let mut records = vec![0.0; count];

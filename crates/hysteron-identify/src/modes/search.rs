@@ -11,15 +11,15 @@ use hysteron_model::Model;
 use hysteron_model::axes::{LARGEST_POLE, ScheduledModes};
 use hysteron_model::model_file::ModesFile;
 
-/// Factors of the damping after a step that was taken and one that was not.
+/// Factors of the damping after an accepted and a rejected step.
 const EASIER: f64 = 0.25;
 const HARDER: f64 = 6.0;
 /// Least damping.
 const LEAST_DAMPING: f64 = 1e-9;
-/// Most tries of a step.
+/// Most trials of a step.
 const TRIES: usize = 8;
 
-/// One search: which parameters, from which damping, how long.
+/// One search: free parameters, initial damping, iterations.
 pub(super) struct Stage {
     pub name: &'static str,
     pub groups: &'static [Group],
@@ -27,26 +27,26 @@ pub(super) struct Stage {
     pub iterations: usize,
     /// Relative fall of the cost below which it ends.
     pub stop: f64,
-    /// Work of an iteration, for the time left.
+    /// Relative cost of an iteration, for progress.
     pub work: u64,
 }
 
-/// Work done, of all, and who is told of it.
+/// Progress, its listener, and the checkpoint.
 pub(super) struct Ledger<'a, 'w> {
     pub watch: &'a Watch<'w>,
     pub done: u64,
     pub whole: u64,
-    /// Makes the data of a file of the numbers of a search.
+    /// Converts the model of a search to its model file.
     pub file: &'a dyn Fn(&ScheduledModes) -> ModesFile,
-    /// Of the records and options.
+    /// Fingerprint of the records and options.
     pub problem: &'a str,
-    /// Searches done.
+    /// Number of searches done.
     pub stage: usize,
-    /// Where the search stood when it last began an iteration.
+    /// State at the last beginning of an iteration.
     pub state: Option<Box<ModesCheckpoint>>,
 }
 
-/// Where a search begins: at the start of the stage, or within it.
+/// State from which a search begins or resumes.
 #[derive(Clone, Copy)]
 pub(super) struct From {
     pub iteration: usize,
@@ -54,7 +54,7 @@ pub(super) struct From {
 }
 
 impl Ledger<'_, '_> {
-    /// Tells what is being done; whether to go on.
+    /// Reports progress; false if stopped.
     pub(super) fn tell(&self, stage: &str, rmse: Option<f64>, model: Option<&ScheduledModes>) -> bool {
         let fraction = self.done as f64 / self.whole.max(self.done).max(1) as f64;
         let model = || model.and_then(|model| Model::try_from((self.file)(model)).ok());
@@ -63,7 +63,7 @@ impl Ledger<'_, '_> {
         self.watch.tell(Event::new(stage, fraction, rmse).with(state)).is_continue()
     }
 
-    /// Remembers where the search stands.
+    /// Stores the state of the search.
     fn keep(&mut self, iteration: usize, damping: f64, model: &ScheduledModes) {
         let (problem, stage, model) = (self.problem.to_owned(), self.stage, (self.file)(model));
         self.state = Some(Box::new(ModesCheckpoint { problem, stage, iteration, damping, model }));
@@ -96,7 +96,7 @@ pub(super) fn search(
         let stop = ledger.watch.stop();
         let Some(equations) = normal_equations(&model, &freedom, pieces, stop) else { break };
         let scale: Vec<f64> = equations.matrix.diagonal().iter().map(|d| d.sqrt()).collect();
-        // A parameter without effect stays.
+        // A parameter without effect is not changed.
         let per = |k: usize| if scale[k] > 0.0 { 1.0 / scale[k] } else { 0.0 };
         let count = scale.len();
         let scaled = DMatrix::from_fn(count, count, |i, j| equations.matrix[(i, j)] * per(i) * per(j));
@@ -135,7 +135,7 @@ pub(super) fn search(
     (model, freedom.columns.len())
 }
 
-/// Whether every pole decays at every level of the records.
+/// True if all poles are stable at every level of the records.
 fn is_stable(model: &ScheduledModes, campaign: &Campaign) -> bool {
     campaign.levels.iter().all(|level| {
         let (magnitude, _) = model.largest_pole(model.level.state(*level));

@@ -1,4 +1,4 @@
-//! The model that the searches start from.
+//! Initial model of the searches.
 
 use nalgebra::DMatrix;
 
@@ -12,7 +12,7 @@ use hysteron_model::axes::{
 use hysteron_numeric::{Complex64, LeastSquares, least_squares};
 use hysteron_optimize::Stop;
 
-/// Share of a column outside the span of the others below which it is dependent.
+/// Share of a column orthogonal to the others below which it is dependent.
 const DEPENDENT: f64 = 1e-14;
 
 /// Poles start between these shares of the highest excited frequency, with this damping.
@@ -22,25 +22,25 @@ const RELOCATIONS: usize = 30;
 /// Damping ratios that a mode may have; the narrowest half bandwidth is two lines.
 const LARGEST_DAMPING: f64 = 0.15;
 const NARROWEST_LINES: f64 = 2.0;
-/// Numbers of pairs that are tried where none is given.
+/// Numbers of pole pairs tried where none is given.
 const TRIED: [usize; 11] = [2, 3, 4, 6, 8, 10, 12, 15, 18, 22, 26];
 /// Every further pair must lower the error of the response by this share.
 const WORTH: f64 = 0.01;
 /// First guess of the relative fall of every resonance from level 0 to the highest.
 const SOFTENING: f64 = 0.011;
-/// Share of the stress in what drives an actuator's hysteresis, found on the public steering mirror (0.07 ±
-/// 0.02).
+/// Share of the stress in the input of an actuator's hysteresis, as identified on the public steering mirror
+/// (0.07 ± 0.02).
 pub(super) const STRESS_SHARE: f64 = 0.07;
-/// Radii of the plays over the rms of what they follow.
+/// Radii of the plays over the rms of their input.
 const RADII: (f64, f64) = (0.08, 2.2);
 
-/// The linear start and what it was made of.
+/// The linear initial model and quantities derived with it.
 pub(super) struct Start {
     pub model: ScheduledModes,
     pub influence: InfluenceMatrix,
     /// Corner of the lags \[Hz\].
     pub lag_hz: f64,
-    /// Time by which the extension is ahead of the measured outputs \[s\].
+    /// Lead of the extension over the measured outputs \[s\].
     pub advance_s: f64,
     /// Lowest and highest excited frequency \[Hz\].
     pub excited_hz: (f64, f64),
@@ -86,7 +86,7 @@ pub(super) fn linear_start(
     Ok(Start { model, influence, lag_hz, advance_s, excited_hz: (low_hz, top_hz), pairs })
 }
 
-/// Pairs started from and common poles: of the number given, or of the smallest that follows the response
+/// Number of pole pairs and common poles: of the number given, or of the smallest that fits the response
 /// about as well as more.
 fn choose_poles(
     fit: &VectorFit,
@@ -113,7 +113,7 @@ fn choose_poles(
         if stop.is_requested() {
             return Err(IdentifyError::Stopped);
         }
-        // Fewer equations than unknowns say nothing.
+        // Requires twice as many equations as unknowns.
         if 4 * (2 * count + 2) > 2 * response.len() {
             break;
         }
@@ -163,7 +163,7 @@ fn rank_one(
         let first = svd.singular_values.imax();
         let size = svd.singular_values[first].sqrt();
         let squares: Complex64 = (0..n).map(|i| right[(first, i)] * right[(first, i)]).sum();
-        // The phase that makes the sum of the squares of b real and positive.
+        // Phase rotation that makes the sum of the squares of b real and positive.
         let turn = Complex64::from_polar(1.0, -0.5 * squares.arg());
         for i in 0..n {
             let b = right[(first, i)] * turn * size;
@@ -199,7 +199,8 @@ fn level_law(campaign: &Campaign, options: &Options) -> LevelLaw {
     }
 }
 
-/// C and D anew by least squares on the spectra of the outputs, the states held: what rank one has lost.
+/// Refits C and D by least squares on the spectra of the outputs with the states held, correcting the
+/// rank-one truncation.
 fn refit_outputs(model: &mut ScheduledModes, pieces: &[&RecordPeriod]) {
     let (n, m, states) = (model.inputs, model.outputs, model.states());
     let (mut rows, mut targets): (Vec<Vec<Complex64>>, Vec<Vec<Complex64>>) = (Vec::new(), Vec::new());
@@ -239,7 +240,7 @@ fn refit_outputs(model: &mut ScheduledModes, pieces: &[&RecordPeriod]) {
     }
 }
 
-/// Every resonance falls a little from level 0 to the highest: dp = p ln p · (−0.011).
+/// Every resonance frequency decreases slightly from level 0 to the highest: dp = p ln p · (−0.011).
 fn schedule_poles(model: &mut ScheduledModes) {
     for k in 0..model.modes {
         let p = Complex64::new(model.transition[2 * k], model.transition[2 * k + 1]);
@@ -282,12 +283,12 @@ fn advance(
     beside.clamp(0.0, 4.0 / model.sample_rate_hz)
 }
 
-/// Puts hysteresis in feedback, without effect yet: rows of free stroke and stress, columns of strain, laws
-/// with coefficients 0.
+/// Adds hysteresis in feedback, initially without effect: rows of free stroke and stress, columns of strain,
+/// laws with coefficients 0.
 ///
-/// A strain acts where the drive does, behind the lag: h_k = b_k (1 + i f_k/f_lag). The extension e = G₀⁻¹ y
-/// of each actuator is read from the outputs' rows, ahead by the time the sensors are behind; v = (1 − 0.07)
-/// a + 0.07 e, σ = e − u.
+/// A strain acts at the drive's input, after the lag: h_k = b_k (1 + i f_k/f_lag). The extension e = G₀⁻¹ y
+/// of each actuator follows from the outputs' rows, advanced by the sensors' delay; v = (1 − 0.07) a + 0.07
+/// e, σ = e − u.
 pub(super) fn add_feedback(
     start: &Start,
     model: &mut ScheduledModes,
@@ -334,7 +335,7 @@ pub(super) fn add_feedback(
         }
     }
     let (drive, stress) = signals(model, pieces, &drive_rows, &stress_rows);
-    // One law for all free strokes: their series one after the other.
+    // One law for all free strokes, from their concatenated series.
     let shared: Vec<f64> = drive.concat();
     let law = |z: &[f64]| strain_law(z, plays);
     model.feedback = Some(FeedbackStrain {

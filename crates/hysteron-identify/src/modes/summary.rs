@@ -1,4 +1,4 @@
-//! The searches in their order, and what is said of their result.
+//! The sequence of searches, and the findings on their result.
 
 use super::columns::Group;
 use super::normal::residual;
@@ -13,7 +13,7 @@ use hysteron_model::axes::{AxesRecord, FrequencyMatrix, InfluenceMatrix, Mode, S
 use hysteron_model::model_file::{ModesFile, SignalUnits};
 use hysteron_numeric::display::short;
 
-/// A record and how the model describes it.
+/// Fit of one record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModesRecordFit {
     /// Path of the record, or its name.
@@ -46,14 +46,14 @@ pub struct ModeShift {
 pub struct LevelInfluence {
     /// Level \[V\].
     pub level: f64,
-    /// The matrix, of the frequency response that the records of the level give.
+    /// The matrix, from the frequency response of the records of the level.
     pub matrix: InfluenceMatrix,
 }
 
-/// Work of an iteration: linear, with the coefficients alone, with everything.
+/// Relative cost of an iteration: linear, hysteresis coefficients alone, all parameters.
 const WORK: [u64; 3] = [2, 4, 20];
 
-/// Without hysteresis, the highest level alone.
+/// Free parameters without hysteresis, at the highest level alone.
 const LINEAR: [Group; 4] = [Group::Transition, Group::Input, Group::Output, Group::Feedthrough];
 const SCHEDULED: [Group; 7] = [
     Group::Transition,
@@ -75,7 +75,7 @@ const NO_SLOPES: [Group; 8] = [
     Group::Feedthrough,
     Group::StrainFeedthrough,
 ];
-/// Every number of the model.
+/// All parameters of the model.
 pub(super) const ALL: [Group; 11] = [
     Group::Transition,
     Group::Input,
@@ -90,13 +90,13 @@ pub(super) const ALL: [Group; 11] = [
     Group::FeedthroughSlopes,
 ];
 
-/// The problem, for checkpoints: records and options.
+/// Fingerprint of records and options, for checkpoints.
 fn identity(records: &[AxesRecord], options: &Options) -> String {
     let values = records.iter().flat_map(|r| r.u.iter().chain(&r.y)).flatten().map(|x| x.to_bits());
     format!("modes {options:?} {:x}", fingerprint(values))
 }
 
-/// Where an interrupted search of the same problem stood.
+/// Checkpoint of an interrupted search of the same problem.
 fn resumed(resume: Option<Searches>, problem: &str) -> Result<Option<Box<ModesCheckpoint>>, IdentifyError> {
     match resume {
         None => Ok(None),
@@ -162,7 +162,7 @@ pub(super) fn identify(
     }
     let fits = fits(&model, &campaign, records);
     for fit in &fits {
-        // Not a number describes nothing. Who interrupts takes what there is.
+        // NaN fails the check. After a stop any fit is accepted.
         let enough = fit.fit_percent >= options.least_fit_percent;
         if !enough && !ledger.is_stopped() {
             return Err(IdentifyError::AxesClass {
@@ -310,7 +310,7 @@ fn treatment(campaign: &Campaign, pairs: usize, modes: usize) -> Vec<String> {
     lines
 }
 
-/// Condition number from which on an influence matrix deserves a warning.
+/// Condition number of an influence matrix above which a warning is given.
 const ILL_CONDITIONED: f64 = 30.0;
 
 fn findings(
@@ -345,8 +345,8 @@ fn findings(
             ),
         );
         let law = if campaign.levels.len() == 2 {
-            " Two levels cannot tell how the model runs between them: it is taken to be linear in amplitude \
-             unless the exponent is given."
+            " Two levels do not determine the model between them: it is assumed linear in amplitude unless \
+             the exponent is given."
         } else {
             ""
         };
@@ -355,8 +355,8 @@ fn findings(
             FindingKind::Advice,
             "levels",
             format!(
-                "levels measured at different times cannot tell a change with the drive from one with time \
-                 or temperature.{law}"
+                "levels measured at different times do not distinguish a change with the drive from one with \
+                 time or temperature.{law}"
             ),
         );
         if campaign.levels.len() == 2 {
@@ -368,8 +368,8 @@ fn findings(
             FindingKind::Advice,
             "levels",
             format!(
-                "all records have one level, {}{unit} rms: how the modes move with the amplitude is not \
-                 known and left out. Add records at a third of it.",
+                "all records have one level, {}{unit} rms: the amplitude dependence of the modes is not \
+                 determined and left out. Add records at a third of it.",
                 short(model.level.highest)
             ),
         );

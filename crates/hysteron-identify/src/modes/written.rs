@@ -10,7 +10,7 @@ use hysteron_model::model_file::{
 use super::{ModesIdentification, ModesRecordFit, Options};
 
 impl ModesIdentification {
-    /// The model of these `records` as data: numbers, influence matrices, range, how it was made with these
+    /// Model file: parameters, influence matrices, range of validity, provenance with these `records` and
     /// `options`, scores.
     pub fn model_file(&self, records: &[AxesRecord], options: &Options, maker: &Maker) -> ModesFile {
         let first = records.first();

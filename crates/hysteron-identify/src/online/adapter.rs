@@ -14,8 +14,8 @@ pub enum Estimator<const N: usize> {
     Gradient {
         /// The estimator.
         nlms: Nlms<f64, N>,
-        /// Standard deviation of a residual where the model fits \[µm\]: what the monitor's residuals are
-        /// divided by.
+        /// Standard deviation of a residual where the model fits \[µm\], which normalises the monitor's
+        /// residuals.
         deviation_um: f64,
     },
 }
@@ -28,10 +28,10 @@ pub struct Adapter<const N: usize> {
     reopen: bool,
 }
 
-/// One sample taken in.
+/// Result of one update.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Adapted {
-    /// Prediction of the model, corrected by the samples before \[µm\].
+    /// One-step prediction of the corrected model \[µm\].
     pub predicted: f64,
     /// Residual in units of its expected deviation.
     pub normalised: f64,
@@ -42,7 +42,7 @@ pub struct Adapted {
 /// The first sample of an alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Alarm {
-    /// Number of the sample, from 0.
+    /// Index of the sample, from 0.
     pub sample: usize,
     /// Kind of misfit.
     pub misfit: Misfit,
@@ -51,7 +51,7 @@ pub struct Alarm {
 /// Trajectory of an adapter over a record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace<const N: usize> {
-    /// Prediction of every sample from those before \[µm\].
+    /// One-step predictions \[µm\].
     pub predicted: Vec<f64>,
     /// Coefficients after every sample.
     pub parameters: Vec<[f64; N]>,
@@ -60,9 +60,9 @@ pub struct Trace<const N: usize> {
 }
 
 impl<const N: usize> Adapter<N> {
-    /// An estimator whose residuals this monitor watches. With `reopen` an alarm makes the coefficients of
-    /// least squares as uncertain as at the start, so that a jump is followed at once, and sets the sums of
-    /// the monitor to zero: alarms that come again and again then say that no coefficients fit.
+    /// An estimator and the monitor of its residuals. With `reopen` an alarm resets the covariance of least
+    /// squares, so that a jump is tracked at once, and the sums of the monitor: repeated alarms then mean
+    /// that no coefficients fit.
     pub fn new(estimator: Estimator<N>, monitor: FitMonitor<f64>, reopen: bool) -> Self {
         Self { estimator, monitor, reopen }
     }
@@ -85,10 +85,10 @@ impl<const N: usize> Adapter<N> {
         &self.monitor
     }
 
-    /// Takes in one sample: its regressors and the displacement \[µm\]. Allocates nothing.
+    /// Updates with one sample: its regressors and the displacement \[µm\]. Allocates nothing.
     ///
     /// # Errors
-    /// [`SampleError`]: estimator and monitor are as they were.
+    /// [`SampleError`]: estimator and monitor are unchanged.
     pub fn step(&mut self, row: &Row<N>, displacement_um: f64) -> Result<Adapted, SampleError> {
         let predicted = row.output(self.parameters());
         let output = displacement_um - row.fixed;
@@ -108,7 +108,7 @@ impl<const N: usize> Adapter<N> {
         Ok(Adapted { predicted, normalised, misfit })
     }
 
-    /// Takes in a record, sample by sample. Samples marked invalid are predicted and not learnt from.
+    /// Processes a record sample by sample. Samples marked invalid are only predicted.
     ///
     /// # Errors
     /// [`IdentifyError::CorrectionLengths`], [`IdentifyError::OnlineSample`].

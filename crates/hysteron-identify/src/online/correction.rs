@@ -1,4 +1,4 @@
-//! Which coefficients of a model may move, and what their regressors are.
+//! Adapted coefficients of a model, and their regressors.
 
 use super::Term;
 use crate::IdentifyError;
@@ -10,8 +10,7 @@ use hysteron_model::record::range_of;
 /// Highest power of the drive that may be corrected.
 const HIGHEST_POWER: u32 = 20;
 
-/// A model with N coefficients that may move: y = fixed + φᵀθ, where the nominal θ gives the model's own
-/// output.
+/// A model with N adapted coefficients: y = fixed + φᵀθ, where the nominal θ gives the model's output.
 ///
 /// All regressors follow from the drive alone; no measured output enters them.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +29,7 @@ pub struct Regressors<const N: usize> {
 /// One sample of [`Regressors`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row<const N: usize> {
-    /// Part of the output that no coefficient changes \[µm\].
+    /// Part of the output independent of the coefficients \[µm\].
     pub fixed: f64,
     /// φ.
     pub regressors: [f64; N],
@@ -77,7 +76,7 @@ impl<const N: usize> Correction<N> {
         &self.terms
     }
 
-    /// θ of the model as it is.
+    /// Nominal θ of the model.
     pub fn nominal(&self) -> [f64; N] {
         self.terms.map(|term| match term {
             Term::Offset => self.model.offset,
@@ -86,9 +85,9 @@ impl<const N: usize> Correction<N> {
         })
     }
 
-    /// Regressors over the drive `u` \[V\]. Those of a sample depend on the drive up to it alone (but for
-    /// 1e-9 of the largest, see [`hysteron_model::dynamics::SimulationPlan`]), except where the model's
-    /// scheme is `band-limited` or its drive band-limited between samples.
+    /// Regressors over the drive `u` \[V\]. They are causal (except for 1e-9 of the largest, see
+    /// [`hysteron_model::dynamics::SimulationPlan`]), except where the model's scheme is `band-limited` or
+    /// its drive band-limited between samples.
     ///
     /// # Errors
     /// Those of [`Model::simulate`]; [`IdentifyError::CorrectionNoRate`].
@@ -124,7 +123,7 @@ impl<const N: usize> Correction<N> {
     ///
     /// # Errors
     /// [`IdentifyError::CorrectionCreep`] where a creep coefficient is not 0; [`IdentifyError::Hysteresis`]
-    /// where gain or coefficients are none for the hysteresis block.
+    /// where gain or coefficients are invalid for the hysteresis block.
     pub fn corrected(&self, parameters: &[f64; N]) -> Result<Model, IdentifyError> {
         let mut model = self.model.clone();
         let of =
@@ -160,13 +159,13 @@ impl<const N: usize> Regressors<N> {
         self.fixed.len()
     }
 
-    /// Whether there is no sample.
+    /// True without samples.
     pub fn is_empty(&self) -> bool {
         self.fixed.is_empty()
     }
 
     /// Range of each regressor over the record, or 1 where it is constant (that of the offset). A coefficient
-    /// of d over this moves the output by d.
+    /// change of d over this span changes the output by d.
     pub fn spans(&self) -> [f64; N] {
         self.columns.each_ref().map(|column| {
             let (low, high) = range_of(column);
@@ -206,7 +205,7 @@ fn without_memory(start: &Start) -> Start {
     }
 }
 
-/// x' = (w − x)/τ, x = w at the first sample, exact for w straight between samples; z = h/τ.
+/// x' = (w − x)/τ, x = w at the first sample, exact for linearly interpolated w; z = h/τ.
 fn lagged(w: &[f64], z: f64) -> Vec<f64> {
     let filled = -(-z).exp_m1();
     let from_end = 1.0 - filled / z;

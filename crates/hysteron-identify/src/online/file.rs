@@ -1,4 +1,4 @@
-//! A corrected model as a file.
+//! Model file of a corrected model.
 
 use std::collections::BTreeMap;
 
@@ -11,11 +11,11 @@ use hysteron_model::record::{InputOutput, Source};
 
 impl Followed {
     /// Model file with the coefficients of the last sample. `old`: the file of the model that was corrected,
-    /// and where it was read from. Standard errors and covariance of the old numbers are left out: they say
-    /// nothing of the new ones.
+    /// and its source. Standard errors and covariance of the old parameters are omitted, as they do not apply
+    /// to the new ones.
     ///
     /// # Errors
-    /// [`IdentifyError`] where the coefficients make no model.
+    /// [`IdentifyError`] where the coefficients give no valid model.
     pub fn model_file(
         &self,
         data: &InputOutput,

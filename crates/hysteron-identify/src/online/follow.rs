@@ -1,4 +1,4 @@
-//! A model corrected over a whole record.
+//! Online correction of a model over a whole record.
 
 use super::{Adapter, Alarm, Correction, Estimator, Term};
 use crate::IdentifyError;
@@ -12,18 +12,18 @@ use serde::{Deserialize, Serialize};
 
 /// Most terms of a correction over a record.
 pub const MOST_TERMS: usize = 6;
-/// Default memory of least squares, as a share of the record.
+/// Default memory of recursive least squares, as a share of the record.
 const MEMORY: f64 = 0.2;
-/// A coefficient may move the output by this share of its stroke.
+/// Prior standard deviation of a coefficient's effect, as a share of the stroke.
 const MAY_MOVE: f64 = 0.1;
-/// Shift of the mean and growth of the spread that the monitor looks for, in units of the noise.
+/// Shift of the mean and growth of the standard deviation to be detected, in units of the noise.
 const SHIFT: f64 = 0.5;
 const SPREAD: f64 = 1.5;
-/// Samples learnt from in half of the drive's shortest period, where nothing is said.
+/// Default number of samples used in half of the drive's shortest period.
 const IN_A_SWING: usize = 20;
-/// Fewest samples an alarm is made of.
+/// Fewest samples of an alarm.
 const FEWEST: u16 = 3;
-/// Shortest memory, in samples learnt from.
+/// Shortest memory, in samples used.
 const SHORTEST_MEMORY: f64 = 2.0;
 
 /// Options of [`Followed::over`].
@@ -31,16 +31,16 @@ const SHORTEST_MEMORY: f64 = 2.0;
 pub struct FollowOptions {
     /// Estimator of the coefficients.
     pub method: FollowMethod,
-    /// Coefficients that may move, 1 to [`MOST_TERMS`].
+    /// Adapted coefficients, 1 to [`MOST_TERMS`].
     pub terms: Vec<Term>,
     /// Standard deviation of a residual where the model fits \[µm\], above 0; see [`known_noise`].
     pub noise: f64,
-    /// Learn from one of so many samples; `None`: 40 to the period of the fastest drive, fewer where the
-    /// residuals stay alike for longer.
+    /// Decimation factor of the samples used; `None`: 40 samples per period of the fastest drive, fewer where
+    /// the residuals are correlated for longer.
     pub every: Option<usize>,
-    /// Mean number of samples learnt from to a false alarm, at least.
+    /// Least mean number of samples between false alarms (average run length).
     pub run_length: f64,
-    /// After an alarm the coefficients are as uncertain as at the start.
+    /// Reset the covariance of the coefficients after an alarm.
     pub reopen: bool,
 }
 
@@ -55,7 +55,7 @@ pub enum FollowMethod {
     },
     /// Normalised least mean squares.
     Gradient {
-        /// Share of every error that is taken, above 0 and below 2.
+        /// Step size, above 0 and below 2.
         step: f64,
     },
 }
@@ -88,7 +88,7 @@ pub fn known_noise(file: &ModelFile, data: &InputOutput) -> Option<f64> {
     training.reduce(f64::max).or_else(floor).filter(|noise| *noise > 0.0)
 }
 
-/// One coefficient over a record.
+/// Trajectory of one coefficient over a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Path {
     /// The coefficient.
@@ -108,23 +108,23 @@ pub struct Path {
 /// A model corrected over a record.
 #[derive(Debug)]
 pub struct Followed {
-    /// One of so many samples was learnt from.
+    /// Decimation factor of the samples used.
     pub every: usize,
-    /// Memory \[s\], of a method that has one.
+    /// Memory \[s\], if the method has one.
     pub memory_s: Option<f64>,
     /// The coefficients.
     pub paths: Vec<Path>,
-    /// Scores of the model as it was.
+    /// Scores of the uncorrected model.
     pub before: Scores,
-    /// Scores of that model with its offset estimated.
+    /// Scores of the uncorrected model with its offset estimated.
     pub before_offset_estimated: Scores,
-    /// Every sample predicted with the coefficients of the samples before it.
+    /// Scores of one-step prediction: every sample with the coefficients from those before it.
     pub predicted: Scores,
-    /// All samples with the coefficients of the last.
+    /// Scores of all samples with the final coefficients.
     pub last: Scores,
-    /// First samples at which the corrected model no longer fitted.
+    /// Alarms: first samples at which the corrected model no longer fitted.
     pub alarms: Vec<Alarm>,
-    /// The model with the coefficients of the last sample; the error where a model has no place for them.
+    /// The model with the final coefficients; an error where a model cannot hold them.
     pub model: Result<Model, IdentifyError>,
 }
 
@@ -167,7 +167,7 @@ struct Task<'a> {
 }
 
 impl Task<'_> {
-    /// The record with only one of `every` samples valid: the others are predicted.
+    /// The record with only one of `every` samples valid: the others are only predicted.
     fn learnt_from(&self, every: usize) -> InputOutput {
         let is_valid = |k: usize| self.data.is_valid(k);
         let mask = (0..self.data.len()).map(|k| k.is_multiple_of(every) && is_valid(k)).collect();

@@ -1,8 +1,8 @@
-//! Correction of an identified model while it runs.
+//! Online correction of an identified model.
 //!
-//! [`Correction`] says which coefficients may move and makes the regressors; [`Adapter`] moves them sample by
-//! sample and says when the model no longer fits. The estimators and the monitor are those of `hysteron-rt`,
-//! which a controller runs as they are.
+//! [`Correction`] selects the adapted coefficients and computes the regressors; [`Adapter`] updates them
+//! sample by sample and detects when the model no longer fits. The estimators and the monitor are those of
+//! `hysteron-rt`, which a controller runs unchanged.
 //!
 //! ```
 //! use hysteron_model::dynamics::{Dynamics, Scheme};

@@ -1,4 +1,4 @@
-//! Spacing of samples at which the residuals of a correction count as white.
+//! Sample spacing at which the residuals of a correction are white.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -6,15 +6,15 @@ use super::Regressors;
 use crate::{IdentifyError, correlation_time};
 use hysteron_model::record::InputOutput;
 
-/// Parts of a record that are looked at one by one: a jump spoils one of them, and not the median.
+/// Number of segments of a record: a jump affects one of them, but not the median.
 const PARTS: usize = 8;
 /// Fewest samples of a part for each of its coefficients.
 const FEWEST: usize = 20;
 
 impl<const N: usize> Regressors<N> {
-    /// Number of samples that carry the information of one independent sample of what no coefficients
-    /// explain, the median over eighths of the record: in each the sum of the autocorrelation of what least
-    /// squares leaves. At least 1; 1 for a record too short to say.
+    /// Number of samples per independent sample of the unexplained residual: the integrated autocorrelation
+    /// time of the least-squares residual, median over eighths of the record. At least 1; 1 for a record that
+    /// is too short.
     ///
     /// # Errors
     /// [`IdentifyError::CorrectionLengths`].
@@ -40,7 +40,7 @@ impl<const N: usize> Regressors<N> {
             .filter_map(|part| {
                 let regressors = DMatrix::from_fn(part.len(), N, |k, i| part[k].0.regressors[i]);
                 let output = DVector::from_fn(part.len(), |k, _| part[k].1 - part[k].0.fixed);
-                // A regressor that stands still within the part is one with the offset.
+                // A regressor constant within the segment is collinear with the offset.
                 let parameters = regressors.clone().svd(true, true).solve(&output, 1e-9).ok()?;
                 Some(correlation_time((output - regressors * parameters).as_slice()))
             })

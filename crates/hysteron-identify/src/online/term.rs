@@ -1,4 +1,4 @@
-//! Coefficients that a correction may move, by name.
+//! Coefficients that a correction can adapt, by name.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,7 +6,7 @@ use std::str::FromStr;
 use hysteron_numeric::display::short;
 use serde::{Deserialize, Serialize};
 
-/// A coefficient that may move.
+/// An adapted coefficient.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Term {
@@ -17,8 +17,8 @@ pub enum Term {
     /// Change of the polynomial's coefficient of uⁿ \[µm/Vⁿ\], regressor G ∗ uⁿ with the model's delay;
     /// nominally 0. With [`Self::Gain`] it is the change after the gain.
     Power(u32),
-    /// Creep \[1\], regressor w behind a first-order lag, 1/(1 + `lag_s`·s), settled at the first sample;
-    /// nominally 0. One term a decade of time makes the usual sum of lags.
+    /// Creep \[1\], regressor w after a first-order lag, 1/(1 + `lag_s`·s), settled at the first sample;
+    /// nominally 0. One term per decade of time gives the usual sum of lags.
     Creep {
         /// Time constant \[s\].
         lag_s: f64,

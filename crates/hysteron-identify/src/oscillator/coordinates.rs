@@ -1,4 +1,5 @@
-//! Coordinates of the search: what small motion shows, and the shape of the loop over the size of the motion.
+//! Coordinates of the search: small-signal parameters, and the loop shape normalised by the size of the
+//! motion.
 
 use nalgebra::{DMatrix, SMatrix};
 
@@ -7,7 +8,7 @@ use hysteron_optimize::Range;
 
 /// Number of coordinates: m, c, K, ρ, b, g, n.
 pub(super) const COUNT: usize = 7;
-/// Names, as search boxes show them.
+/// Names in the search box.
 const NAMES: [&str; COUNT] = [
     "mass",
     "damping",
@@ -24,7 +25,7 @@ pub(super) const N: usize = 6;
 const MASS_FACTOR: f64 = 8.0;
 /// Factor either way of its damping.
 const DAMPING_FACTOR: f64 = 300.0;
-/// Largest |b| and |g|: a loop that turns within a fiftieth of the rms motion.
+/// Largest |b| and |g|: a loop that saturates within a fiftieth of the rms motion.
 pub(super) const SHARPEST: f64 = 50.0;
 /// Least share of the hysteretic spring.
 const LEAST_SHARE: f64 = 1e-3;
@@ -33,8 +34,8 @@ const LARGEST_SHARE: f64 = 1.5;
 /// Largest exponent.
 pub(super) const LARGEST_N: f64 = 5.0;
 
-/// m, c, K = k + α, ρ = α/K, b = β'Yⁿ, g = γ'Yⁿ, n; Y is the size of the motion. k and α trade where the loop
-/// is thin, K and ρ do not.
+/// m, c, K = k + α, ρ = α/K, b = β'Yⁿ, g = γ'Yⁿ, n; Y is the size of the motion. k and α are strongly
+/// correlated where the loop is thin, K and ρ are not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Coordinates(pub [f64; COUNT]);
 

@@ -13,7 +13,7 @@ use hysteron_model::record::InterSample;
 use hysteron_numeric::fft::RealFft;
 use hysteron_numeric::triangular;
 
-/// Points a sample of the path along which the loop is followed.
+/// Oversampling factor of the path along which the loop is simulated.
 const FINER: usize = 4;
 /// Share of the force's power above the highest frequency used.
 const BEYOND: f64 = 1e-3;
@@ -37,20 +37,20 @@ pub(super) struct Coefficients {
 #[derive(Debug)]
 pub(super) struct EquationError {
     parts: Vec<RecordSpectra>,
-    /// Weighted spectra of ÿ, ẏ and y, line by line, and of the force without what held parameters take of
-    /// it.
+    /// Weighted spectra of ÿ, ẏ and y, line by line, and of the force less the contribution of held
+    /// parameters.
     columns: [Vec<f64>; 3],
     target: Vec<f64>,
     held: [Option<f64>; 2],
     /// Root mean square of the motion.
     pub size: f64,
-    /// m, c and k + α of the best oscillator without a loop.
+    /// m, c and k + α of the best linear oscillator.
     pub linear: [f64; 3],
     /// Lowest and highest frequency used \[Hz\].
     pub band_hz: (f64, f64),
 }
 
-/// One piece.
+/// One record.
 struct RecordSpectra {
     path: Vec<f64>,
     start: Start<f64>,
@@ -95,7 +95,7 @@ impl EquationError {
             let open = piece.start != Start::PERIODIC;
             let fft = RealFft::new(samples);
             let window = open.then(|| hann(samples));
-            // A constant under the window fills lines 0 and 1.
+            // A constant leaks into lines 0 and 1 under the window.
             let first = if open { 2 } else { 1 };
             let mean = mean(&piece.u);
             let force: Vec<f64> = piece.u.iter().map(|u| u - mean).collect();
@@ -144,8 +144,7 @@ impl EquationError {
         Ok(regression)
     }
 
-    /// The linear oscillator, by weights 1/impedance of the one before, and the columns under the last
-    /// weights.
+    /// The linear oscillator by iterated weights 1/impedance, and the columns under the last weights.
     fn weigh(&mut self, spectra: &[[Vec<Complex64>; 4]], omegas: &[Vec<f64>]) -> Result<(), IdentifyError> {
         for _ in 0..WEIGHTINGS {
             self.fill(spectra);
@@ -190,8 +189,8 @@ impl EquationError {
         self.target.len()
     }
 
-    /// m, c, k and α for the loop of the shape (b, g, n) over the size of the motion, and what they leave;
-    /// the latter, as an error of the output, into `residual`. `None` where the loop has no steady state.
+    /// m, c, k and α for the loop of the shape (b, g, n) normalised by the size of the motion, and the
+    /// residual, as an output error, into `residual`. `None` where the loop has no steady state.
     pub(super) fn project(
         &self,
         [b, g, n]: [f64; 3],
@@ -246,8 +245,8 @@ impl EquationError {
 }
 
 impl RecordSpectra {
-    /// Real and imaginary parts of the weighted lines, onto the end of `column`; their squares add up to the
-    /// sum over the samples.
+    /// Appends real and imaginary parts of the weighted lines to `column`, scaled so that their sum of
+    /// squares is that over the samples.
     fn weigh(&self, lines: &[Complex64], column: &mut Vec<f64>) {
         let scale = (2.0 / self.samples as f64).sqrt();
         for (weight, line) in self.weights.iter().zip(lines) {
@@ -273,12 +272,12 @@ fn spectrum(fft: &RealFft, x: &[f64], window: Option<&[f64]>) -> Vec<Complex64> 
         time.iter_mut().zip(window).for_each(|(x, w)| *x *= w);
     }
     let mut lines = fft.forward.make_output_vec();
-    // Lengths come from the plan, so the transform cannot refuse them.
+    // Lengths come from the plan, so the transform cannot fail.
     fft.transform(&mut time, &mut lines);
     lines
 }
 
-/// Line above which there is next to nothing of the force.
+/// Line above which the force has negligible power.
 fn last_line(spectrum: &[Complex64], samples: usize) -> usize {
     let power: Vec<f64> = spectrum.iter().map(|c| c.norm_sqr()).collect();
     let total: f64 = power.iter().sum();
@@ -291,8 +290,8 @@ fn last_line(spectrum: &[Complex64], samples: usize) -> usize {
     beyond.unwrap_or(highest).min(highest)
 }
 
-/// Displacement without what is above `highest_hz`, and its derivatives. A record that ends is continued as
-/// [`RecordEnds::Open`] has it.
+/// Displacement low-passed at `highest_hz`, and its derivatives. A non-periodic record is extended as in
+/// [`RecordEnds::Open`].
 fn motion(y: &[f64], rate: f64, ends: RecordEnds, highest_hz: f64) -> Motion {
     let samples = y.len();
     let (first, last) = (y.first().copied().unwrap_or(0.0), y.last().copied().unwrap_or(0.0));

@@ -17,12 +17,11 @@ pub struct Estimate {
     pub name: &'static str,
     /// Value in the units of the records.
     pub value: f64,
-    /// Standard error; `None` where the parameter was held, ended at the end of its range, or is not
-    /// determined.
+    /// Standard error; `None` where the parameter was held, ended at a bound, or is not determined.
     pub std_error: Option<f64>,
     /// It was held at this value.
     pub held: bool,
-    /// It ended at the end of its range.
+    /// It ended at a bound of its range.
     pub at_limit: bool,
 }
 
@@ -40,10 +39,10 @@ impl Estimate {
     }
 }
 
-/// Distance from an end of a range on the unit box within which a coordinate is at the end.
+/// Distance from a bound on the unit box within which a coordinate is at the bound.
 const AT_END: f64 = 1e-9;
 
-/// Estimates of the parameters at the solution `x`, and how they hang together.
+/// Estimates of the parameters at the solution `x`, and their correlation.
 pub(super) fn estimates(
     problem: &OutputError<'_>,
     x: &[f64],
@@ -88,7 +87,7 @@ pub(super) fn estimates(
     (all, correlation)
 }
 
-/// Covariance of the seven parameters, with those coordinates known that are not `free`.
+/// Covariance of the seven parameters, given the coordinates that are not `free`.
 fn covariance(problem: &OutputError<'_>, x: &[f64], free: &[usize]) -> Option<DMatrix<f64>> {
     let rows = problem.residual_count();
     let mut workspace = problem.workspace();

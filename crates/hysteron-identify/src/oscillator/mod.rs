@@ -39,25 +39,25 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Start of each record: an oscillator rests without force (`Rest` and `Zero`), repeats (`Periodic`, the
-    /// whole record is one period where no shorter one is found), or y, ẏ and z at the first sample are
-    /// searched (`Free`). `Auto`: a steady state where the force repeats, else rest.
+    /// Start of each record: at rest without force (`Rest` and `Zero`), periodic (`Periodic`; the whole
+    /// record is one period where no shorter one is found), or with y, ẏ and z at the first sample estimated
+    /// (`Free`). `Auto`: a steady state where the force repeats, else rest.
     pub initial: Initial,
-    /// Force between its samples.
+    /// Inter-sample behaviour of the force.
     pub inter_sample: InterSample,
     /// Parameters held at a value: `mass`, `damping`, `n`.
     pub fixed: Vec<(String, f64)>,
-    /// An oscillator whose loop has the shape to start from, instead of the lattice's. Its m, c, k and α
-    /// follow from the records whatever they are.
+    /// An oscillator whose loop shape is the start instead of the grid. m, c, k and α are estimated from the
+    /// records.
     pub start: Option<Oscillator>,
-    /// Steps of the simulation from one sample to the next; `None`: [`Oscillator::steps`].
+    /// Simulation steps per sample; `None`: [`Oscillator::steps`].
     pub steps: Option<usize>,
     /// Least fit accepted \[%\], see [`Scores::fit_percent`].
     pub least_fit_percent: f64,
 }
 
 impl Default for Options {
-    /// Everything judged by the records, a band-limited force, at least 75 % explained.
+    /// Automatic choices, a band-limited force, at least 75 % explained.
     fn default() -> Self {
         Self {
             initial: Initial::Auto,
@@ -75,7 +75,7 @@ impl Default for Options {
 pub struct Identification {
     /// The oscillator, in the units of the records.
     pub oscillator: Oscillator,
-    /// Its parameters in the order of [`Oscillator::NAMES`], then natural frequency and damping ratio at
+    /// Its parameters in the order of [`Oscillator::NAMES`], then natural frequency and damping ratio for
     /// small motion.
     pub estimates: Vec<Estimate>,
     /// Correlations of the estimates; `None` where the records do not determine them.
@@ -86,7 +86,7 @@ pub struct Identification {
     pub inter_sample: InterSample,
     /// Every record and the simulation of it.
     pub records: Vec<RecordFit>,
-    /// The search of the shape by the equation error; empty where there was one lattice point.
+    /// The searches of the shape by the equation error; empty for a single grid point.
     pub shapes: Vec<Outcome>,
     /// The search by the output error.
     pub search: Outcome,
@@ -98,7 +98,7 @@ pub struct Identification {
     pub excited_hz: (f64, f64),
     /// The search was stopped early; the model is the best so far.
     pub interrupted: bool,
-    /// State to go on from.
+    /// State to resume from.
     pub resume: Searches,
 }
 
@@ -107,7 +107,7 @@ pub struct Identification {
 pub struct RecordFit {
     /// The record.
     pub data: InputOutput,
-    /// Start found; a periodic one has the samples of its period beside it.
+    /// Fitted start; see also `period_samples`.
     pub start: Start<OscillatorState>,
     /// Samples of the period of a periodic start.
     pub period_samples: Option<usize>,
@@ -118,7 +118,7 @@ pub struct RecordFit {
 }
 
 impl RecordFit {
-    /// The scores with what they are of.
+    /// Scores of the record.
     pub fn score(&self) -> Score {
         let start = self.period_samples.map_or(Start::AsIdentified, Start::settled);
         let simulation = Simulation::of_single(self.simulated.clone(), start, self.data.u_unit.clone());

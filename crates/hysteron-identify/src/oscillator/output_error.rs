@@ -1,4 +1,4 @@
-//! Simulated against measured output: the problem that is finally solved.
+//! Output-error problem of the final search.
 
 use super::coordinates::{COUNT, Coordinates};
 use super::preparation::PreparedRecord;
@@ -6,13 +6,13 @@ use hysteron_model::Start;
 use hysteron_model::oscillator::{Drive, Oscillator, OscillatorState, Response};
 use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, Range, root_mean_square};
 
-/// Output-error problem over the free coordinates, then y, ẏ and z at the first sample of every piece with a
+/// Output-error problem over the free coordinates, then y, ẏ and z at the first sample of every record with a
 /// free start.
 #[derive(Debug)]
 pub(super) struct OutputError<'a> {
     pieces: &'a [PreparedRecord],
     drives: &'a [Drive],
-    /// Coordinates that are held, at their values; the others are searched.
+    /// Values of held coordinates; the others are searched.
     held: [Option<f64>; COUNT],
     pub searched: Vec<usize>,
     pub size: f64,
@@ -26,7 +26,7 @@ pub(super) struct Workspace {
     residual: Vec<f64>,
 }
 
-/// Factor of the largest motion within which a free start is searched.
+/// Search range of a free start, as a multiple of the largest motion.
 const FREE_START: f64 = 3.0;
 
 impl<'a> OutputError<'a> {
@@ -55,7 +55,7 @@ impl<'a> OutputError<'a> {
         Self { pieces, drives, held, searched, size, bounds: Bounds { ranges: all } }
     }
 
-    /// The search vector of a start: the free states are the measured place, at rest and without memory.
+    /// The search vector of a start: free states at the measured displacement, at rest and without memory.
     pub(super) fn start(&self, coordinates: &Coordinates) -> Vec<f64> {
         let mut x: Vec<f64> = self.searched.iter().map(|&j| coordinates.0[j]).collect();
         for piece in self.pieces.iter().filter(|p| p.start_is_free()) {
@@ -76,7 +76,7 @@ impl<'a> OutputError<'a> {
         self.coordinates(x).oscillator(self.size)
     }
 
-    /// Start of every piece, and where its free state stands in the search vector.
+    /// Start of every record, and the index of its free state in the search vector.
     pub(super) fn starts(&self, x: &[f64]) -> Vec<(Start<OscillatorState>, Option<usize>)> {
         let mut next = self.searched.len();
         let mut free = || {
@@ -102,7 +102,7 @@ fn mean(x: &[f64]) -> f64 {
     x.iter().sum::<f64>() / x.len().max(1) as f64
 }
 
-/// Takes the mean over the scored samples off `x`, and 0 where a sample is not scored.
+/// Subtracts the mean over the scored samples from `x`; sets the others to 0.
 fn centre(x: &mut [f64], scored: &[bool]) {
     let (sum, count) =
         x.iter().zip(scored).filter(|(_, s)| **s).fold((0.0, 0usize), |(a, n), (x, _)| (a + x, n + 1));

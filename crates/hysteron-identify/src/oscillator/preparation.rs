@@ -1,4 +1,4 @@
-//! Records brought into the form the fit works on: one period in its steady state, or the record as it is.
+//! Preparation of the records for the fit: one period in steady state, or the record as it is.
 
 use super::super::RecordFacts;
 use super::super::campaign::usable;
@@ -9,7 +9,7 @@ use hysteron_model::Start;
 use hysteron_model::hysteresis::RecordEnds;
 use hysteron_model::record::{InputOutput, Periods};
 
-/// A period counts as whole where all of them together are off by less than this many samples.
+/// Largest deviation of all periods together from whole numbers of samples \[samples\].
 const WHOLE: f64 = 0.1;
 
 /// A record as the fit uses it.
@@ -17,9 +17,9 @@ const WHOLE: f64 = 0.1;
 pub(super) struct PreparedRecord {
     pub name: String,
     pub u: Vec<f64>,
-    /// Measured output; of a periodic piece the mean over the settled periods.
+    /// Measured output; of a periodic record the mean over the settled periods.
     pub y: Vec<f64>,
-    /// Whether a sample is scored.
+    /// True for scored samples.
     pub scored: Vec<bool>,
     pub rate: f64,
     /// Assumed start; with `Remembering` the state at the first sample is searched.
@@ -41,7 +41,7 @@ impl PreparedRecord {
     }
 }
 
-/// The records as pieces, in their order.
+/// The prepared records, in their order.
 pub(super) fn pieces(
     records: &[InputOutput],
     options: &Options,
@@ -75,7 +75,8 @@ fn piece(facts: &RecordFacts, initial: Initial) -> Result<PreparedRecord, Identi
     })
 }
 
-/// Samples of a period, settling periods and all periods of a record that repeats from its first sample on.
+/// Samples of a period, number of settling periods and of all periods, for a record that repeats from its
+/// first sample on.
 fn repeating(periods: Option<Periods>) -> Option<(usize, usize, usize)> {
     let p = periods.filter(|p| p.start == 0 && p.count >= 2)?;
     let samples = p.period_samples.round();
@@ -83,7 +84,7 @@ fn repeating(periods: Option<Periods>) -> Option<(usize, usize, usize)> {
     (off <= WHOLE).then_some((samples as usize, p.settling.min(p.count - 1), p.count))
 }
 
-/// The mean over the settled periods: for a steady state under white noise it holds all that they know.
+/// The mean over the settled periods, a sufficient statistic for a steady state under white noise.
 fn mean_period(
     data: &InputOutput,
     rate: f64,

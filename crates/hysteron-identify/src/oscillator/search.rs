@@ -1,4 +1,4 @@
-//! From records to an oscillator.
+//! Identification of an oscillator from records.
 
 use rayon::prelude::*;
 
@@ -83,7 +83,7 @@ pub(super) fn identify(
         .collect::<Result<Vec<_>, _>>()?;
     for fit in &fits {
         let fit_percent = fit.scores.fit_percent.unwrap_or(0.0);
-        // Who interrupts takes what there is.
+        // After a stop any fit is accepted.
         if fit_percent < options.least_fit_percent && !engine.cancelled {
             return Err(IdentifyError::OscillatorClass {
                 record: fit.data.name.clone(),
@@ -112,13 +112,13 @@ pub(super) fn identify(
     })
 }
 
-/// Coordinates that the options hold.
+/// Coordinates held by the options.
 fn held(options: &Options) -> Result<[Option<f64>; COUNT], IdentifyError> {
     let mut held = [None; COUNT];
     for (name, value) in &options.fixed {
         let refuse = |wanted| IdentifyError::OscillatorFixed { name: name.clone(), value: *value, wanted };
         let Some((_, index)) = HOLDABLE.iter().find(|(known, _)| known == name) else {
-            return Err(refuse("only mass, damping and n can be held: k and α, β and γ hang together"));
+            return Err(refuse("only mass, damping and n can be held: k and α, β and γ are coupled"));
         };
         match *index {
             N if !(1.0..=LARGEST_N).contains(value) => return Err(refuse("needs 1 ≤ n ≤ 5")),
@@ -131,7 +131,7 @@ fn held(options: &Options) -> Result<[Option<f64>; COUNT], IdentifyError> {
     Ok(held)
 }
 
-/// The whole record, simulated from the start found.
+/// Simulation and scores of the whole record from the fitted start.
 fn record_fit(
     oscillator: &Oscillator,
     data: &InputOutput,
@@ -167,9 +167,9 @@ fn treatment(piece: &PreparedRecord) -> String {
 const ILL_CONDITIONED: f64 = 1e4;
 /// Relative standard error above which a parameter is hardly determined.
 const VAGUE: f64 = 0.3;
-/// Share of the hysteretic spring below which it hardly matters.
+/// Share of the hysteretic spring below which it is negligible.
 const THIN: f64 = 0.02;
-/// Standard errors by which α is above 0 where the loop is seen.
+/// α in standard errors above which the loop is significant.
 const SIGNIFICANT: f64 = 3.0;
 
 fn findings(
@@ -212,7 +212,7 @@ fn findings(
         say(
             FindingKind::Advice,
             "loop",
-            "the hysteretic spring is thin or hardly seen: a linear oscillator describes these records \
+            "the hysteretic force is small or hardly excited: a linear oscillator describes these records \
              almost as well."
                 .to_owned(),
         );
@@ -222,7 +222,7 @@ fn findings(
             FindingKind::Verdict,
             "exponent",
             format!(
-                "n ended at the end of its range, {}; the other standard errors take it for known.",
+                "n ended at the limit of its range, {}; the other standard errors assume it known.",
                 short(oscillator.n)
             ),
         );
@@ -239,7 +239,7 @@ fn findings(
             FindingKind::Advice,
             "parameters",
             format!(
-                "the parameters hang together{}: a wider range of amplitudes would tell them apart.",
+                "the parameters are strongly correlated{}: a wider range of amplitudes would separate them.",
                 if c.condition_number.is_finite() {
                     format!(" (condition number of their correlation {})", short(c.condition_number))
                 } else {

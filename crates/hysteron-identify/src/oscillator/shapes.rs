@@ -11,16 +11,15 @@ use hysteron_optimize::{
     Algorithm, Bounds, LeastSquaresOptions, LeastSquaresProblem, Outcome, Problem, Range, root_mean_square,
 };
 
-/// |b| of the lattice: from a loop that hardly bends over the motion to one that turns within a small part of
-/// it.
+/// Grid of |b|: from a nearly straight loop to one that saturates within a small part of the motion.
 const SIZES: [f64; 5] = [0.05, 0.2, 0.6, 1.8, 5.0];
-/// g/b of the lattice.
+/// Grid of g/b.
 const SHARES: [f64; 4] = [-1.3, -0.5, 0.5, 1.3];
-/// n of the lattice: the two that are stepped in closed form.
+/// Grid of n: the two with closed-form steps.
 const EXPONENTS: [f64; 2] = [1.0, 2.0];
-/// Lattice points followed, of each exponent.
+/// Grid points refined, of each exponent.
 const FOLLOWED: usize = 3;
-/// A candidate that leaves more than this times the error of the best one is not followed further.
+/// A candidate with more than this multiple of the best error is discarded.
 const WORSE: f64 = 1.5;
 
 /// A start of the output-error fit.
@@ -30,7 +29,7 @@ pub(super) struct Candidate {
     pub error: f64,
 }
 
-/// The starts, best first, and the searches that led to them.
+/// The starts, best first, and their searches.
 pub(super) fn candidates(
     regression: &EquationError,
     options: &Options,
@@ -58,7 +57,7 @@ pub(super) fn candidates(
             starts: shapes.len(),
             agreement: Some(2),
             iterations: 60,
-            // Starts, not estimates.
+            // Low accuracy suffices for starts.
             gradient_tolerance: 1e-5,
             cost_tolerance: 1e-6,
             step_tolerance: 1e-6,
@@ -78,7 +77,7 @@ pub(super) fn candidates(
     Ok((found, searches))
 }
 
-/// The best lattice points.
+/// The best grid points.
 fn best_of_lattice(regression: &EquationError, n: f64) -> Vec<Vec<f64>> {
     let points = SIZES.iter().flat_map(|&b| SHARES.map(|share| [b, share * b])).collect();
     best_of(regression, points, n)
@@ -99,8 +98,8 @@ fn best_of(regression: &EquationError, points: Vec<[f64; 2]>, n: f64) -> Vec<Vec
     tried.into_iter().take(FOLLOWED).map(|(_, point)| point.to_vec()).collect()
 }
 
-/// The given shape at the best of many sizes: a loop much larger or much smaller than the motion says nothing
-/// about the way to the right one.
+/// The given shape at the best of several sizes: the cost has no useful gradient for a loop much larger or
+/// smaller than the motion.
 fn best_of_ray(regression: &EquationError, [b, g]: [f64; 2], n: f64) -> Vec<Vec<f64>> {
     let largest = b.abs().max(g.abs());
     if largest == 0.0 || !largest.is_finite() {
@@ -110,7 +109,8 @@ fn best_of_ray(regression: &EquationError, [b, g]: [f64; 2], n: f64) -> Vec<Vec<
     best_of(regression, points, n)
 }
 
-/// Coordinates of an oscillator found by regression; what of it makes no sense is the linear oscillator's.
+/// Coordinates of an oscillator from regression, with non-positive values replaced by those of the linear
+/// oscillator.
 fn coordinates(regression: &EquationError, found: Coefficients, [b, g, n]: [f64; 3]) -> Coordinates {
     let [mass, damping, stiffness] = regression.linear;
     let or = |value: f64, linear: f64| if value > 0.0 { value } else { linear };

@@ -11,7 +11,8 @@ use hysteron_model::model_file::{
 use super::{Identification, Options};
 
 impl Identification {
-    /// The model as data: numbers with standard errors, range, how it was made with these `options`, scores.
+    /// Model file: parameters with standard errors, range of validity, provenance with these `options`,
+    /// scores.
     pub fn model_file(&self, options: &Options, maker: &Maker) -> OscillatorFile {
         let first = self.records.first();
         let signals =

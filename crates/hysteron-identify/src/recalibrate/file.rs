@@ -1,4 +1,4 @@
-//! A recalibration and model files.
+//! Model files in a recalibration: prior and result.
 
 use std::collections::BTreeMap;
 
@@ -10,15 +10,15 @@ use hysteron_model::record::Source;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-/// Least eigenvalue of a correlation: what lies below is known as well as exactly. Numbers of the model that
-/// are one and the same have none.
+/// Least eigenvalue of a correlation: directions below are exactly known, such as equal parameters of the
+/// model.
 const LEAST: f64 = 1e-12;
 
 impl Prior {
-    /// Prior from a model file. Where it holds the covariance C of its numbers p: that of (gain, delay) where
-    /// all else of the model is held, (Dᵀ C⁺ D)⁻¹ with D = ∂p/∂(gain, delay), as if the old records were
-    /// fitted again beside the new ones. Else by standard errors alone: that of `linear`, relative, for the
-    /// gain, and that of the delay.
+    /// Prior from a model file. Where it holds the covariance C of its numbers p: the covariance of (gain,
+    /// delay) with all other parameters held, (Dᵀ C⁺ D)⁻¹ with D = ∂p/∂(gain, delay), as if the old records
+    /// were refitted together with the new ones. Else by standard errors alone: that of `linear`, relative,
+    /// for the gain, and that of the delay.
     pub fn of(file: &ModelFile) -> Self {
         let known = |s: &f64| s.is_finite() && *s > 0.0;
         let range_v = file.valid_range.as_ref().map(|range| (range.input.low, range.input.high));
@@ -45,7 +45,7 @@ struct Directions {
     moves: DMatrix<f64>,
     /// (Dᵀ C⁺ D)⁻¹ = A.
     prior: DMatrix<f64>,
-    /// A root of what is known beside gain and delay: (1 − D A Dᵀ C⁺) L with L Lᵀ = C.
+    /// Square root of the covariance orthogonal to gain and delay: (1 − D A Dᵀ C⁺) L with L Lᵀ = C.
     rest: DMatrix<f64>,
     /// Columns of D.
     gain: Option<usize>,
@@ -53,7 +53,7 @@ struct Directions {
 }
 
 impl Directions {
-    /// `None` where the file holds no covariance, or none of what is recalibrated.
+    /// `None` where the file holds no covariance, or none of the recalibrated parameters.
     fn of(file: &ModelFile) -> Option<Self> {
         let (names, covariance) = file.covariance()?;
         let count = names.len();
@@ -87,7 +87,7 @@ impl Directions {
     }
 }
 
-/// By which power of the gain a number of the hysteresis block is multiplied.
+/// Exponent of the gain by which a parameter of the hysteresis block scales.
 fn power_of_gain(name: &str, n: f64) -> f64 {
     match name {
         "alpha" => 1.0,
@@ -99,11 +99,11 @@ fn power_of_gain(name: &str, n: f64) -> f64 {
 }
 
 impl Recalibration {
-    /// The old model's file with the new numbers, and what is now known of them. With C and D of
-    /// [`Prior::of`], what the old records said of gain and delay, D A Dᵀ with A = (Dᵀ C⁺ D)⁻¹, is replaced
-    /// by what is known now; the rest of C, which is independent of it, stays: the new records are taken to
-    /// say nothing of it. Where the file holds no covariance: the old standard error, scaled, and that of the
-    /// gain, as if independent of each other.
+    /// The old model's file with the new parameters and their covariance. With C and D of [`Prior::of`], the
+    /// old covariance of gain and delay, D A Dᵀ with A = (Dᵀ C⁺ D)⁻¹, is replaced by the new one; the
+    /// independent remainder of C is kept: the new records are assumed uninformative about it. Where the file
+    /// holds no covariance: the old standard error, scaled, and that of the gain, as if independent of each
+    /// other.
     pub fn file(&self, old: &ModelFile) -> ModelFile {
         let mut file = old.clone();
         let new = &self.model.hysteresis;
@@ -132,7 +132,7 @@ impl Recalibration {
         file
     }
 
-    /// [`Self::file`] with how it was made from the model in `source`, and with the scores of the records.
+    /// [`Self::file`] with provenance from the model in `source`, and the scores of the records.
     pub fn model_file(&self, old: &ModelFile, source: &Source, prior: Prior, maker: &Maker) -> ModelFile {
         let mut file = self.file(old);
         let known = |s: Option<f64>| s.map_or("unknown".to_owned(), |s| s.to_string());
@@ -189,7 +189,7 @@ impl Recalibration {
             known[(j, i)] = known[(i, j)];
         }
         let sum = &rest * rest.transpose() + &moves * known * moves.transpose();
-        // A delay that the records leave where it was is held, not known.
+        // A delay that the records do not determine is held, without a variance.
         let kept: Vec<usize> = (0..d.names.len())
             .filter(|&i| d.names[i] != "delay" || self.delay.std_error.is_some())
             .filter(|&i| d.names[i] != "offset")

@@ -1,11 +1,11 @@
-//! Quick recalibration: gain, delay and offset of an existing model from short records, the rest of it held.
+//! Quick recalibration: gain, delay and offset of an existing model from short records, all else held.
 //!
 //! y = offset + g · model(u, delay): g multiplies the output of the hysteresis block, so that the loop scales
-//! and keeps its shape. g and the delay are fitted to the records by least squares beside an offset, and a
-//! hysteresis memory where [`choose_start`] finds one, of every record; their covariance allows for coloured
-//! residuals. The old model is the prior: (g, delay) ~ N((1, old), A), no prior on the offset, with A from
-//! the covariance in the model file ([`Prior::of`]). What differs from the old value by more than
-//! [`SIGNIFICANT`] combined standard errors has changed: the prior, which speaks of the device as it was, is
+//! and keeps its shape. g and the delay are fitted to the records by least squares, with an offset per record
+//! and a hysteresis memory where [`choose_start`] finds one; their covariance allows for coloured residuals.
+//! The old model is the prior: (g, delay) ~ N((1, old), A), no prior on the offset, with A from the
+//! covariance in the model file ([`Prior::of`]). A parameter that differs from the old value by more than
+//! [`SIGNIFICANT`] combined standard errors has changed: the prior, which describes the unchanged device, is
 //! not used for it.
 
 mod file;
@@ -28,7 +28,7 @@ use serde::{Deserialize, Serialize};
 pub const SIGNIFICANT: f64 = 3.0;
 /// Fewest valid samples of a record.
 const FEWEST_SAMPLES: usize = 20;
-/// Choices of the starts: a changed gain can look like a hysteresis memory until it is known.
+/// Rounds of choosing the starts: a changed gain can mimic a hysteresis memory until it is fitted.
 const ROUNDS: usize = 3;
 
 /// A record to recalibrate from.
@@ -36,18 +36,19 @@ const ROUNDS: usize = 3;
 pub struct Recording {
     /// The record.
     pub data: InputOutput,
-    /// State before it, as far as is known.
+    /// State before it, if known.
     pub start: Start,
     /// The start is known: no other is tried.
     pub start_is_known: bool,
-    /// Beginning of a run of several records, which tells where it started; `None`: the whole record does.
+    /// Beginning of a run of several records, which determines its start; `None`: the whole record determines
+    /// it.
     pub beginning: Option<InputOutput>,
 }
 
 /// Prior of gain and delay from the old model.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Prior {
-    /// Standard error of the gain, 1 being the old one; `None`: nothing is known.
+    /// Standard error of the gain, relative to the old one; `None`: no prior.
     pub gain: Option<f64>,
     /// Standard error of the delay \[s\].
     pub delay_s: Option<f64>,
@@ -57,7 +58,7 @@ pub struct Prior {
     pub range_v: Option<(f64, f64)>,
 }
 
-/// A number of the model before and after.
+/// A parameter of the model before and after.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Change {
     /// Value in the old model; 1 for the gain.
@@ -68,8 +69,7 @@ pub struct Change {
     pub measured: f64,
     /// Its standard error; `None` where the records do not determine it.
     pub measured_std_error: Option<f64>,
-    /// Value in the new model: that of the records and the prior together, or of the records alone where it
-    /// has changed.
+    /// Value in the new model: from records and prior, or from the records alone where it has changed.
     pub value: f64,
     /// Its standard error.
     pub std_error: Option<f64>,
@@ -82,7 +82,7 @@ impl Change {
         (deviation > 0.0).then(|| (self.measured - self.old).abs() / deviation)
     }
 
-    /// Whether the records contradict the old value.
+    /// True if the records contradict the old value.
     pub fn is_significant(&self) -> bool {
         self.in_standard_errors().is_some_and(|t| t > SIGNIFICANT)
     }
@@ -108,7 +108,8 @@ pub struct Recalibration {
     pub model: Model,
     /// Factor of the hysteresis block's output; held at 1 where the records do not determine it.
     pub gain: Change,
-    /// Delay \[s\]; held at the old value where a record has no times, or the records do not determine it.
+    /// Delay \[s\]; held at the old value where a record has no time base, or the records do not determine
+    /// it.
     pub delay: Change,
     /// Correlation of the new gain and delay.
     pub correlation: f64,
@@ -119,9 +120,9 @@ pub struct Recalibration {
 /// Recalibrates `model`.
 ///
 /// # Errors
-/// [`IdentifyError`]: no record, one without motion or with too few samples, one on which the model cannot be
-/// simulated; [`IdentifyError::OtherDevice`] where even the recalibrated model explains less than
-/// `least_fit_percent` of a record.
+/// [`IdentifyError`]: no record, a constant or too short one, one on which the model cannot be simulated;
+/// [`IdentifyError::OtherDevice`] where even the recalibrated model explains less than `least_fit_percent` of
+/// a record.
 pub fn recalibrate(
     model: &Model,
     prior: Prior,
@@ -140,7 +141,7 @@ pub fn recalibrate(
         if same_kinds(&again, &starts) {
             break;
         }
-        // The fit takes the memory of the old model's operator.
+        // The fit uses memories of the old model's operator.
         for start in &mut again {
             if let Start::Remembering { memory, .. } = start {
                 *memory = memory.scaled(1.0 / found.gain.value);
@@ -228,7 +229,7 @@ struct RecalibratedModel {
     correlation: f64,
 }
 
-/// The fit at these starts, whose memories become those of the new model.
+/// Fits at these starts, and updates their memories to the new model.
 fn fit(
     model: &Model,
     prior: Prior,
@@ -241,7 +242,7 @@ fn fit(
     let mut problem = GainAndDelay::new(model, &facts, starts, longest_s, model.delay_s);
     let mut measured = minimum(&problem)?;
     let mut covariance = uncertainty::covariance(&problem, &measured, None);
-    // A delay on the edge of its range stays there; one that the records do not determine stays the old one.
+    // A delay at a bound stays there; one that the records do not determine keeps its old value.
     let edge = problem.names.delay.map(|at| measured[at]).filter(|&delay| problem.is_edge_of_delay(delay));
     if problem.names.delay.is_some() && (edge.is_some() || covariance.is_none()) {
         problem = GainAndDelay::new(model, &facts, starts, None, edge.unwrap_or(model.delay_s));
@@ -312,8 +313,8 @@ fn minimum(problem: &GainAndDelay<'_>) -> Result<Vec<f64>, IdentifyError> {
     Ok(minimize(problem, &Algorithm::LeastSquares(options), &settings, &mut Unobserved, None)?.best)
 }
 
-/// Mean and covariance of the Gaussian N(x, c) times that of the `known` (index, mean, standard deviation);
-/// where there are two, of this correlation.
+/// Mean and covariance of the product of the Gaussians N(x, c) and `known` (index, mean, standard deviation),
+/// the latter with this correlation if there are two.
 fn with_prior(
     x: &[f64],
     c: &DMatrix<f64>,

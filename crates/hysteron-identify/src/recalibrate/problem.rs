@@ -8,10 +8,10 @@ use hysteron_optimize::{Bounds, LeastSquaresProblem, Problem, Range, root_mean_s
 
 /// Gains searched.
 const GAINS: (f64, f64) = (0.05, 20.0);
-/// Share of a range that counts as its edge.
+/// Tolerance of a bound, as a share of the range.
 const EDGE: f64 = 1e-6;
 
-/// Where the unknowns are in the search vector.
+/// Indices of the unknowns in the search vector.
 #[derive(Clone, Debug)]
 pub(super) struct Names {
     pub(super) delay: Option<usize>,
@@ -67,7 +67,7 @@ impl<'a> GainAndDelay<'a> {
                 let Start::Remembering { memory, .. } = record.start else { return None };
                 let (low, high) = range_of(&record.facts.data.u);
                 let (low, high) = model.hysteresis.memory_range(low, high)?;
-                // Not on the edge of what is searched.
+                // Away from the bounds.
                 let reach = 0.5 * (high - low).max(2.0 * memory.value().abs());
                 let middle = 0.5 * (low + high);
                 ranges.push(Range::linear(&format!("memory_{}", index + 1), middle - reach, middle + reach));
@@ -79,7 +79,7 @@ impl<'a> GainAndDelay<'a> {
         Self { names, model, records, bounds, held_delay_s, residuals }
     }
 
-    /// The old model.
+    /// Search vector of the old model.
     pub(super) fn start(&self) -> Vec<f64> {
         let mut x = vec![1.0; self.bounds.dimension()];
         if let Some(at) = self.names.delay {
@@ -93,7 +93,7 @@ impl<'a> GainAndDelay<'a> {
         x
     }
 
-    /// Whether the delay was kept from leaving its range.
+    /// True if the delay is at a bound.
     pub(super) fn is_edge_of_delay(&self, delay_s: f64) -> bool {
         self.names.delay.is_some_and(|at| {
             let Range { low, high, .. } = self.bounds.ranges[at];

@@ -6,7 +6,7 @@ use hysteron_model::model_file::{ModelFile, SignalUnits};
 use hysteron_model::record::{InterSample, TimeBase, Timing};
 use std::f64::consts::TAU;
 
-/// As the joint fit finds it on the simulated bench: stack, 338 Hz resonance, 0.2 ms delay.
+/// A joint-fit result for the simulated bench: stack, 338 Hz resonance, 0.2 ms delay.
 fn rig_like() -> Model {
     let c0 = (TAU * 338.0_f64).powf(1.97);
     let denominator = vec![Term::new(c0, 0.0), Term::new(0.9 * c0.sqrt(), 1.0), Term::new(1.0, 1.97)];
@@ -109,7 +109,7 @@ fn the_errors_are_those_of_repeated_records() {
 fn an_unchanged_device_stays_the_old_one() {
     let old = rig_like();
     let record = recording(&old, 5000.0, Start::Rest { voltage_v: 0.0 }, noise(5000, 5, 0.005));
-    // Known better than the record can tell.
+    // Prior much more precise than the record.
     let prior = Prior { gain: Some(1e-6), delay_s: Some(1e-9), correlation: 0.3, range_v: None };
     let found = recalibrate(&old, prior, std::slice::from_ref(&record), 75.0).unwrap();
     assert!(!found.gain.is_significant() && !found.delay.is_significant());
@@ -119,7 +119,7 @@ fn an_unchanged_device_stays_the_old_one() {
         found.gain
     );
     assert!((found.delay.value - 2e-4).abs() < 3e-9, "{:?}", found.delay);
-    // Known worse: the record's own word stands.
+    // Vague prior: the record's estimate stands.
     let prior = Prior { gain: Some(0.5), delay_s: Some(1.0), correlation: 0.0, range_v: None };
     let vague = recalibrate(&old, prior, &[record], 75.0).unwrap();
     assert!((vague.gain.value - vague.gain.measured).abs() < 1e-3 * vague.gain.std_error.unwrap());
@@ -142,7 +142,7 @@ fn a_gaussian_prior_is_combined_as_the_textbook_says() {
     assert!((&c * 2.0 - both).iter().all(|d| d.abs() < 1e-16), "{c}");
 }
 
-/// The rig's model with a covariance: the loop's numbers make up for each other, c₀ is b.
+/// The rig's model with a covariance: loop parameters compensate for each other, c₀ is b.
 fn with_covariance() -> ModelFile {
     let mut file = ModelFile::from_model(&rig_like(), SignalUnits::default());
     let names = [
@@ -188,7 +188,7 @@ fn the_prior_is_that_of_gain_and_delay_with_all_else_held() {
 
     let file = with_covariance();
     let prior = Prior::of(&file);
-    // Far better known than `linear`, whose error is 1.5 %.
+    // Far more precise than `linear`, whose error is 1.5 %.
     assert!(prior.gain.unwrap() < 2e-3 && prior.delay_s.unwrap() < 2e-6, "{prior:?}");
     assert!(prior.correlation.abs() > 1e-3 && prior.correlation.abs() < 1.0, "{prior:?}");
 }
@@ -205,12 +205,12 @@ fn a_new_file_knows_gain_and_delay_as_the_recalibration_does() {
         let new = found.file(&file);
         new.check().unwrap();
         let again = Prior::of(&new);
-        // A gain of 1 stands for the new one there.
+        // The new gain is normalised to 1 there.
         let expected = found.gain.std_error.unwrap() / found.gain.value;
         assert!((again.gain.unwrap() / expected - 1.0).abs() < 1e-6, "{again:?} {expected}");
         assert!((again.delay_s.unwrap() / found.delay.std_error.unwrap() - 1.0).abs() < 1e-6, "{again:?}");
         assert!((again.correlation - found.correlation).abs() < 1e-6, "{again:?} {}", found.correlation);
-        // The rest is as well known as before, in proportion.
+        // The relative precision of the other parameters is unchanged.
         let error = |file: &ModelFile, name: &str| file.number(name).unwrap().std_error.unwrap();
         for name in ["beta", "denominator[2].order"] {
             assert!(error(&new, name) <= error(&file, name) * (1.0 + 1e-9), "{name}");

@@ -1,5 +1,4 @@
-//! A structure that can be compared: its dynamics, creep, polynomial degree, exponent, and family of
-//! hysteresis.
+//! A candidate structure: dynamics, creep, polynomial degree, exponent, and family of hysteresis.
 
 use std::fmt;
 use std::str::FromStr;
@@ -10,10 +9,10 @@ use hysteron_model::hysteresis::HysteresisForm;
 
 /// Polynomial degree of a candidate that does not name one.
 const USUAL_DEGREE: usize = 3;
-/// Highest degree that is compared unasked.
+/// Highest degree compared by default.
 const HIGHEST_USUAL_DEGREE: usize = 5;
 
-/// Fewer poles in parallel than these are the same in series.
+/// With fewer poles the parallel form equals the series form.
 const FEWEST_OF_MODES: usize = 4;
 /// Names of the blocks.
 const NAMES: &str = "none, integer1 to integer12, modes4 to modes12, arx, oe, bj, srivc, fractional, \
@@ -49,7 +48,7 @@ pub struct Candidate {
 /// Dynamic block of a [`Candidate`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Block {
-    /// Which; never [`DynamicsChoice::Auto`].
+    /// Kind of dynamics; never [`DynamicsChoice::Auto`].
     pub dynamics: DynamicsChoice,
     /// Number of poles of [`DynamicsChoice::Integer`] (1 to 12) and [`DynamicsChoice::Modes`] (4 to 12, an
     /// odd one is a lag).
@@ -78,7 +77,7 @@ impl Block {
     /// Static model with delay.
     pub const NONE: Self = Self::of(DynamicsChoice::None);
 
-    /// Those that are compared where none is named, simple before rich.
+    /// Blocks compared by default, simple before rich.
     pub const USUAL: [Self; 9] = [
         Self::NONE,
         Self::integer(1),
@@ -91,12 +90,12 @@ impl Block {
         Self::of(DynamicsChoice::TwoFractional),
     ];
 
-    /// Of this kind, with two poles where their number is free.
+    /// A block of this kind, with two poles where their number is free.
     pub const fn of(dynamics: DynamicsChoice) -> Self {
         Self { dynamics, order: 2 }
     }
 
-    /// Integer-order dynamics of so many poles.
+    /// Integer-order dynamics with `order` poles.
     pub const fn integer(order: usize) -> Self {
         Self { dynamics: DynamicsChoice::Integer, order }
     }
@@ -105,7 +104,7 @@ impl Block {
         matches!(self.dynamics, DynamicsChoice::Integer | DynamicsChoice::Modes)
     }
 
-    /// Whether it is identified in two steps.
+    /// True if it is identified in two steps.
     pub(super) fn takes_two_steps(self) -> bool {
         self.dynamics.takes_two_steps()
     }
@@ -118,7 +117,7 @@ impl Block {
         Self::USUAL.into_iter().chain(integer).chain(modes).chain(regressions.map(Self::of))
     }
 
-    /// That of an identification with these options; [`DynamicsChoice::Auto`] counts as fractional.
+    /// The block of an identification with these options; [`DynamicsChoice::Auto`] counts as fractional.
     pub(super) fn of_options(options: &Options) -> Self {
         let dynamics = match options.dynamics {
             DynamicsChoice::Auto => DynamicsChoice::Fractional,
@@ -161,8 +160,8 @@ impl Candidate {
         }
     }
 
-    /// Every structure that differs from this one in that part alone, of those that are compared unasked, and
-    /// this one. Blocks that are identified in two steps go with Bouc–Wen and without creep only.
+    /// This structure and those compared by default that differ from it in `part` alone. Blocks identified in
+    /// two steps are combined with Bouc–Wen without creep only.
     pub fn alternatives(self, part: StructurePart) -> Vec<Self> {
         let list: Vec<Self> = match part {
             StructurePart::Block => Block::USUAL.map(|block| Self { block, ..self }).into(),

@@ -1,4 +1,4 @@
-//! Content of a record's drive: amplitudes, frequencies, and whether parts of the record differ.
+//! Content of a record's drive: amplitudes, frequencies, and their variation along the record.
 
 use super::super::RecordFacts;
 use hysteron_model::record::{ExcitationKind, excitation_kind, range_of, turning_points};
@@ -65,7 +65,7 @@ impl Content {
     }
 }
 
-/// Whether two sizes are the same to 5 %.
+/// True if two values agree to 5 %.
 pub(super) fn near(a: f64, b: f64) -> bool {
     (a - b).abs() <= SAME * a.abs().max(b.abs())
 }
@@ -75,8 +75,8 @@ pub(super) fn brief(x: f64) -> String {
     format!("{x:.2e}").parse::<f64>().map_or_else(|_| x.to_string(), |x| x.to_string())
 }
 
-/// Whether the second record holds nothing that the first does not: the same steady wave, or the same drive
-/// sample by sample.
+/// True if the second record adds no information to the first: an equal steady wave, or an equal drive sample
+/// by sample.
 pub(super) fn same(a: (&RecordFacts, &Content), b: (&RecordFacts, &Content)) -> bool {
     let ((fa, ca), (fb, cb)) = (a, b);
     let alike = near(ca.amplitude.0, cb.amplitude.0)

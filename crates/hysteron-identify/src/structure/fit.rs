@@ -1,4 +1,4 @@
-//! Fits of one candidate: to the whole campaign, and to what a fold leaves of it.
+//! Fits of one candidate: to the whole campaign, and to the training data of a fold.
 
 use std::ops::Range;
 
@@ -18,14 +18,15 @@ use hysteron_optimize::{
     Algorithm, LeastSquaresOptions, OptimizeError, Problem, Settings, Stop, StopReason, minimize,
 };
 
-/// Starts polished for the whole campaign, and iterations of each; iterations of a fit to what a fold leaves.
+/// Starts polished for the whole campaign, and iterations of each; iterations of a fit to the training data
+/// of a fold.
 const POLISHED: usize = 3;
 const ITERATIONS: usize = 30;
 const FOLD_ITERATIONS: usize = 15;
 /// Cost tolerance of these fits: structures differ by far more.
 const COST_TOLERANCE: f64 = 1e-5;
-/// A fit to what a fold leaves starts this part of the way from the whole campaign's optimum to the middle of
-/// the box: what the remaining data do not determine must not stay where the left-out data put it.
+/// A fold's fit starts at this share of the way from the whole campaign's optimum to the middle of the box:
+/// parameters that the training data do not determine must not keep values from the held-out data.
 const AWAY: f64 = 0.25;
 
 /// Named values of the searched parameters.
@@ -46,11 +47,11 @@ pub(super) struct Campaign<'a> {
     pub(super) facts: &'a [RecordFacts],
     pub(super) members: &'a [JointMember<'a>],
     pub(super) options: &'a Options,
-    /// Ends the fit under way.
+    /// Stops the current fit.
     pub(super) stop: &'a Stop,
 }
 
-/// Why a fit gave nothing.
+/// Reason for a missing fit.
 #[derive(Debug)]
 pub(super) enum NoFit {
     /// It was asked to stop.
@@ -91,7 +92,7 @@ impl Campaign<'_> {
         Ok(WholeFit { model, starts, parameters, named })
     }
 
-    /// Root of the mean squared error on what `fold` leaves out, by a fit to the rest.
+    /// Held-out rms error on `fold`, by a fit to the rest.
     pub(super) fn error_on(&self, candidate: Candidate, whole: &WholeFit, fold: &Fold) -> Result<f64, NoFit> {
         let (model, starts) = if candidate.block.takes_two_steps() {
             self.two_steps_without(candidate, fold)?
@@ -102,7 +103,7 @@ impl Campaign<'_> {
         for (record, ranges) in &fold.held {
             let facts = &self.facts[*record];
             let data = left(&facts.data, ranges, false);
-            // The start is chosen on the held-out data: a memory fitted to the rest may rest on nothing.
+            // The start is chosen on the held-out data: the training data may not determine the memory.
             let fitted = starts.iter().find(|(r, _)| r == record).map(|(_, start)| *start);
             let preferred = fitted.unwrap_or_else(|| self.members[*record].fresh_start());
             let (_, simulated) = choose_start(&model, &data, preferred, None, &Scoring::default())
@@ -120,7 +121,7 @@ impl Campaign<'_> {
     }
 
     /// Weighted residuals of the whole campaign: RMSE in the output's unit, sum of squares of the residuals
-    /// over their noise, and number of independent samples that they are worth.
+    /// over their noise, and their effective number of independent samples.
     pub(super) fn training(&self, fit: &WholeFit) -> Result<Training, NoFit> {
         let (mut square, mut weighted, mut samples, mut information) = (0.0, 0.0, 0usize, 0.0);
         for (index, facts) in self.facts.iter().enumerate() {
@@ -181,7 +182,7 @@ impl Campaign<'_> {
         Ok((model, starts))
     }
 
-    /// Joint fit to what a fold leaves; the starts of the records that were in it.
+    /// Joint fit to the training data of a fold; the starts of its records.
     fn joint_without(
         &self,
         candidate: Candidate,
@@ -198,7 +199,7 @@ impl Campaign<'_> {
         let options = self.candidate_options(candidate, &members);
         let setup = JointSetup::new(&members, form(&options), &options).stopped_by(self.stop);
         let problem = setup.problem(candidate.degree, true)?;
-        // The memory of a record is known by its place in the campaign.
+        // The memory of a record is named by its index in the campaign.
         let renamed: Named = whole
             .named
             .iter()
@@ -224,7 +225,7 @@ impl Campaign<'_> {
         let known = problem.cost(&optimum, &mut problem.workspace());
         let (mut x, cost) = self.minimise(&problem, vec![moved], FOLD_ITERATIONS)?;
         if cost > known {
-            // It went astray: the optimum of the whole campaign is the better start.
+            // The fit failed: the optimum of the whole campaign is the better start.
             x = self.minimise(&problem, vec![optimum], FOLD_ITERATIONS)?.0;
         }
         let (model, starts) = self.solved(&problem, &x, &setup, &members)?;
@@ -309,7 +310,7 @@ pub(super) struct Training {
     pub(super) rmse: f64,
     /// Mean square of residual over noise.
     pub(super) mean_square: f64,
-    /// Independent samples that the residuals are worth.
+    /// Effective number of independent samples of the residuals.
     pub(super) information: f64,
 }
 
@@ -354,7 +355,7 @@ fn overlay(problem: &JointProblem, base: &[f64], named: &Named) -> Vec<f64> {
         .collect()
 }
 
-/// Parameters of the model: those of a record's own start are none.
+/// Number of parameters of the model, without those of the records' initial states.
 fn parameter_count(problem: &JointProblem, degree: usize) -> usize {
     let layout = problem.layout();
     let own = layout.memory.iter().filter(|role| matches!(role, Role::Searched(_))).count();

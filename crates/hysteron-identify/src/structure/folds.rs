@@ -1,4 +1,4 @@
-//! Cross-validation folds: whole records where there are enough of different content, else parts of them.
+//! Cross-validation folds: whole records where enough differ in content, else parts of them.
 
 use std::ops::Range;
 
@@ -8,26 +8,26 @@ use super::prospect;
 use crate::IdentifyError;
 use hysteron_model::record::{MeasurementRun, RunPart};
 
-/// Groups of records from which on whole records are left out.
+/// Fewest groups of records for holding out whole records.
 const ENOUGH_RECORDS: usize = 3;
-/// Parts of a record whose parts differ: where there is nothing else, and beside another record.
+/// Number of parts of a record with varied drive: alone, and with another record.
 const PARTS_ALONE: usize = 4;
 const PARTS_BESIDE: usize = 2;
 
 /// Data held out of one fit and predicted by it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fold {
-    /// Name for tables: the record, and which part of it.
+    /// Name for tables: the record and its part.
     pub label: String,
     /// Amplitude and frequencies of the held-out data, in words.
     pub content: String,
-    /// Samples left out: index of the record, and ranges in it.
+    /// Held-out samples: index of the record, and ranges in it.
     pub held: Vec<(usize, Vec<Range<usize>>)>,
-    /// Whole records are left out: nothing of them is fitted.
+    /// Whole records are held out.
     pub whole: bool,
 }
 
-/// Plans the folds, or says why structures cannot be distinguished.
+/// Plans the folds; an error explains why structures cannot be distinguished.
 pub(super) fn plan(facts: &[RecordFacts], contents: &[Content]) -> Result<Vec<Fold>, IdentifyError> {
     let unit = &facts[0].data.u_unit.to_string();
     let groups = groups(facts, contents);
@@ -61,8 +61,8 @@ pub(super) fn plan(facts: &[RecordFacts], contents: &[Content]) -> Result<Vec<Fo
         return Err(IdentifyError::CannotRank {
             because: format!(
                 "the records hold one amplitude and one frequency ({}), which is one experiment however \
-                 often it is repeated: nothing is left to predict, and any of the structures can be bent to \
-                 the one loop",
+                 often it is repeated: no held-out prediction is possible, and every structure can fit the \
+                 one loop",
                 first.describe(unit)
             ),
             measure: prospect::next_record(facts, contents).unwrap_or_default(),
@@ -71,8 +71,8 @@ pub(super) fn plan(facts: &[RecordFacts], contents: &[Content]) -> Result<Vec<Fo
     Ok(folds)
 }
 
-/// Each part of a run of several: the drive of all parts is known, so that memory and creep carry over what
-/// is left out. `None` where there are fewer than two parts.
+/// One fold per part of a run: the drive of all parts is known, so that memory and creep carry over held-out
+/// parts. `None` where there are fewer than two parts.
 pub(super) fn of_parts(runs: &[MeasurementRun]) -> Option<Vec<Fold>> {
     let of_run = |(index, run): (usize, &MeasurementRun)| -> Vec<Fold> {
         let fold = |part: &RunPart| Fold {
@@ -88,7 +88,7 @@ pub(super) fn of_parts(runs: &[MeasurementRun]) -> Option<Vec<Fold>> {
     (folds.len() > 1).then_some(folds)
 }
 
-/// Records of the same content together, in the order of the first of each.
+/// Groups of records of the same content, in the order of their first records.
 fn groups(facts: &[RecordFacts], contents: &[Content]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for r in 0..facts.len() {
@@ -119,7 +119,7 @@ fn ranges(facts: &RecordFacts, part: usize, parts: usize) -> Vec<Range<usize>> {
     }
 }
 
-/// Limitations of a ranking that can be made.
+/// Limitations of the ranking.
 pub(super) fn limits(contents: &[Content], folds: &[Fold]) -> Vec<String> {
     let mut notes = Vec::new();
     let (low, high) = prospect::band(contents);
@@ -133,7 +133,7 @@ pub(super) fn limits(contents: &[Content], folds: &[Fold]) -> Vec<String> {
     if high < prospect::FAST_OVER_SLOW * low.max(f64::MIN_POSITIVE) {
         notes.push(
             "The records span less than a factor of 3 in frequency: dynamics, creep and delay are hardly \
-             told from loop width."
+             distinguishable from loop width."
                 .to_owned(),
         );
     }
@@ -146,8 +146,8 @@ pub(super) fn limits(contents: &[Content], folds: &[Fold]) -> Vec<String> {
     }
     if folds.iter().any(|f| !f.whole) {
         notes.push(
-            "Parts of records are left out, not whole records: what differs from record to record (start, \
-             drift, temperature) is not in the errors."
+            "Parts of records are held out, not whole records: differences between records (start, drift, \
+             temperature) are not in the errors."
                 .to_owned(),
         );
     }
@@ -215,7 +215,7 @@ mod tests {
 
     #[test]
     fn parts_of_a_repeating_drive_are_the_same_part_of_every_period() {
-        // Two amplitudes, again and again.
+        // Two alternating amplitudes.
         let wave = |t: f64| if t % 2.0 < 1.0 { 1.0 } else { 0.4 } * (1.0 - (TAU * t).cos());
         let facts = record("nested", wave, 6.0);
         let period = facts.periods.unwrap();

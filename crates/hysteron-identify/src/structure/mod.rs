@@ -1,12 +1,10 @@
-//! Which structure do these records support? Candidates compared by the simulated error on data that they
-//! were not fitted to.
+//! Structure selection: candidates compared by their held-out simulation error.
 //!
-//! [`compare`] leaves out one fold after the other ([`Fold`]: a record, or a part of one or of a run), fits
-//! every [`Candidate`] to the rest, simulates what was left out (the model's own past output is fed back; the
-//! sensor's offset is estimated), and ranks by the mean error over the folds with the uncertainty of its
-//! differences ([`rank`]). Where the records are one experiment repeated, it refuses
-//! ([`IdentifyError::CannotRank`]) and says what to measure. [`prospects`] says before any fit what a
-//! campaign can determine.
+//! [`compare`] holds out one fold after the other ([`Fold`]: a record, or a part of one or of a run), fits
+//! every [`Candidate`] to the rest, simulates the held-out data (free run, with the sensor's offset
+//! estimated), and ranks by the mean error over the folds with the uncertainty of its differences ([`rank`]).
+//! Where the records repeat one experiment, it returns [`IdentifyError::CannotRank`] with the measurement
+//! needed. [`prospects`] predicts before any fit what a campaign can determine.
 
 mod candidate;
 mod content;
@@ -37,11 +35,11 @@ use fit::{Campaign, Named, NoFit, Training, WholeFit};
 use hysteron_model::hammerstein::Model;
 use hysteron_optimize::Settings;
 
-/// Passes of a search at most.
+/// Most passes of a search.
 const PASSES: usize = 3;
-/// Candidates that a second pass is expected to add.
+/// Expected number of candidates in a second pass.
 const SECOND_PASS: usize = 15;
-/// Fits of other candidates that a fit may start from.
+/// Number of other candidates' fits used as starts.
 const LEND: usize = 2;
 
 /// A comparison of structures.
@@ -55,7 +53,7 @@ pub struct Comparison {
     pub ranking: Option<Ranking>,
     /// Root of the mean squared noise floor of the records \[output unit\].
     pub noise_floor: f64,
-    /// Independent samples that the residuals of the closest fit are worth; AIC and BIC count these.
+    /// Effective number of independent samples of the best fit's residuals, used in AIC and BIC.
     pub independent_samples: f64,
     /// Samples of all records.
     pub samples: usize,
@@ -75,7 +73,7 @@ pub struct Entry {
     /// The model fitted to all records (to thinned ones where they are oversampled); `None` where the fit
     /// failed.
     pub model: Option<Model>,
-    /// Parameters of the model; a record's offset and initial memory are none.
+    /// Number of parameters, without the records' offsets and initial memories.
     pub parameters: usize,
     /// RMSE over all records, each with its offset \[output unit\].
     pub training_rmse: Option<f64>,
@@ -84,7 +82,7 @@ pub struct Entry {
     pub aic: Option<f64>,
     /// N ln(Σ(e/σ)²/N) + k ln N (Schwarz 1978, doi:10.1214/aos/1176344136).
     pub bic: Option<f64>,
-    /// RMSE on what each fold leaves out, by the fit to the rest \[output unit\].
+    /// Held-out RMSE of each fold, by the fit to the rest \[output unit\].
     pub fold_rmse: Vec<Option<f64>>,
     /// Why an error is missing.
     pub failures: Vec<String>,
@@ -97,11 +95,11 @@ impl Entry {
 }
 
 /// Compares `candidates` on a campaign. `None`: a search through dynamic blocks, kinds of creep, families of
-/// hysteresis, polynomial degrees and n, one [`StructurePart`] after the other about the best so far, until none is
-/// better. Of `options`, structure, algorithm and demands are each candidate's own.
+/// hysteresis, polynomial degrees and n, one [`StructurePart`] after the other from the best so far, until
+/// none is better. Structure, algorithm and demands in `options` are ignored.
 ///
 /// # Errors
-/// [`IdentifyError`]. A candidate that cannot be fitted is no error: its [`Entry::failures`] say why.
+/// [`IdentifyError`]. A candidate that cannot be fitted is no error: see [`Entry::failures`].
 pub fn compare(
     campaign: &[CampaignRecord],
     candidates: Option<&[Candidate]>,
@@ -136,14 +134,14 @@ pub fn compare(
         Some(candidates) => run.add(candidates),
         None => run.search(),
     }
-    // Amplitudes and frequencies are those of the parts of even sampling.
+    // Amplitudes and frequencies are those of the uniformly sampled segments.
     let parts = facts.iter().flat_map(|facts| facts.data.in_moving_segments());
     let seen: Vec<Content> = parts.map(|part| Content::of(&RecordFacts::new(part))).collect();
     let notes = folds::limits(&seen, &run.folds);
     Ok(run.comparison(notes))
 }
 
-/// A comparison under way.
+/// State of a running comparison.
 struct RunningComparison<'a, 'w> {
     campaign: Campaign<'a>,
     folds: Vec<Fold>,
@@ -160,15 +158,15 @@ struct Finished {
 }
 
 impl RunningComparison<'_, '_> {
-    /// One part of the structure after the other, the rest as in the best so far, until a pass changes
-    /// nothing: which dynamics predict best depends on the hysteresis before them, and the other way round.
+    /// Coordinate search over the parts of the structure, repeated until a pass changes nothing: the best
+    /// dynamics depend on the hysteresis before them, and vice versa.
     fn search(&mut self) {
         let mut best = Candidate::of(Block::NONE);
         for pass in 1..=PASSES {
             let before = best;
             for (parts_left, part) in (0..StructurePart::ALL.len()).rev().zip(StructurePart::ALL) {
                 let alternatives = best.alternatives(part);
-                // An honest guess: as much again as this part for every one to come.
+                // Estimate: every remaining part has as many candidates as this one.
                 let to_come = parts_left * alternatives.len() + if pass == 1 { SECOND_PASS } else { 0 };
                 self.planned = self.done.load(Ordering::Relaxed)
                     + (alternatives.len() + to_come) * (self.folds.len() + 1);
@@ -207,11 +205,11 @@ impl RunningComparison<'_, '_> {
     fn step(&self, fits: usize, candidate: Candidate) {
         let done = self.done.fetch_add(fits, Ordering::Relaxed) + fits;
         let fraction = done as f64 / self.planned.max(1) as f64;
-        // A request to stop is honoured by the next check.
+        // The next check handles a stop.
         let _ = self.watch.tell(Event::new(&candidate.to_string(), fraction, None));
     }
 
-    /// The candidate on the whole campaign and on every fold; `None` where it was stopped.
+    /// Fits the candidate to the whole campaign and on every fold; `None` after a stop.
     fn fitted(&self, candidate: Candidate) -> Option<Finished> {
         let mut entry = Entry {
             candidate,
@@ -229,7 +227,7 @@ impl RunningComparison<'_, '_> {
         let whole = match self.campaign.fit(candidate, &lent) {
             Ok(whole) => whole,
             Err(NoFit::Stopped) => return None,
-            // Stopped before its first step, a fit ends in an error, which says nothing about the candidate.
+            // A fit stopped before its first step returns an error unrelated to the candidate.
             Err(NoFit::Failed(_)) if self.watch.is_stopped() => return None,
             Err(NoFit::Failed(why)) => {
                 entry.failures.push(format!("all records: {why}"));
@@ -238,7 +236,7 @@ impl RunningComparison<'_, '_> {
             }
         };
         self.step(1, candidate);
-        // Records are worked on in parallel too, but there are rarely enough of equal size.
+        // Records are processed in parallel too, but rarely enough of them have equal size.
         let errors: Vec<Result<f64, NoFit>> =
             self.folds.par_iter().map(|fold| self.on_fold(candidate, &whole, fold)).collect();
         for (index, error) in errors.into_iter().enumerate() {
@@ -272,7 +270,7 @@ impl RunningComparison<'_, '_> {
 
     fn comparison(self, notes: Vec<String>) -> Comparison {
         let ranking = self.ranking();
-        // Residuals of the closest fit are the least structured.
+        // Residuals of the best fit are the least structured.
         let closest = self.finished.iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
         let information = closest.and_then(|f| f.training).map_or(2.0, |t| t.information.max(2.0));
         let interrupted = self.watch.is_stopped();

@@ -1,8 +1,7 @@
-//! Structures next to an identified one, fitted to the same records: what each would have left of them.
+//! Structures similar to an identified one, fitted to the same records and compared by training error.
 //!
-//! Cheap beside [`super::compare`], because nothing is left out: one fit a structure, started from what was
-//! identified. The errors are those on the data of the fit, which a richer structure always lowers; BIC
-//! counts its parameters against it.
+//! Cheaper than [`super::compare`], as nothing is held out: one fit per structure, started from the
+//! identified one. A richer structure always lowers the training error; BIC penalises its parameters.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -27,12 +26,12 @@ use hysteron_optimize::Settings;
 /// Highest polynomial degree tried.
 const HIGHEST_DEGREE: usize = 5;
 
-/// Structures compared by their errors on the data of the fit.
+/// Structures compared by their training errors.
 #[derive(Clone, Debug)]
 pub struct Neighbours {
-    /// The identified structure first, then those next to it.
+    /// The identified structure, then the similar ones.
     pub entries: Vec<Neighbour>,
-    /// Independent samples that the residuals of the closest fit are worth; BIC counts these.
+    /// Effective number of independent samples of the best fit's residuals, used in BIC.
     pub independent_samples: f64,
     /// Samples of all records.
     pub samples: usize,
@@ -43,7 +42,7 @@ pub struct Neighbours {
 pub struct Neighbour {
     /// The structure.
     pub candidate: Candidate,
-    /// Parameters of the model; a record's offset and initial memory are none.
+    /// Number of parameters, without the records' offsets and initial memories.
     pub parameters: usize,
     /// RMSE over all records, each with its offset \[output unit\].
     pub rmse: f64,
@@ -51,13 +50,13 @@ pub struct Neighbour {
     pub bic: f64,
 }
 
-/// Fits the structures next to the one in `found`, which `options` identified from `campaign`: none, integer
-/// and fractional dynamics, with and without creep, a polynomial degree more and less, n held and free. One
-/// that cannot be fitted is left out.
+/// Fits structures similar to the one in `found`, which `options` identified from `campaign`: static,
+/// integer-order and fractional dynamics, with and without creep, one polynomial degree more and less, n held
+/// and free. Those that cannot be fitted are omitted.
 ///
 /// # Errors
-/// [`IdentifyError::CannotRank`] where the records cannot tell structures apart; others where they cannot be
-/// fitted jointly.
+/// [`IdentifyError::CannotRank`] where the records cannot discriminate between structures; others where they
+/// cannot be fitted jointly.
 pub fn neighbours(
     campaign: &[CampaignRecord],
     options: &Options,
@@ -130,7 +129,7 @@ fn identified(options: &Options, found: &Identification) -> Candidate {
     }
 }
 
-/// `own`, then what differs from it in one respect, and the plain dynamics with and without creep.
+/// `own`, then structures that differ in one respect, and the basic dynamics with and without creep.
 fn candidates(own: Candidate) -> Vec<Candidate> {
     let mut list = vec![own];
     let mut add = |candidate: Candidate| {

@@ -11,16 +11,16 @@ use hysteron_model::record::{
     fit_start_up, fundamental_response, low_frequency_responses,
 };
 
-/// Ratio of highest to lowest frequency from which on dynamics are told from hysteresis.
+/// Least ratio of highest to lowest frequency for distinguishing dynamics from hysteresis.
 pub(super) const FAST_OVER_SLOW: f64 = 3.0;
-/// A gain this many times above what lies on both sides of it is a resonance.
+/// A maximum of the gain above the gain on both sides by this factor is a resonance.
 const PROMINENCE: f64 = 1.3;
-/// A record this long \[s\] shows creep; over a hold of that length it is told from everything else.
+/// Least duration \[s\] of a record, or of a hold, that determines creep.
 const LONG_S: f64 = 10.0;
 /// A drive that starts off 0 V by more than this share of its range.
 const OFF_ZERO: f64 = 0.02;
 
-/// Whether a campaign determines something.
+/// Judgement whether a campaign determines a property.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Prospect {
     /// Topic, in a word or two.
@@ -34,21 +34,20 @@ pub struct Prospect {
 /// Statements about what a campaign can determine.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Prospects {
-    /// Amplitudes and frequencies of each record, in words; the statements say as much, so they are not
-    /// serialised.
+    /// Amplitudes and frequencies of each record, in words; not serialised, as the statements contain them.
     #[serde(skip)]
     pub records: Vec<String>,
-    /// Statement by statement.
+    /// The statements.
     pub statements: Vec<Prospect>,
     /// The record to measure next; `None` where nothing is missing.
     #[serde(rename = "measure_next")]
     pub next: Option<String>,
 }
 
-/// Says before any fit what the records can determine together.
+/// Predicts before any fit what the records together can determine.
 pub fn prospects(records: &[InputOutput]) -> Prospects {
     let wholes: Vec<RecordFacts> = records.iter().map(|data| RecordFacts::new(data.clone())).collect();
-    // Amplitudes, frequencies and phases are those of the parts of even sampling; creep and the start those
+    // Amplitudes, frequencies and phases are those of the uniformly sampled segments; creep and start those
     // of whole records.
     let (mut facts, mut contents, mut described) = (Vec::new(), Vec::new(), Vec::new());
     for record in records {
@@ -71,7 +70,7 @@ pub fn prospects(records: &[InputOutput]) -> Prospects {
     Prospects { records: described, statements, next: next_record(&wholes, &contents) }
 }
 
-/// The record that adds most to these.
+/// The most informative further record.
 pub(super) fn next_record(facts: &[RecordFacts], contents: &[Content]) -> Option<String> {
     let unit = facts.first().map_or_else(String::new, |f| f.data.u_unit.to_string());
     let largest = largest_amplitude(contents);
@@ -87,18 +86,18 @@ pub(super) fn next_record(facts: &[RecordFacts], contents: &[Content]) -> Option
         };
         return Some(format!(
             "a sweep (or a multisine) from {from} to the highest frequency of use, amplitude {full}: it \
-             tells delay and dynamics from loop width{loops}"
+             distinguishes delay and dynamics from loop width{loops}"
         ));
     }
     if one_amplitude(contents) {
         return Some(format!(
-            "slow loops at {from} of the full, half and a quarter of the amplitude ({full}): β, γ, n and the \
-             polynomial show in how the loop shrinks"
+            "slow loops at {from} of the full, half and a quarter of the amplitude ({full}): the shrinking \
+             loop determines β, γ, n and the polynomial"
         ));
     }
     if !shows_creep(facts) {
         return Some(format!(
-            "steps of {full}, each held for {LONG_S} s or longer: creep shows nowhere else so clearly"
+            "steps of {full}, each held for {LONG_S} s or longer: these show creep most clearly"
         ));
     }
     None
@@ -129,12 +128,12 @@ fn amplitudes(facts: &[RecordFacts], contents: &[Content]) -> Prospect {
         let text = format!("loops of {} to {} {unit} amplitude", brief(smallest), brief(largest));
         (Some(true), text)
     } else if facts.iter().any(starts_at_rest) {
-        let text = "one amplitude: β and γ are told apart by the way from rest into the first loop alone, n \
-                    and the polynomial by the shape of one loop";
+        let text = "one amplitude: β and γ are distinguished only by the virgin curve, n and the polynomial \
+                    only by the shape of one loop";
         (None, text.to_owned())
     } else {
-        let text = "one amplitude and no start from rest: β and γ cannot be told apart, and minor loops are \
-                    extrapolated";
+        let text = "one amplitude and no start from rest: β and γ cannot be distinguished, and minor loops \
+                    are extrapolated";
         (Some(false), text.to_owned())
     };
     Prospect { topic: "β, γ, n, polynomial".into(), determined, text }
@@ -150,14 +149,14 @@ fn frequencies(facts: &[RecordFacts], contents: &[Content]) -> Prospect {
     } else if high >= FAST_OVER_SLOW * low {
         (Some(true), format!("{} to {} Hz", brief(low), brief(high)))
     } else {
-        let text = format!("{} Hz only: dynamics cannot be told from hysteresis", brief(high));
+        let text = format!("{} Hz only: dynamics and hysteresis cannot be distinguished", brief(high));
         (Some(false), text)
     };
     Prospect { topic: "dynamics".into(), determined, text }
 }
 
-/// Gain and phase by frequency, from sweeps and multisines, and from the fundamentals of records of one
-/// frequency.
+/// Gain and phase over frequency, from sweeps and multisines, and from the fundamentals of single-frequency
+/// records.
 fn responses(facts: &[RecordFacts]) -> Vec<Response> {
     let mut all: Vec<Response> = Vec::new();
     for f in facts {
@@ -182,13 +181,13 @@ fn resonance(facts: &[RecordFacts]) -> Prospect {
     if let (Some(low), Some(high)) = (low, high)
         && high.frequency_hz < FAST_OVER_SLOW * low.frequency_hz
     {
-        let text = format!("{} Hz only: whether there is one is not known", brief(high.frequency_hz));
+        let text = format!("{} Hz only: a resonance cannot be detected", brief(high.frequency_hz));
         return Prospect { topic: TOPIC.into(), determined: Some(false), text };
     }
     let lowest = |part: &[Response]| part.iter().map(|p| p.gain).fold(f64::INFINITY, f64::min);
     let peak = points.iter().enumerate().max_by(|a, b| a.1.gain.total_cmp(&b.1.gain));
     let Some((at, top)) = peak else {
-        let text = "no record of several frequencies: whether there is one is not known".to_owned();
+        let text = "no record of several frequencies: a resonance cannot be detected".to_owned();
         return Prospect { topic: TOPIC.into(), determined: Some(false), text };
     };
     let (before, after) = (lowest(&points[..at]), lowest(&points[at + 1..]));
@@ -198,8 +197,8 @@ fn resonance(facts: &[RecordFacts]) -> Prospect {
         let high = points.last().map_or(0.0, |p| p.frequency_hz);
         let flank = points.last().map_or(1.0, |p| p.gain) / points.first().map_or(1.0, |p| p.gain);
         let text = format!(
-            "none up to {} Hz (gain there {} of that at the lowest frequency): a mode above is known by its \
-             flank at most",
+            "none up to {} Hz (gain there {} of that at the lowest frequency): of a mode above at most the \
+             flank is visible",
             brief(high),
             brief(flank)
         );
@@ -213,8 +212,7 @@ fn delay(facts: &[RecordFacts]) -> Prospect {
     let milliseconds = |s: f64| brief(1e3 * s);
     let words = |delay_s: f64, error_s: f64, lag: f64| {
         format!(
-            "{} ± {} ms together with every lag that grows with frequency, beside {}° of loop width, which \
-             does not",
+            "{} ± {} ms, including lags that grow with frequency; loop width adds a constant {}°",
             milliseconds(delay_s),
             short_error(1e3 * error_s),
             brief(lag.to_degrees())
@@ -239,7 +237,7 @@ fn delay(facts: &[RecordFacts]) -> Prospect {
             _ => {}
         }
     }
-    // Records of one frequency each: the same line through their fundamentals.
+    // Single-frequency records: the same phase regression over their fundamentals.
     if let Some(DelayFinding::FromPhase { delay_s, std_error_s, constant_lag_rad, .. }) =
         delay_from_phase(&responses(facts))
     {
@@ -250,7 +248,7 @@ fn delay(facts: &[RecordFacts]) -> Prospect {
         Some((most, "")) => Prospect {
             topic: TOPIC.into(),
             determined: Some(false),
-            text: format!("cannot be told from loop width: at most {} ms", milliseconds(most)),
+            text: format!("cannot be distinguished from loop width: at most {} ms", milliseconds(most)),
         },
         Some((most, how)) => Prospect {
             topic: TOPIC.into(),
@@ -260,7 +258,7 @@ fn delay(facts: &[RecordFacts]) -> Prospect {
         None => Prospect {
             topic: TOPIC.into(),
             determined: Some(false),
-            text: "nothing in the records speaks of it".into(),
+            text: "not determined by the records".into(),
         },
     }
 }
@@ -284,7 +282,7 @@ fn creep(facts: &[RecordFacts]) -> Prospect {
         (Some(true), format!("held levels, records of up to {} s", brief(longest)))
     } else if longest >= LONG_S {
         let text = format!(
-            "up to the {} s of the longest record, but no held level shows it apart from the loop",
+            "up to the {} s of the longest record, but no constant level separates it from the loop",
             brief(longest)
         );
         (None, text)
@@ -296,7 +294,7 @@ fn creep(facts: &[RecordFacts]) -> Prospect {
     Prospect { topic: "creep".into(), determined, text }
 }
 
-/// The drive starts at 0 V, or jumps from a rest.
+/// True if the drive starts at 0 V, or steps from rest.
 fn starts_at_rest(facts: &RecordFacts) -> bool {
     let data = &facts.data;
     let near_zero = data.u.first().is_some_and(|first| first.abs() <= OFF_ZERO * facts.range_v());
@@ -309,8 +307,7 @@ fn starts(facts: &[RecordFacts]) -> Prospect {
         n if n == facts.len() => (Some(true), "every record starts from rest".to_owned()),
         0 => (
             Some(false),
-            "no record starts from rest: what the actuator remembers at each start is one more unknown a \
-             record"
+            "no record starts from rest: the initial hysteresis memory of each record is a further unknown"
                 .to_owned(),
         ),
         n => (

@@ -1,11 +1,11 @@
-//! Which candidate predicts best, and which is not worse by more than the comparison can tell.
+//! Ranking of candidates by held-out error, with the one-standard-error rule.
 
 use serde::{Deserialize, Serialize};
 
-/// Place of one candidate.
+/// Rank statistics of one candidate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Standing {
-    /// Mean over the folds of the error on what was left out.
+    /// Mean held-out error over the folds.
     pub mean: f64,
     /// Standard error of that mean over the folds.
     pub std_error: f64,
@@ -24,8 +24,7 @@ pub struct Ranking {
     pub best: usize,
     /// Among those as good as the best the one with the fewest parameters: the "one standard error" rule
     /// (Hastie, Tibshirani, Friedman, The Elements of Statistical Learning, 2009, §7.10), with the standard
-    /// error of paired differences, in which what makes one fold harder than another for every candidate
-    /// cancels.
+    /// error of paired differences, in which the difficulty of a fold common to all candidates cancels.
     pub preferred: usize,
     /// Candidates by mean error, smallest first; those without an error on every fold are left out.
     pub order: Vec<usize>,
@@ -53,7 +52,7 @@ pub fn rank(errors: &[Option<Vec<f64>>], parameters: &[usize]) -> Option<Ranking
         })
         .collect();
     let good = |i: &usize| standings[*i].is_some_and(|s| s.as_good_as_best);
-    // The order settles ties.
+    // Ties go to the smaller error.
     let preferred = order.iter().copied().filter(good).min_by_key(|&i| parameters[i]).unwrap_or(best);
     Some(Ranking { best, preferred, order, standings })
 }

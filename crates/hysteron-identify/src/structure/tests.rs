@@ -78,14 +78,14 @@ fn the_structure_that_made_the_records_is_preferred() {
     let standing = |i: usize| ranking.standings[i].unwrap();
     assert!(standing(0).mean > 10.0 * standing(3).mean && !standing(0).as_good_as_best);
     assert!(standing(1).mean > 5.0 * standing(3).mean && !standing(1).as_good_as_best);
-    // Unseen records are predicted to their noise, and both errors and noise floor say so.
+    // Held-out records are predicted to their noise, as errors and noise floor show.
     assert!((standing(3).mean / NOISE - 1.0).abs() < 0.15, "{}", standing(3).mean);
     assert!((found.noise_floor / NOISE - 1.0).abs() < 0.15, "{}", found.noise_floor);
     assert!((found.entries[3].training_rmse.unwrap() / NOISE - 1.0).abs() < 0.05);
     // u, u², α, β, γ, delay, natural frequency, damping.
     assert_eq!(found.entries[3].parameters, 8);
     assert_eq!(found.entries.iter().map(|e| e.parameters).collect::<Vec<_>>(), [7, 8, 9, 8, 11]);
-    // White residuals: nearly every sample counts, and BIC sees through the needless parameters.
+    // White residuals: nearly every sample is independent, and BIC rejects the needless parameters.
     assert!(found.independent_samples > 0.5 * found.samples as f64, "{}", found.independent_samples);
     let bic = |i: usize| found.entries[i].bic.unwrap();
     assert!((0..5).all(|i| i == 3 || bic(i) > bic(3)), "{:?}", (0..5).map(bic).collect::<Vec<_>>());
@@ -104,7 +104,7 @@ fn what_is_finished_is_kept_when_stopped() {
     });
     let found = compare(&campaign(), Some(&list), &Options::default(), &seven).unwrap();
     assert!(found.interrupted);
-    // The second candidate was under way: another thread may finish its last fit before it sees the stop.
+    // The second candidate was running: another thread may finish its last fit before it sees the stop.
     let kept = found.entries.len();
     assert!((1..list.len()).contains(&kept), "{kept} candidates");
     assert_eq!(found.ranking.unwrap().order.len(), kept);
@@ -173,7 +173,7 @@ fn the_neighbours_of_what_was_identified_are_told_apart() {
     let entry = |name: &str| &list.entries[names.iter().position(|n| n == name).unwrap()];
     let own = entry("integer2+degree2");
     assert!((own.rmse / NOISE - 1.0).abs() < 0.05 && own.parameters == 8, "{own:?}");
-    // A missing term shows in the error, a needless one in BIC alone.
+    // A missing term increases the error, a needless one only BIC.
     assert!(entry("none+degree2").rmse > 10.0 * own.rmse && entry("integer2+degree1").rmse > 2.0 * own.rmse);
     for name in ["integer2", "integer2+creep+degree2", "fractional+degree2", "integer2+degree2+n-free"] {
         let richer = entry(name);

@@ -1,4 +1,4 @@
-//! Delimited text to columns: one pass, in memory for the numbers kept.
+//! Delimited text to columns in one pass; only the numbers kept are held in memory.
 
 mod dialect;
 mod lines;
@@ -16,7 +16,7 @@ use dialect::{declared_delimiter, detect_delimiter, loosely_number, split_fields
 use lines::{Line, Lines, is_skipped};
 use table::Table;
 
-/// A line kept until the next one explains it.
+/// A line kept until the next one decides its role.
 struct KeptLine {
     number: u64,
     ended: bool,
@@ -29,7 +29,8 @@ impl KeptLine {
     }
 }
 
-/// Reads delimited text. Nothing tells it by its first bytes: it is what no reader of arrays recognises.
+/// Reads delimited text. It cannot be recognised by its first bytes: it is any file that no array reader
+/// recognises.
 pub(crate) fn read(input: Input<'_>) -> Result<Columns, IoError> {
     let Input { file, bytes, options, wanted, .. } = input;
     let mut lines = Lines::new(file, bytes, options.max_bytes);

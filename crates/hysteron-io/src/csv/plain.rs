@@ -11,7 +11,7 @@ use crate::options::{MAX_LINE_BYTES, MAX_NUMBER_BYTES};
 const PART: usize = 1 << 16;
 
 /// Number of lines, and the numbers of each column that is to be `read` (empty for the others). `None` unless
-/// every line of `block`, all of them whole, is one finite number a column.
+/// every line of `block`, which holds whole lines, is one finite number a column.
 pub(crate) fn plain_columns(block: &[u8], delimiter: u8, read: &[bool]) -> Option<(usize, Vec<Vec<f64>>)> {
     let mut parts = Vec::new();
     let mut rest = block;

@@ -18,7 +18,7 @@ pub(crate) struct Table {
     wanted: Vec<ColumnForm>,
     /// Which columns are read as numbers.
     numbers: Vec<bool>,
-    /// Numbers of the texts of each column, in the order in which they first stand.
+    /// Indices of the distinct texts of each column, in the order of first occurrence.
     texts: Vec<HashMap<String, usize>>,
     /// Whether numbers may be missing or not finite, NaN then: a cut may leave them out.
     keeps_missing: bool,
@@ -137,7 +137,7 @@ impl Table {
         Ok(())
     }
 
-    /// Which of its column's texts a field is.
+    /// Index of a field among the distinct texts of its column.
     fn text(&mut self, column: usize, field: &[u8], line: Line<'_>) -> Result<f64, IoError> {
         let place = || Place::cell(&self.headings.file, line.number, column + 1, "");
         let text = utf8(field.trim_ascii(), place)?;

@@ -15,19 +15,18 @@ use crate::container::{HeldArray, MAX_ARRAYS, MOST_PATH_BYTES};
 /// Groups, structures and cells within one another.
 pub(super) const MOST_DEPTH: usize = 32;
 
-/// Goes through the groups of a file.
+/// Traversal of the groups of a file.
 pub(super) struct Walk<'a> {
     /// Targets of the references in cells and structures, in a file of MATLAB.
     pub references: Option<&'a References>,
     held: Vec<HeldArray>,
-    /// One an array; `None` for what is no dataset that is read.
+    /// One an array; `None` where no dataset is read.
     datasets: Vec<Option<Dataset>>,
     /// Addresses of the datasets.
     known: HashSet<u64>,
-    /// Addresses of the groups and cells around the place gone through: they may be linked to within
-    /// themselves.
+    /// Addresses of the enclosing groups and cells, to detect cyclic links.
     around: Vec<u64>,
-    /// Groups and references gone through so far.
+    /// Groups and references visited so far.
     visits: usize,
 }
 
@@ -49,7 +48,7 @@ impl<'a> Walk<'a> {
         Ok((walk.held, walk.datasets))
     }
 
-    /// Takes up what a group holds; `path` with the separator behind it.
+    /// Adds the contents of a group; `path` with the separator behind it.
     fn members(&mut self, group: &Group, path: &str) -> Result<(), Error> {
         self.visit()?;
         let (groups, datasets) = group.members()?;
@@ -57,7 +56,7 @@ impl<'a> Walk<'a> {
         let mut of_elements = Vec::new();
         for dataset in datasets {
             match self.references.and_then(|references| references.of_structures(&dataset)) {
-                // The fields of an array of structures are taken up below, element by element.
+                // The fields of an array of structures are added below, element by element.
                 Some(elements) => of_elements.push((dataset.name().to_owned(), elements?)),
                 None => self.dataset(&dataset, path, dataset.name())?,
             }
@@ -72,7 +71,7 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    /// Takes up a group by its name.
+    /// Adds a group by its name.
     pub fn group(&mut self, group: &Group, path: &str, name: &str) -> Result<(), Error> {
         if self.around.contains(&group.address()) {
             return Ok(());
@@ -90,7 +89,7 @@ impl<'a> Walk<'a> {
         self.members(group, &format!("{path}{name}{separator}"))
     }
 
-    /// Takes up a dataset by its name.
+    /// Adds a dataset by its name.
     pub fn dataset(&mut self, dataset: &Dataset, path: &str, name: &str) -> Result<(), Error> {
         let name = name.trim_start_matches('/');
         if let Some(references) = self.references {
@@ -104,7 +103,7 @@ impl<'a> Walk<'a> {
         self.push(Some(dataset.clone()), HeldArray { unit: unit(&dataset.attributes()), ..held })
     }
 
-    /// Takes up what the cells of an array refer to.
+    /// Adds the targets of the cells of an array.
     fn cells(&mut self, array: &Dataset, path: &str, name: &str, cells: &[u64]) -> Result<(), Error> {
         if self.is_deep(path, name)? {
             return Ok(());
@@ -117,8 +116,8 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    /// Takes up the fields of an array of structures, one structure behind the other; `path` with the
-    /// separator behind it.
+    /// Adds the fields of an array of structures, structure by structure; `path` with the separator behind
+    /// it.
     fn structures(&mut self, path: &str, fields: &[(String, Vec<u64>)]) -> Result<(), Error> {
         let count = fields.iter().map(|(_, elements)| elements.len()).max().unwrap_or(0);
         let array = path.strip_suffix('.').unwrap_or(path);
@@ -133,13 +132,13 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    /// Takes up what a reference refers to.
+    /// Adds the target of a reference.
     fn follow(&mut self, address: u64, path: &str, name: &str) -> Result<(), Error> {
         self.visit()?;
         check_length(path, name)?;
         let Some(references) = self.references else { return Ok(()) };
         if self.around.contains(&address) {
-            let kind = Kind::Other("a reference to what it stands in".to_owned());
+            let kind = Kind::Other("a reference to an enclosing group or cell array".to_owned());
             return self.push(None, HeldArray::new(path, name, Vec::new(), kind));
         }
         if let Some(dataset) = references.datasets.get(&address) {
@@ -152,7 +151,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Whether a group or an array of cells stands deeper than is read; then it is listed as that.
+    /// Whether a group or an array of cells is nested too deeply to be read; it is then listed as such.
     fn is_deep(&mut self, path: &str, name: &str) -> Result<bool, Error> {
         if self.around.len() <= MOST_DEPTH {
             return Ok(false);
@@ -183,7 +182,7 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// Lengths of a dataset, the last one running fastest.
+/// Dimensions of a dataset, the last varying fastest.
 pub(super) fn shape(dataset: &Dataset) -> Vec<usize> {
     dataset.shape().iter().map(|&n| usize::try_from(n).unwrap_or(usize::MAX)).collect()
 }
@@ -199,7 +198,7 @@ pub(super) fn unit(attributes: &[Attribute]) -> Option<String> {
     ["unit", "units", "unit_string"].into_iter().find_map(|name| text(attributes, name))
 }
 
-/// Refuses paths that no person reads: each of very many datasets would have one.
+/// Rejects overlong paths, which each of very many datasets would store.
 fn check_length(path: &str, name: &str) -> Result<(), Error> {
     let is_short = path.len() + name.len() <= MOST_PATH_BYTES;
     let problem = || Error::ResourceLimit(format!("it has a path of more than {MOST_PATH_BYTES} bytes"));

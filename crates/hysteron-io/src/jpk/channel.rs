@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::properties::Properties;
 
-/// Most conversions that follow on one another.
+/// Longest chain of conversions.
 const MAX_CONVERSIONS: usize = 8;
 
 /// Storage format of numbers, all of them big-endian.
@@ -187,7 +187,7 @@ fn described(lookup: &Lookup<'_>) -> Result<(Encoding, Vec<Slot>), String> {
     Ok((encoding, slots))
 }
 
-/// A unit by the conversions that lead to it from the one in which the channel is stored.
+/// A unit by the chain of conversions from the stored one.
 fn slot(
     lookup: &Lookup<'_>,
     name: &str,

@@ -8,12 +8,12 @@ use super::channel::{Channel, Description, Slot};
 use crate::columns::Kind;
 use crate::container::{HeldArray, MAX_ARRAYS};
 
-/// Relative difference of sample rates of segments that are one.
+/// Relative tolerance for equal sample rates of segments.
 const SAME_RATE: f64 = 1e-9;
 
 /// Where the numbers of a column are.
 pub(super) enum Source {
-    /// Arrays of the archive, one behind the other.
+    /// Concatenated arrays of the archive.
     Arrays(Vec<Array>),
     /// Segments, each with its number of samples and its duration \[s\].
     Time(Vec<(usize, f64)>),

@@ -135,7 +135,7 @@ fn curves(archive: &mut Archive<'_>, archive_bytes: u64, max_bytes: u64) -> Resu
         properties(archive, name, entry)
     });
     let (general, shared) = (general?, shared?);
-    // The archive looks at all of its names for one that it does not have.
+    // The archive searches all of its names for a missing one.
     let (mut entries, mut headers) = (Vec::new(), HashMap::new());
     for entry in 0..archive.len() {
         let name = archive.name_for_index(entry).transpose().map_err(|e| e.to_string())?;
@@ -190,7 +190,7 @@ fn curves(archive: &mut Archive<'_>, archive_bytes: u64, max_bytes: u64) -> Resu
 /// Descriptions of channels, of which a map has the same for each of its curves.
 #[derive(Default)]
 struct Descriptions {
-    /// Those of channels that their segments describe only by the number of what segments share.
+    /// Those of channels that their segments describe only by the number of a shared description.
     shared: HashMap<(String, Option<String>), Arc<Description>>,
     /// The last one of each channel that its segment describes.
     own: HashMap<String, Arc<Description>>,
@@ -198,7 +198,7 @@ struct Descriptions {
 }
 
 impl Descriptions {
-    /// That of a channel by the properties of its segment and those of all.
+    /// Description of a channel by the properties of its segment and those of all.
     fn of(&mut self, name: &str, sources: &[&Properties; 3]) -> Result<Arc<Description>, String> {
         let [header, ..] = sources;
         let is_own = header.describes(name);
@@ -243,7 +243,7 @@ fn channel_place(path: &str) -> Option<ChannelPlace> {
     Some(ChannelPlace { group, segment: segment.parse().ok()?, name: file.strip_suffix(".dat")?.to_owned() })
 }
 
-/// Bytes of an entry of the archive, at most so many and one more.
+/// Bytes of an entry of the archive, at most `most` + 1.
 fn entry_bytes(archive: &mut Archive<'_>, entry: usize, most: u64) -> Result<Vec<u8>, String> {
     let entry = archive.by_index(entry).map_err(|e| e.to_string())?;
     let mut bytes = Vec::new();

@@ -44,7 +44,7 @@ impl Properties {
         properties
     }
 
-    /// Takes up a line, if it is read.
+    /// Adds the property of a line, if it is read.
     fn add(&mut self, line: &str) {
         let (key, value) = entry(line);
         if !READ.iter().any(|start| key.starts_with(start)) {
@@ -59,9 +59,9 @@ impl Properties {
         self.entries.insert(key, value);
     }
 
-    /// Whether properties of a channel stand here besides the number of those that segments share.
+    /// Whether properties of a channel stand here besides the number of its shared ones.
     pub fn describes(&self, channel: &str) -> bool {
-        // A name with a point in it is known by what is in front of that.
+        // A name with a point is known by the part before it.
         channel.split('.').next().is_some_and(|name| self.described.contains(name))
     }
 
@@ -79,8 +79,7 @@ impl Properties {
     }
 }
 
-/// Key and value, between them `=`, `:` or spaces; a backslash takes the meaning from the character behind
-/// it.
+/// Key and value, between them `=`, `:` or spaces; a backslash escapes the next character.
 fn entry(line: &str) -> (String, String) {
     let mut chars = line.chars().peekable();
     let mut key = String::new();

@@ -25,7 +25,7 @@ pub(super) const MATRIX: u32 = 14;
 pub(super) const COMPRESSED: u32 = 15;
 
 impl Type {
-    /// That of a version 5 element.
+    /// Type of a version 5 element.
     pub fn of_element(code: u32) -> Option<Self> {
         Some(match code {
             1 => Self::I8,
@@ -74,14 +74,14 @@ impl Type {
     }
 }
 
-/// Where the numbers of an array stand.
+/// Location of the numbers of an array.
 #[derive(Clone, Debug)]
 pub(super) struct Numbers {
     pub buffer: usize,
     pub range: Range<usize>,
     pub kind: Type,
     pub big_endian: bool,
-    /// As many as the shape of the array says.
+    /// Their number by the shape of the array.
     pub count: usize,
 }
 
@@ -146,7 +146,7 @@ impl<'a> Element<'a> {
         self.data.chunks_exact(4).take(most).map(word).collect()
     }
 
-    /// Its text, up to the first zero. No more of it than shows that it is longer than any name.
+    /// Its text up to the first zero, cut where it is longer than any name.
     pub fn text(&self) -> String {
         let data = self.data.get(..=MOST_PATH_BYTES).unwrap_or(self.data);
         let end = data.iter().position(|byte| *byte == 0).unwrap_or(data.len());

@@ -93,7 +93,7 @@ fn unpacked(packed: &[u8], limit: u64) -> Result<Vec<u8>, Problem> {
     Ok(unpacked)
 }
 
-/// Goes through one variable.
+/// Traversal of one variable.
 struct Walk<'a> {
     found: &'a mut Variables,
     data: &'a [u8],
@@ -101,8 +101,8 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Takes up the matrix in a range of the variable. `group`: path in front of its name, with the
-    /// separator; `name`: its own where it stands in a structure or a cell.
+    /// Adds the matrix in a range of the variable. `group`: path in front of its name, with the separator;
+    /// `name`: its own where it stands in a structure or a cell.
     fn matrix(
         &mut self,
         range: std::ops::Range<usize>,
@@ -197,7 +197,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Takes up the fields of a structure, and says whether it has any.
+    /// Adds the fields of a structure, and returns whether it has any.
     fn structure(
         &mut self,
         bytes: &mut Bytes<'_>,

@@ -66,7 +66,7 @@ impl Scaling {
             });
             match property("Input_Source").map(|source| source.as_index()) {
                 None | Some(Some(RAW)) => break,
-                // An earlier scale only: scales that take one another's values would have no end.
+                // An earlier scale only: cyclic references would not end.
                 Some(Some(source)) if (source as usize) < scale => scale = source as usize,
                 _ => return Err(format!("values behind scales without order (NI_Scale[{scale}])")),
             }
@@ -75,7 +75,7 @@ impl Scaling {
         Ok(Scaling(polynomials))
     }
 
-    /// Makes physical values of raw ones.
+    /// Converts raw values to physical ones.
     pub fn apply(&self, values: &mut [f64]) {
         for polynomial in &self.0 {
             for value in values.iter_mut() {

@@ -105,7 +105,7 @@ pub(super) struct Segment {
     pub big_endian: bool,
     /// Whether the file ends within it.
     pub cut_off: bool,
-    /// Number of the rest that its last chunk is.
+    /// Number of its incomplete last chunk.
     pub rest: Option<usize>,
 }
 
@@ -187,7 +187,7 @@ impl Contents {
         Ok(contents)
     }
 
-    /// Takes up what the metadata of one segment change.
+    /// Applies the metadata of one segment.
     fn read_metadata(&mut self, mut bytes: Bytes<'_>, new_list: bool) -> Result<(), String> {
         if new_list {
             for (object, _) in self.list.drain(..) {
@@ -337,7 +337,7 @@ impl Contents {
         Ok(self.layouts.len() - 1)
     }
 
-    /// Takes up raw data.
+    /// Adds raw data.
     fn push(&mut self, mut segment: Segment) -> Result<(), String> {
         let layout = &self.layouts[segment.layout];
         if !layout.daqmx.is_empty() {
@@ -372,7 +372,7 @@ impl Contents {
         Ok(())
     }
 
-    /// Number of the rest in which a segment ends, if its last chunk is not whole.
+    /// Number of a segment's incomplete last chunk, if it has one.
     fn rest(&mut self, segment: &Segment) -> Result<Option<usize>, String> {
         let layout = &self.layouts[segment.layout];
         let left = segment.bytes as u64 % layout.chunk_bytes.max(1);
@@ -406,9 +406,9 @@ impl Layout {
         self.places.get(found).map(|&place| place as usize)
     }
 
-    /// Number of values of each channel in a last chunk that is not whole, and their place: of interleaved
-    /// channels those in the file, of others, in a file that ends there, as many of each as there are of all;
-    /// in a file that goes on, the chunk is a shorter one.
+    /// Number and place of the values of each channel in an incomplete last chunk: of interleaved channels,
+    /// and where the file continues, in proportion to its bytes; where the file is cut off, as many of each
+    /// channel as all of them have.
     fn rest(&self, left: u64, segment: &Segment) -> Vec<Rest> {
         let bytes = |part: &ChannelValues| part.data_type.bytes().unwrap_or(1) as u64;
         let mut offset = 0u64;

@@ -31,7 +31,8 @@ pub(super) fn raw_values(file: &[u8], contents: &Contents, object: usize) -> Vec
     values
 }
 
-/// Hands on the bytes of each value of a channel in one segment, whose last chunk has so many of them.
+/// Calls `take` with the bytes of each value of a channel in one segment, whose incomplete last chunk has
+/// `rest`.
 fn each_value(
     file: &[u8],
     layout: &Layout,

@@ -10,11 +10,11 @@ use crate::start::Start;
 /// y_m = offset_m + Σ_n K_mn (G_mn ∗ v_n)(t − τ_mn), v_n = u_n − z\[u_n\]: v_n in the unit of the inputs,
 /// G_mn a pair of poles of gain 1.
 ///
-/// The hysteresis of an actuator is that of its drive alone and shared by the paths from it; there is none of
-/// the motion of the others (for that see [`super::ScheduledModes`]).
+/// The hysteresis of an actuator depends on its drive alone and is shared by the paths from it; the motion of
+/// the other actuators does not enter (for that see [`super::ScheduledModes`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoupledHammerstein {
-    /// One operator an input, with the polynomial u.
+    /// One operator per input, with the polynomial u.
     pub actuators: Vec<BoucWen>,
     /// Outputs × inputs, row by row.
     pub paths: Vec<Path>,
@@ -27,7 +27,7 @@ pub struct CoupledHammerstein {
 /// Dynamics from an actuator to an output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Path {
-    /// K, slow motion of the output per volt without hysteresis \[µm/V\].
+    /// K, quasi-static gain of the output without hysteresis \[µm/V\].
     pub gain: f64,
     /// Natural frequency of the pair of poles \[Hz\].
     pub natural_frequency_hz: f64,
@@ -69,8 +69,8 @@ impl CoupledHammerstein {
         branch(actuator, path).map(Some)
     }
 
-    /// Outputs for the samples of each input, one list an output; every input rested at its first sample
-    /// before, or the first `settled` samples repeat for long.
+    /// Outputs for the samples of each input, one list per output; every input rested at its first sample
+    /// before, or the first `settled` samples repeated to the steady state.
     ///
     /// # Errors
     /// [`AxesError::Channels`]; [`AxesError::Branch`].

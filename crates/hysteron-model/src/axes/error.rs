@@ -9,20 +9,20 @@ use crate::validate::ScoreError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum AxesError {
-    /// A record that is not one.
+    /// The record is invalid.
     #[error(transparent)]
     Record(#[from] RecordError),
     /// No input was named.
     #[error("no input was named: name the columns")]
     NoInputs,
-    /// A channel that is not there.
+    /// The channel does not exist.
     #[error("record `{record}`: no channel `{channel}`; there are {available}")]
     NoSuchChannel {
         /// Record.
         record: String,
-        /// Name asked for.
+        /// Name requested.
         channel: String,
-        /// Headers there are.
+        /// Available headers.
         available: String,
     },
     /// A channel is named twice.
@@ -61,7 +61,7 @@ pub enum AxesError {
         /// Record.
         record: String,
     },
-    /// Samples of a period that no period has a valid value for.
+    /// A sample of the period is valid in no period.
     #[error("record `{record}`: sample {sample} of its period is valid in none of its periods")]
     Masked {
         /// Record.
@@ -85,7 +85,7 @@ pub enum AxesError {
         inputs: usize,
         /// Records.
         records: usize,
-        /// Where \[Hz\].
+        /// Frequency \[Hz\].
         frequency_hz: f64,
     },
     /// Too few excited frequencies.
@@ -103,9 +103,9 @@ pub enum AxesError {
     Length {
         /// Which.
         what: &'static str,
-        /// Numbers wanted.
+        /// Expected length.
         expected: usize,
-        /// Numbers there are.
+        /// Actual length.
         found: usize,
     },
     /// A number of a model is not allowed.
@@ -123,7 +123,7 @@ pub enum AxesError {
     Unstable {
         /// Number of the mode, from 1; the lags of the inputs come after the modes.
         mode: usize,
-        /// RMS of the drive.
+        /// Drive level, rms.
         level: f64,
         /// Magnitude of the pole.
         magnitude: f64,
@@ -138,7 +138,7 @@ pub enum AxesError {
         /// Of the record.
         record: usize,
     },
-    /// A sample rate that the model was not made for.
+    /// The sample rate differs from the model's.
     #[error("the model was identified at {model_hz} Hz, the record has {record_hz} Hz")]
     SampleRate {
         /// Of the model \[Hz\].
@@ -177,7 +177,7 @@ pub enum AxesError {
         /// Description of the problem.
         problem: String,
     },
-    /// The poles of all entries could not be found.
+    /// The common poles of all entries could not be computed.
     #[error(
         "the common poles of the frequency response were not found: an eigenvalue problem did not converge"
     )]
@@ -199,7 +199,7 @@ pub enum AxesError {
 }
 
 impl AxesError {
-    /// Remedy, where there is one that the user can choose.
+    /// Remedy available to the user, if any.
     pub fn advice(&self) -> Option<Advice> {
         match self {
             Self::Record(e) => e.advice(),

@@ -1,10 +1,10 @@
 //! Matrix of frequency responses from periodic records by the local polynomial method.
 //!
 //! Around each line the response is a polynomial of second degree in frequency, Y(k + r) = Σ_d G_d r^d U(k +
-//! r): the window of neighbouring lines of all records together gives the least squares for all its
-//! coefficients, of which G_0 is the response (R. Pintelon, J. Schoukens, *System Identification: A Frequency
-//! Domain Approach*, 2nd ed., Wiley 2012, ch. 7; doi:10.1002/9781118287422). Fewer records than inputs are
-//! enough where their phases differ from line to line.
+//! r): the window of neighbouring lines of all records gives its coefficients by least squares; G_0 is the
+//! response (R. Pintelon, J. Schoukens, *System Identification: A Frequency Domain Approach*, 2nd ed., Wiley
+//! 2012, ch. 7; doi:10.1002/9781118287422). Fewer records than inputs suffice where their phases differ from
+//! line to line.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -13,11 +13,11 @@ use super::{AxesError, SteadyPeriod};
 use hysteron_numeric::fft::RealFft;
 use hysteron_numeric::{Complex64, least_squares};
 
-/// Lines on either side of the one in the middle, at least.
+/// Least number of lines on either side of the centre.
 pub const HALF_WINDOW: usize = 4;
 /// Coefficients of the polynomial.
 const COEFFICIENTS: usize = 3;
-/// Power of a line over that of the strongest above which it is excited.
+/// Power relative to the strongest line above which a line counts as excited.
 const EXCITED: f64 = 1e-5;
 /// Share of a column outside the span of the others below which the matrix counts as rank deficient.
 const DEPENDENT: f64 = 1e-6;
@@ -31,7 +31,7 @@ pub struct FrequencyMatrix {
     pub outputs: usize,
     /// Frequencies \[Hz\], ascending.
     pub frequency_hz: Vec<f64>,
-    /// Numbers of the lines of the period.
+    /// Harmonic numbers of these lines.
     pub lines: Vec<usize>,
     /// Outputs × inputs, row by row, frequency by frequency \[µm/V\].
     pub values: Vec<Complex64>,
@@ -46,7 +46,7 @@ pub fn spectrum(x: &[f64], channels: usize) -> Vec<Complex64> {
     for c in 0..channels {
         let mut channel: Vec<f64> = x.iter().skip(c).step_by(channels).copied().collect();
         let mut lines = fft.forward.make_output_vec();
-        // Only lengths can be wrong, and these are the plan's.
+        // Only a wrong length can fail, and the lengths are the plan's.
         if fft.forward.process(&mut channel, &mut lines).is_ok() {
             for (k, line) in lines.iter().enumerate() {
                 rows[k * channels + c] = line / samples as f64;
@@ -68,7 +68,7 @@ impl FrequencyMatrix {
         let spectra: Vec<_> = periods.iter().map(|p| (spectrum(&p.u, n), spectrum(&p.y, m))).collect();
         let lines = excited(&spectra, n, first.samples());
         let unknowns = n * COEFFICIENTS;
-        // Three equations an unknown, at least.
+        // At least three equations per unknown.
         let half = (3 * unknowns).div_ceil(periods.len()).saturating_sub(1).div_ceil(2).max(HALF_WINDOW);
         if lines.len() < 2 * half + 1 {
             return Err(few(lines.len(), 2 * half + 1, unknowns));
@@ -96,7 +96,7 @@ impl FrequencyMatrix {
         self.frequency_hz.len()
     }
 
-    /// Whether there is none.
+    /// True if there is none.
     pub fn is_empty(&self) -> bool {
         self.frequency_hz.is_empty()
     }
@@ -107,8 +107,8 @@ impl FrequencyMatrix {
         &self.values[index * entries..(index + 1) * entries]
     }
 
-    /// Mean of the real parts over the frequencies from `low_hz` to `high_hz`, row by row; over the lowest
-    /// one where there is none between.
+    /// Mean of the real parts over the frequencies from `low_hz` to `high_hz`, row by row; the lowest one
+    /// where none lies between.
     pub fn mean_real(&self, low_hz: f64, high_hz: f64) -> Vec<f64> {
         let inside = |&k: &usize| (low_hz..=high_hz).contains(&self.frequency_hz[k]);
         let mut chosen: Vec<usize> = (0..self.len()).filter(inside).collect();
@@ -125,7 +125,7 @@ impl FrequencyMatrix {
 
 type Spectra = (Vec<Complex64>, Vec<Complex64>);
 
-/// Lines whose inputs carry power, over all records, but for 0 and half the sample rate.
+/// Lines at which the inputs of all records together carry power, except 0 and half the sample rate.
 fn excited(spectra: &[Spectra], inputs: usize, samples: usize) -> Vec<usize> {
     let power = |k: usize| -> f64 {
         let inputs =

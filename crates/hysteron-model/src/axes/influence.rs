@@ -1,13 +1,13 @@
-//! Slow gain of each actuator at each sensor.
+//! Quasi-static gain of each actuator at each sensor.
 
 use nalgebra::DMatrix;
 
 use super::FrequencyMatrix;
 
-/// Band of the slow movement, as shares of the highest excited frequency: above the drift, below the modes.
+/// Quasi-static band, as shares of the highest excited frequency: above the drift, below the modes.
 const BAND: (f64, f64) = (1.0 / 600.0, 1.0 / 50.0);
 
-/// Outputs per input at slow movement, with its singular values.
+/// Quasi-static gain matrix with its singular values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InfluenceMatrix {
     /// Number of inputs.

@@ -2,10 +2,10 @@
 //!
 //! [`AxesRecord`] takes several channels of a [`crate::record::Record`] at once. [`SteadyPeriod`] is the mean
 //! period of one whose drive repeats; [`FrequencyMatrix`] its outputs over its inputs by the local polynomial
-//! method, [`VectorFit`] the poles that all entries share, [`InfluenceMatrix`] what each actuator does to
-//! each sensor when it moves slowly, with its conditioning. The model is [`ScheduledModes`]: structural modes
-//! with the hysteresis of drive and stress in feedback; or, simpler, [`CoupledHammerstein`]: a sum of
-//! branches, hysteresis of each actuator and dynamics of each path.
+//! method, [`VectorFit`] the poles that all entries share, [`InfluenceMatrix`] the quasi-static gain of each
+//! actuator at each sensor, with its conditioning. The model is [`ScheduledModes`]: structural modes with the
+//! hysteresis of drive and stress in feedback; or, simpler, [`CoupledHammerstein`]: a sum of branches,
+//! hysteresis of each actuator and dynamics of each path.
 
 mod coupled;
 mod error;

@@ -84,7 +84,7 @@ impl AxesRecord {
         self.u.first().map_or(0, Vec::len)
     }
 
-    /// Whether there is no sample.
+    /// True if there is no sample.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

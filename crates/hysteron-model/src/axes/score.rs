@@ -7,7 +7,7 @@ use crate::validate::{Scores, Scoring, score};
 /// Agreement of a simulation with a record, output by output and pooled.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxesScores {
-    /// Every output on its own.
+    /// Scores of each output.
     pub outputs: Vec<Scores>,
     /// √(mean e²) over all samples of all outputs.
     pub rmse: f64,
@@ -15,7 +15,7 @@ pub struct AxesScores {
     pub max_abs_error: f64,
     /// 100 · (1 − ‖e‖/‖y − ȳ‖) over all outputs, each about its own mean \[%\]; `None` for a constant record.
     pub fit_percent: Option<f64>,
-    /// √(mean e²) of the mean period against the first simulated one, means of both off, where the record
+    /// √(mean e²) of the mean period against the first simulated one, means removed, where the record
     /// repeats.
     pub mean_period_rmse: Option<f64>,
 }
@@ -30,7 +30,7 @@ fn variance_of(y: &[f64], valid: Option<&[bool]>) -> f64 {
 }
 
 impl AxesScores {
-    /// Scores simulated outputs (one list an output) against a record; `period`: its mean period, where it
+    /// Scores simulated outputs (one list per output) against a record; `period`: its mean period, where it
     /// repeats.
     ///
     /// # Errors

@@ -3,9 +3,10 @@
 use super::{AxesError, AxesRecord};
 use crate::record::{InputOutput, find_periods};
 
-/// A period counts as whole where all of them together are off by less than this many samples.
+/// Largest deviation of all periods together from whole samples at which a period counts as whole.
 const WHOLE: f64 = 0.1;
-/// Similarity of every input with itself a period later with which all of them repeat (1: exactly).
+/// Least similarity of every input with itself one period later at which the inputs count as periodic (1:
+/// exact).
 const REPEATS: f64 = 0.98;
 
 /// One period of a record in its steady state: the mean over the settled periods. Samples are interleaved,
@@ -24,11 +25,11 @@ pub struct SteadyPeriod {
     pub u: Vec<f64>,
     /// Outputs \[µm\], less the mean of each.
     pub y: Vec<f64>,
-    /// Means of the outputs that were taken off.
+    /// Means removed from the outputs.
     pub offset: Vec<f64>,
     /// Periods averaged.
     pub averaged: usize,
-    /// Periods before them, in which the output still settles.
+    /// Periods before those, in which the output still settles.
     pub settling: usize,
     /// rms of the inputs about their means, over all of them \[V\]: the level of the record.
     pub level: f64,
@@ -37,7 +38,7 @@ pub struct SteadyPeriod {
 impl SteadyPeriod {
     /// Finds the period that all inputs share and averages the periods in which the outputs have settled.
     ///
-    /// `whole`: where no period is found, the whole record is taken for one.
+    /// `whole`: where no period is found, the whole record counts as one.
     ///
     /// # Errors
     /// [`AxesError::NotPeriodic`], [`AxesError::NoDrive`], [`AxesError::Masked`].
@@ -48,7 +49,7 @@ impl SteadyPeriod {
             return Err(AxesError::NoDrive { record: record.name.clone() });
         };
         let mut found: Option<(usize, usize, usize)> = None;
-        // A drive alone stands in for its outputs.
+        // Without outputs the drive is used in their place.
         let outputs = if record.y.is_empty() { std::slice::from_ref(first) } else { record.y.as_slice() };
         for y in outputs.iter().filter(|y| moves(y)) {
             let data = InputOutput::new(&record.name, record.time.clone(), first.clone(), y.clone())?;
@@ -131,7 +132,7 @@ impl SteadyPeriod {
     }
 }
 
-/// Takes the mean of each of `channels` interleaved channels off.
+/// Removes and returns the mean of each of `channels` interleaved channels.
 #[doc(hidden)]
 pub fn remove_means(x: &mut [f64], channels: usize) -> Vec<f64> {
     let mut means = vec![0.0; channels];

@@ -13,7 +13,7 @@ use hysteron_numeric::{Complex64, least_squares};
 /// Share of a column outside the span of the others below which poles coincide.
 const DEPENDENT: f64 = 1e-14;
 
-/// An imaginary part below which a pole is real.
+/// Imaginary part below which a pole counts as real.
 const REAL: f64 = 1e-9;
 
 /// Entries to be fitted by 1/(z − p) of complex pairs p, of real poles, and a constant.
@@ -23,14 +23,14 @@ pub struct VectorFit {
     z: Vec<Complex64>,
     /// Entries in columns.
     entries: DMatrix<Complex64>,
-    /// Real poles that stay where they are.
+    /// Fixed real poles.
     held: Vec<f64>,
 }
 
 /// Poles that all entries share.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CommonPoles {
-    /// One of each complex pair, the one above the real axis.
+    /// The pole above the real axis of each complex pair.
     pub pairs: Vec<Complex64>,
     /// Real poles, but for those held.
     pub real: Vec<f64>,
@@ -52,7 +52,7 @@ pub fn spread_poles(
 }
 
 impl VectorFit {
-    /// The entries of a frequency response, at `rate_hz` steps a second, with real poles `held`.
+    /// The entries of a frequency response, at `rate_hz` steps per second, with real poles `held`.
     pub fn new(response: &FrequencyMatrix, rate_hz: f64, held: Vec<f64>) -> Self {
         let z = response
             .frequency_hz
@@ -64,8 +64,8 @@ impl VectorFit {
         Self { z, entries, held }
     }
 
-    /// Poles after `passes` relocations from pairs `start`, by ascending angle; after as many as `go_on`
-    /// allows, which is asked before each.
+    /// Poles after `passes` relocations from pairs `start`, by ascending angle; stops early once `go_on`,
+    /// called before each, is false.
     ///
     /// # Errors
     /// [`AxesError::NoPoles`].
@@ -115,7 +115,7 @@ impl VectorFit {
     }
 
     /// Real and imaginary parts below each other: 1/(z−p) + 1/(z−p̄), i/(z−p) − i/(z−p̄) of the pairs,
-    /// 1/(z−p) of the real poles; then, if asked for, of the held ones and a constant.
+    /// 1/(z−p) of the real poles; then, if requested, of the held ones and a constant.
     fn basis(&self, poles: &CommonPoles, with_held: bool) -> DMatrix<f64> {
         let one = Complex64::new(1.0, 0.0);
         let i = Complex64::new(0.0, 1.0);
@@ -141,7 +141,7 @@ impl VectorFit {
         let own = self.basis(poles, false);
         let (order, rows) = (own.ncols(), own.nrows());
         let q = self.basis(poles, true).qr().q();
-        // −G [φ, 1] of all entries side by side, without what the entries' own coefficients explain.
+        // −G [φ, 1] of all entries side by side, the entries' own coefficients projected out.
         let columns = order + 1;
         let entries = self.entries.ncols();
         let mut all = DMatrix::zeros(rows, columns * entries);
@@ -194,7 +194,7 @@ fn stacked(complex: &DMatrix<Complex64>) -> DMatrix<f64> {
     })
 }
 
-/// Eigenvalues of A − b c̃ᵀ/d̃, mirrored at the unit circle where they are outside.
+/// Eigenvalues of A − b c̃ᵀ/d̃, reflected into the unit circle where they are outside.
 fn zeros_of_sigma(poles: &CommonPoles, sigma: &[f64]) -> Option<CommonPoles> {
     let order = 2 * poles.pairs.len() + poles.real.len();
     let constant = *sigma.get(order)?;

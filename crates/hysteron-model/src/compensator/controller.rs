@@ -1,4 +1,4 @@
-//! The inverse of a model as one object that owns all it needs.
+//! The inverse of a model as one self-contained object.
 
 use hysteron_rt::{Compensator, Drive};
 use self_cell::{MutBorrow, self_cell};
@@ -56,8 +56,8 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// The controller of a model at its rate \[Hz\], at rest and virgin at the voltage of the range next to 0
-    /// V.
+    /// The controller of a model at its rate \[Hz\], at rest and virgin at the voltage of the range nearest
+    /// to 0 V.
     ///
     /// # Errors
     /// Those of [`Compensation::new`] and [`CompensatorParts::new`].
@@ -75,8 +75,8 @@ impl Controller {
         Ok(Self { cell, preview, sample_rate_hz })
     }
 
-    /// The voltage for the next period. `reference` is the newest that is known, [`Self::preview`] samples
-    /// ahead; one that is not finite counts as the one before.
+    /// The voltage for the next period. `reference` is the newest known value, [`Self::preview`] samples
+    /// ahead; a value that is not finite repeats the previous one.
     pub fn step(&mut self, reference: f64) -> Drive<f64> {
         self.cell.with_dependent_mut(|_, compensator| compensator.step(reference))
     }
@@ -86,7 +86,7 @@ impl Controller {
         self.cell.with_dependent(|_, compensator| compensator.displacement())
     }
 
-    /// Puts the stage at rest, its hysteresis virgin, at `voltage` \[V\], moved into the range; the
+    /// Resets the stage to rest, its hysteresis virgin, at `voltage` \[V\] clamped to the range; returns the
     /// displacement there \[µm\]. A voltage that is not finite changes nothing.
     pub fn rest_at(&mut self, voltage: f64) -> f64 {
         self.cell.with_dependent_mut(|_, compensator| {
@@ -95,7 +95,7 @@ impl Controller {
         })
     }
 
-    /// Samples by which the reference is handed in ahead.
+    /// Samples by which the reference must be supplied ahead.
     pub fn preview(&self) -> usize {
         self.preview
     }

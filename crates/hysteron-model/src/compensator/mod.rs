@@ -1,17 +1,17 @@
 //! The inverse of a model, sample by sample: for a reference that is known a few samples ahead, or not at
 //! all.
 //!
-//! [`crate::invert`] knows the whole reference; a controller knows it up to now, or for a short preview.
-//! Sought is, sample by sample, the output v of the hysteresis that makes
+//! [`crate::invert`] knows the whole reference; a controller knows it up to now, or for a short preview. The
+//! output v of the hysteresis is computed, sample by sample, to minimise
 //!
 //! Σ (r − y)² + λ Σ (Δ²v)²
 //!
-//! smallest over all time to come, y the answer of the dynamics to held samples of v: a linear regulator with
-//! preview (M. Tomizuka, *J. Dyn. Syst. Meas. Control* 97 (1975) 172–179, doi:10.1115/1.3426902) on the
-//! realised dynamics ([`crate::realise`]). With enough preview it is the inverse of [`crate::invert`]; what
-//! of the reference is not known is predicted ([`Prediction`]), and the prediction is folded into the gains.
-//! The hysteresis is inverted exactly, one step at a time, by `hysteron-rt`, where all of it runs:
-//! [`hysteron_rt::Compensator`].
+//! over an infinite horizon, y the response of the dynamics to held samples of v: a linear-quadratic
+//! regulator with preview (M. Tomizuka, *J. Dyn. Syst. Meas. Control* 97 (1975) 172–179,
+//! doi:10.1115/1.3426902) on the realised dynamics ([`crate::realise`]). With enough preview it is the
+//! inverse of [`crate::invert`]; the unknown part of the reference is predicted ([`Prediction`]), and the
+//! prediction is folded into the gains. The hysteresis is inverted exactly, one step at a time, by
+//! `hysteron-rt`, which runs the compensator: [`hysteron_rt::Compensator`].
 
 mod controller;
 mod parts;
@@ -35,28 +35,28 @@ use crate::realise::{LinearRealisation, RealiseOptions, held};
 use hysteron_numeric::Complex64;
 use riccati::{StateSpace, regulator};
 
-/// Samples that gains on the reference may reach ahead, the delay not counted; and samples to predict in all.
+/// Largest reach of the gains on the reference, delay excluded, and largest number of predicted samples.
 const MOST_AHEAD: usize = 4096;
-/// Share of the largest gain below which a gain on the reference is next to nothing; that many of them in a
-/// row end the preview.
+/// Share of the largest gain below which a gain on the reference is negligible; [`IN_A_ROW`] of them in
+/// succession end the preview.
 const NEGLIGIBLE: f64 = 1e-10;
 const IN_A_ROW: usize = 32;
 /// Default preview: leaves at most this share of the sum of the gains on the reference to prediction.
 const LEFT_TO_PREDICTION: f64 = 1e-4;
-/// Angles at which noise is added up.
+/// Frequencies over which the noise is integrated.
 const ANGLES: usize = 4096;
-/// Lowest frequency at which an error is looked for, as a share of half the sample rate.
+/// Lowest frequency of the search for an error, as a share of half the sample rate.
 const LOWEST_SHARE: f64 = 1e-6;
 
 /// Options of a compensator: bandwidth, preview and prediction of the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CompensatorOptions {
-    /// Frequency up to which the output follows \[Hz\]; `None`: [`BANDWIDTH_SHARE`] of the sample rate.
+    /// Tracking bandwidth \[Hz\]; `None`: [`BANDWIDTH_SHARE`] of the sample rate.
     pub bandwidth_hz: Option<f64>,
-    /// Share of the reference that would be missing there with all of it known.
+    /// Relative error there if the whole reference were known.
     pub error_at_bandwidth: f64,
-    /// Samples of the reference known ahead: 0 knows the present one. `None`: as many as make a difference.
+    /// Preview of the reference in samples; 0: the present one only. `None`: as many as are useful.
     pub preview: Option<usize>,
     /// Prediction of the reference beyond the preview.
     pub prediction: Prediction,
@@ -81,23 +81,23 @@ impl Default for CompensatorOptions {
 pub struct Compensation {
     /// The model.
     pub model: Model,
-    /// Its dynamics as they answer held samples, delay included.
+    /// Its dynamics under a zero-order hold, delay included.
     pub dynamics: LinearRealisation,
     /// Gains on v₂ − v₁, v₃ − v₁, …
     pub recent: Vec<f64>,
-    /// Gains on the states, a section each: real (counted from v₁) and imaginary part.
+    /// Gains on the states, per section: real (counted from v₁) and imaginary part.
     pub states: Vec<[f64; 2]>,
     /// Gains on the reference, the newest first.
     pub reference: Vec<f64>,
-    /// Samples by which the newest is ahead.
+    /// Preview: samples by which the newest reference is ahead.
     pub preview: usize,
-    /// Samples ahead, at most, at which knowing the reference makes a difference.
+    /// Longest useful preview in samples.
     pub useful_preview: usize,
     /// The rate \[Hz\].
     pub sample_rate_hz: f64,
-    /// Frequency up to which the output follows \[Hz\]; infinite for a static model.
+    /// Tracking bandwidth \[Hz\]; infinite for a static model.
     pub bandwidth_hz: f64,
-    /// Factor from white noise on the reference to noise on the output of the hysteresis, both rms.
+    /// Gain from white noise on the reference to noise on the hysteresis output, both rms.
     pub noise_gain: f64,
     /// Largest gain from the reference to the output of the hysteresis.
     pub peak: f64,
@@ -139,8 +139,7 @@ impl Compensation {
             section_gains.push([re, if section.is_pair() { kept.next().unwrap_or(0.0) } else { 0.0 }]);
         }
         let on_inputs: Vec<f64> = kept.collect();
-        // Held at a displacement, states and inputs all stand at v (the imaginary part of a pair at 0): these
-        // add up to v.
+        // At a constant displacement all states and inputs equal v (imaginary parts 0): the total gain on v.
         let held: f64 = section_gains.iter().map(|[re, _]| re).sum::<f64>() + on_inputs.iter().sum::<f64>();
         let ahead = ahead(&plant, &gains, (1.0 - held) / gain);
         let late = dynamics.delay_samples;
@@ -179,16 +178,15 @@ impl Compensation {
         forward * back(self.preview).conj() / self.without_feedback(frequency_hz)
     }
 
-    /// From a displacement that is added to the whole reference at once, as
-    /// [`hysteron_rt::Compensator::step_against`] takes a disturbance off, to what the stage does: the way
-    /// that a correction by feedback goes.
+    /// Response of the stage to a displacement added to the whole reference at once, as
+    /// [`hysteron_rt::Compensator::step_against`] subtracts a disturbance: the path of a feedback correction.
     pub fn correction(&self, frequency_hz: f64) -> Complex64 {
         let all: f64 = self.reference.iter().sum();
         let dynamics = self.dynamics.response(frequency_hz, self.sample_rate_hz);
         all * dynamics / self.without_feedback(frequency_hz)
     }
 
-    /// 1 − what of v comes back to it by way of the states and the past.
+    /// 1 − the feedback of v through the states and its past values.
     fn without_feedback(&self, frequency_hz: f64) -> Complex64 {
         let theta = TAU * frequency_hz / self.sample_rate_hz;
         let back = |samples: usize| Complex64::from_polar(1.0, -theta * samples as f64);
@@ -208,12 +206,12 @@ impl Compensation {
         1.0 - fed_back
     }
 
-    /// From the reference to the displacement at a frequency \[Hz\]; 1 is ideal.
+    /// Response from the reference to the displacement at a frequency \[Hz\]; 1 is ideal.
     pub fn tracking(&self, frequency_hz: f64) -> Complex64 {
         self.response(frequency_hz) * self.dynamics.response(frequency_hz, self.sample_rate_hz)
     }
 
-    /// Frequency \[Hz\] up to which no more than a share `error` of a sine is missing, delay and all.
+    /// Frequency \[Hz\] up to which the relative error of a sine is at most `error`, delay included.
     pub fn follows_to(&self, error: f64) -> f64 {
         let half = 0.5 * self.sample_rate_hz;
         let missed = |f: &f64| (1.0 - self.tracking(*f)).norm() > error;
@@ -252,7 +250,8 @@ impl CompensatorOptions {
     }
 }
 
-/// The dynamics without their delay as a state space: sections (real part, then imaginary), then v₁, v₂, ….
+/// State-space form of the dynamics without their delay: sections (real part, then imaginary), then v₁, v₂,
+/// ….
 fn plant(dynamics: &LinearRealisation) -> StateSpace {
     let taps = dynamics.taps.len();
     let sections = dynamics.states();
@@ -309,8 +308,9 @@ fn feedback(plant: &StateSpace, weight: f64) -> Option<riccati::Regulator> {
     regulator(plant, &q, &s, plant.d * plant.d + weight)
 }
 
-/// Gains on the reference from the present sample (that which v moves first) on: f₀ = d/w, fⱼ = bᵀ(A −
-/// bK)ᵀʲ⁻¹(c − dK)ᵀ/w. They add up to `sum`, what holds a displacement: what is cut off is on the last.
+/// Gains on the reference from the present sample (the first that v affects) on: f₀ = d/w, fⱼ = bᵀ(A −
+/// bK)ᵀʲ⁻¹(c − dK)ᵀ/w. They sum to `sum`, which holds a constant displacement: the truncated tail is added to
+/// the last.
 fn ahead(plant: &StateSpace, found: &riccati::Regulator, sum: f64) -> Vec<f64> {
     let closed = (&plant.a - &plant.b * &found.gains).transpose();
     let mut q = (&plant.c - plant.d * &found.gains).transpose();
@@ -331,7 +331,7 @@ fn ahead(plant: &StateSpace, found: &riccati::Regulator, sum: f64) -> Vec<f64> {
     gains
 }
 
-/// Samples ahead beyond which the gains are a small share of all.
+/// Samples ahead beyond which the gains add up to a negligible share of all.
 fn useful(ahead: &[f64]) -> usize {
     let all: f64 = ahead.iter().map(|f| f.abs()).sum();
     let mut left = 0.0;
@@ -342,7 +342,7 @@ fn useful(ahead: &[f64]) -> usize {
     ahead.len() - 1 - tail.count().min(ahead.len() - 1)
 }
 
-/// Gains on what is known, the newest first: those on samples to come are shared out by the prediction.
+/// Gains on the known reference, the newest first: the prediction distributes those on future samples.
 fn known(
     ahead: &[f64],
     late: usize,
@@ -350,7 +350,7 @@ fn known(
     prediction: Prediction,
     sample_rate_hz: f64,
 ) -> Result<Vec<f64>, InversionError> {
-    // Gain j is on the sample late + j ahead.
+    // Gain j applies to the sample late + j ahead.
     let last = late + ahead.len() - 1;
     let unknown = last - preview.min(last);
     if unknown > MOST_AHEAD {

@@ -7,7 +7,7 @@ use crate::hysteresis::{Hysteresis, HysteresisError};
 use crate::realise::{Realisation, RealiseError, RuntimeParts};
 use crate::record::Timing;
 
-/// Turns of the drive, of shrinking size, along which a hysteresis without an exact condition is tried.
+/// Loops of shrinking size on which a hysteresis without an exact invertibility condition is tested.
 const TURNS: usize = 40;
 const SAMPLES_A_TURN: usize = 200;
 
@@ -83,8 +83,7 @@ impl<T: Real> CompensatorParts<T> {
         })
     }
 
-    /// The compensator, at rest and virgin at the voltage of its range next to 0 V. What it remembered before
-    /// is forgotten.
+    /// The compensator, at rest and virgin at the voltage of its range nearest to 0 V; clears its memory.
     ///
     /// # Errors
     /// [`RealiseError::Rounded`] where the coefficients are not finite in this number type.
@@ -97,8 +96,8 @@ impl<T: Real> CompensatorParts<T> {
     }
 }
 
-/// Whether every move within the range raises the output: by the exact condition of the family, else along
-/// loops of all sizes.
+/// Checks that the output rises with the drive within the range: by the exact condition of the family, else
+/// on loops of all sizes.
 fn invertible(hysteresis: &Hysteresis, [low, high]: [f64; 2], interval_s: f64) -> Result<(), InversionError> {
     let samples = TURNS * SAMPLES_A_TURN;
     let loops: Vec<f64> = (0..samples)

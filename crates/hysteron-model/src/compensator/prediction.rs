@@ -5,8 +5,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
 
-/// Samples of the past that a prediction is made of, at most, and those of a period of the highest frequency
-/// that are.
+/// Largest number of past samples in a prediction, and its length in periods of the highest frequency.
 const MOST_SAMPLES: usize = 128;
 const PERIODS: f64 = 1.0;
 
@@ -14,24 +13,23 @@ const PERIODS: f64 = 1.0;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Prediction {
-    /// It stays where it is.
+    /// It stays constant.
     Stays,
-    /// It is a random motion whose spectrum is flat from 0 to `highest_hz`, about a level that is not known,
-    /// with white noise of the share `noise` of its rms on top.
+    /// It is a random motion with a flat spectrum from 0 to `highest_hz` about an unknown level, plus white
+    /// noise of `noise` times its rms.
     Band {
         /// Highest frequency \[Hz\].
         highest_hz: f64,
-        /// Rms of the noise over that of the motion.
+        /// Ratio of the rms of the noise to that of the motion.
         noise: f64,
     },
 }
 
-/// Default rms of the noise on a reference, as a share of that of its motion.
+/// Default ratio of the rms of the noise to that of the motion.
 const USUAL_NOISE: f64 = 1e-3;
 
 impl Prediction {
-    /// The random motion of frequencies up to `highest_hz`, with noise of a thousandth of it; without a
-    /// frequency: it stays.
+    /// [`Self::Band`] up to `highest_hz` with the default noise; without a frequency, [`Self::Stays`].
     pub fn up_to(highest_hz: Option<f64>) -> Self {
         highest_hz.map_or(Self::Stays, |highest_hz| Self::Band { highest_hz, noise: USUAL_NOISE })
     }
@@ -39,7 +37,7 @@ impl Prediction {
     /// Weights on the newest samples, the newest first, of the best linear unbiased prediction of each of
     /// `ahead` samples to come: least mean square error, the weights adding up to 1 (ordinary kriging: G.
     /// Matheron, *Econ. Geol.* 58 (1963) 1246–1266, doi:10.2113/gsecongeo.58.8.1246), so that a level is
-    /// predicted exactly. One row a sample ahead.
+    /// predicted exactly. One row per sample ahead.
     pub(super) fn weights(self, ahead: usize, sample_rate_hz: f64) -> Option<DMatrix<f64>> {
         let (highest_hz, noise) = match self {
             Self::Stays => return Some(DMatrix::from_element(ahead, 1, 1.0)),

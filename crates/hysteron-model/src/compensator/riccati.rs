@@ -33,7 +33,7 @@ pub(super) struct Regulator {
 pub(super) fn regulator(plant: &StateSpace, q: &DMatrix<f64>, s: &DVector<f64>, r: f64) -> Option<Regulator> {
     let n = plant.b.len();
     let identity = DMatrix::<f64>::identity(n, n);
-    // u = u' − sᵀx/r takes the cross term away.
+    // u = u' − sᵀx/r eliminates the cross term.
     let mut a = &plant.a - &plant.b * s.transpose() / r;
     let mut g = &plant.b * plant.b.transpose() / r;
     let mut p = q - s * s.transpose() / r;

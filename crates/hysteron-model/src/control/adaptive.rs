@@ -1,4 +1,4 @@
-//! Weights that adapt beside the inverse, made from the model, with the largest step they stand.
+//! Adaptive feedforward weights beside the inverse, designed from the model, with their largest stable step.
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,23 +9,23 @@ use super::strategy::SLOW;
 use super::{ControlError, RequiredMargins};
 use hysteron_numeric::Complex64;
 
-/// Samples of the answer that are computed, its tail being cut off where no more than this share is left.
+/// Samples of the impulse response computed, and relative size of the tail at which it is truncated.
 const TRANSFORM: usize = 4096;
 const TAIL: f64 = 1e-3;
-/// Weights in a period of the highest frequency.
+/// Weights per period of the highest frequency.
 const PER_PERIOD: f64 = 8.0;
-/// Lines of the flat spectrum that the weights are whitened for, and what is added to it for noise, as a
-/// share of its power: a hundredth, rms. Less is learnt faster still, by weights so large that they answer to
-/// what a reference has beside its band.
+/// Lines of the flat spectrum used to whiten the weights, and the noise power added to it (1 % rms). Less
+/// noise gives faster learning, but weights so large that they respond to the out-of-band content of a
+/// reference.
 const LINES: usize = 400;
 const NOISE: f64 = 1e-4;
-/// Frequencies at which the step's limit is looked for, beside a level.
+/// Frequencies, besides 0, at which the limit of the step is evaluated.
 const LOOKS: usize = 30;
 /// Largest step, whatever the limit.
 const LARGEST_STEP: f64 = 0.5;
 /// Share of its mean power at which a filtered reference counts as silence.
 const SILENCE: f64 = 1e-2;
-/// Samples that the best weights are computed from, at most.
+/// Largest number of samples used to compute the optimal weights.
 const MOST_SAMPLES: usize = 20_000;
 
 /// Specification of adaptive feedforward weights; see [`hysteron_rt::FilteredLms`].
@@ -35,45 +35,45 @@ pub struct Adaptive {
     pub highest_hz: f64,
     /// Number of weights, an eighth of a period of the highest frequency apart.
     pub weights: usize,
-    /// Share of the weights that a second forgets.
+    /// Leakage: share of the weights lost per second.
     pub leak_per_s: f64,
 }
 
 impl Adaptive {
-    /// 12 weights, which reach back over one and a half periods of the highest frequency.
+    /// 12 weights, which span one and a half periods of the highest frequency.
     pub fn up_to(highest_hz: f64) -> Self {
         Self { highest_hz, weights: 12, leak_per_s: 0.0 }
     }
 }
 
-/// Weights that adapt, ready for one model and rate.
+/// Adaptive filter for one model and rate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AdaptiveFilter {
     /// Specification of the weights.
     pub adaptive: Adaptive,
     /// Samples from one weight to the next.
     pub stride: usize,
-    /// Answer of the model's displacement to a correction, sample by sample.
+    /// Secondary path: impulse response of the model's displacement to a correction.
     pub secondary: Vec<f64>,
-    /// Inverse covariance of a reference of all frequencies alike behind it, row by row.
+    /// Inverse covariance of a reference of flat spectrum filtered by it, row by row.
     pub whitening: Vec<f64>,
-    /// Share of the error that a step takes off.
+    /// Step size: share of the error removed per step.
     pub rate: f64,
-    /// The share beyond which a level or a sine up to the highest frequency, alone, makes the weights swing,
-    /// the model taken for true.
+    /// Step size above which a constant or a single sine up to the highest frequency makes the weights
+    /// oscillate, the model assumed exact.
     pub limit: f64,
-    /// Where it is least \[Hz\]; 0: a level.
+    /// Frequency of this limit \[Hz\]; 0: a constant.
     pub limit_at_hz: f64,
     /// The rate \[Hz\].
     pub sample_rate_hz: f64,
 }
 
 impl AdaptiveFilter {
-    /// From `path`, the way of a correction to the displacement at rising frequencies \[Hz\] up to half the
-    /// sample rate, and the same at any frequency.
+    /// From `path`, the response of the displacement to a correction at rising frequencies \[Hz\] up to half
+    /// the sample rate, and `correction`, the same at any frequency.
     ///
-    /// The step is the share of its limit that leaves the gain margin and, of a loop that is an integral and
-    /// a delay, the phase margin asked for.
+    /// The step is the share of its limit that keeps the required gain margin and, for a loop of an integral
+    /// and a delay, the phase margin.
     ///
     /// # Errors
     /// [`ControlError::Number`], [`ControlError::NoGain`] where no step is stable.
@@ -129,8 +129,8 @@ impl AdaptiveFilter {
             .sum()
     }
 
-    /// The least [`step_limit`] up to the highest frequency where a correction goes along `path`, and where
-    /// it is \[Hz\].
+    /// The least [`step_limit`] up to the highest frequency for the correction path `path`, and its frequency
+    /// \[Hz\].
     pub fn limit_on(&self, path: &[(f64, Complex64)]) -> (f64, f64) {
         let low = SLOW * self.sample_rate_hz;
         let ratio = (self.adaptive.highest_hz / low).max(1.0);
@@ -141,8 +141,8 @@ impl AdaptiveFilter {
             .fold((f64::INFINITY, 0.0), |least, next| if next.0 < least.0 { next } else { least })
     }
 
-    /// R⁻¹ for a reference of all frequencies up to the highest alike, scaled so that x'ᵀ R⁻¹ x' has the mean
-    /// of |x|² of as many samples.
+    /// R⁻¹ for a reference of flat spectrum up to the highest frequency, scaled so that x'ᵀ R⁻¹ x' has the
+    /// mean of |x|² of as many samples.
     fn whitened(&self) -> Option<Vec<f64>> {
         let count = self.adaptive.weights;
         let line = |k: usize| self.adaptive.highest_hz * (k as f64 + 0.5) / LINES as f64;
@@ -161,9 +161,9 @@ impl AdaptiveFilter {
         scale.is_finite().then(|| (inverse * scale).iter().copied().collect())
     }
 
-    /// Rms of what the best constant weights leave of an `error` from sample `from` on, its mean taken off,
-    /// `known` being what they see: the Wiener optimum of this filter for this reference, the answer to
-    /// corrections taken for the model's.
+    /// Residual rms of `error` from sample `from` on, mean removed, with the best constant weights on
+    /// `known`: the Wiener optimum of this filter for this reference, with the model's response to
+    /// corrections.
     pub fn optimum(&self, known: &[f64], error: &[f64], from: usize) -> f64 {
         let filtered: Vec<f64> = (0..known.len())
             .map(|k| {
@@ -183,27 +183,27 @@ impl AdaptiveFilter {
             Some(weight) => rows[row].checked_sub(weight * self.stride).map_or(0.0, |k| filtered[k]),
         });
         let error = DVector::from_fn(rows.len(), |row, _| error[rows[row]]);
-        // An orthogonal projection: no matter that the columns of a sine span two directions only.
+        // An orthogonal projection, so the rank of 2 that a sine gives the columns does no harm.
         let basis = seen.qr().q();
         let left = &error - &basis * (basis.transpose() * &error);
         (left.norm_squared() / rows.len() as f64).sqrt()
     }
 }
 
-/// The largest step that filtered-x LMS stands for a sine of one frequency \[Hz\] alone (0: for a level), the
-/// correction going along `path` (at rising frequencies \[Hz\] from next to 0 to half the sample rate) and
-/// the model having the answer `modelled` at that frequency.
+/// The largest stable step of filtered-x LMS for a single sine \[Hz\] (0: for a constant), with the secondary
+/// path `path` (at rising frequencies \[Hz\] from near 0 to half the sample rate) and the model's response
+/// `modelled` at that frequency.
 ///
-/// With the step divided by the filtered reference's power and weights over whole half periods, what is
-/// between error and correction is linear and does not change with time (J. R. Glover, *IEEE Trans. Acoust.
-/// Speech Signal Process.* 25 (1977) 484–491, doi:10.1109/TASSP.1977.1162997): with ŝ e^{jφ} the model's
-/// answer, q the delay of one sample,
+/// With the step divided by the filtered reference's power and weights over whole half periods, the map from
+/// error to correction is linear and time-invariant (J. R. Glover, *IEEE Trans. Acoust. Speech Signal
+/// Process.* 25 (1977) 484–491, doi:10.1109/TASSP.1977.1162997): with ŝ e^{jφ} the model's response, q the
+/// delay of one sample,
 ///
 /// H = rate/ŝ · (cos(ω − φ) q − cos φ q²)/(1 − 2 cos ω q + q²),
 ///
 /// a resonator at ω around which the path closes the loop. For a small step it is stable where path and model
 /// differ by less than 90° at ω (S. D. Snyder, C. H. Hansen, *IEEE Trans. Signal Process.* 42 (1994) 950–953,
-/// doi:10.1109/78.285659), else by none: 0. As the step grows it first swings where path · H = −1.
+/// doi:10.1109/78.285659), else at no step: 0. As the step grows, instability sets in where path · H = −1.
 pub fn step_limit(
     path: &[(f64, Complex64)],
     modelled: Complex64,
@@ -219,7 +219,7 @@ pub fn step_limit(
         return 0.0;
     }
     let (omega, phi) = (TAU * frequency_hz / sample_rate_hz, modelled.arg());
-    // One over the loop at a step of 1: finite at the resonance, where it is 0.
+    // Reciprocal of the loop at a step of 1: finite at the resonance, where it is 0.
     let reciprocal = |(f, path): &(f64, Complex64)| {
         let late = Complex64::from_polar(1.0, -TAU * f / sample_rate_hz);
         let resonator = if frequency_hz > 0.0 {
@@ -243,7 +243,7 @@ pub fn step_limit(
             least = least.min(-crossing);
         }
     }
-    // At rest and at half the sample rate the loop is real.
+    // At 0 Hz and at half the sample rate the loop is real.
     let ends = [points.first().filter(|_| frequency_hz > 0.0), points.last()];
     for (_, end) in ends.into_iter().flatten().filter(|(_, end)| end.re < 0.0) {
         least = least.min(-end.re);
@@ -251,8 +251,8 @@ pub fn step_limit(
     least
 }
 
-/// The answer to one sample, from the response, by the inverse discrete Fourier transform, up to where next
-/// to nothing follows.
+/// Impulse response from the frequency response by the inverse discrete Fourier transform, truncated at a
+/// negligible tail.
 fn answer(response: &dyn Fn(f64) -> Complex64, sample_rate_hz: f64) -> Vec<f64> {
     let half: Vec<Complex64> = (0..=TRANSFORM / 2)
         .map(|k| response((k as f64).max(1e-9) / TRANSFORM as f64 * sample_rate_hz))
@@ -275,7 +275,7 @@ fn answer(response: &dyn Fn(f64) -> Complex64, sample_rate_hz: f64) -> Vec<f64> 
     samples
 }
 
-/// Coefficients and memory of weights that adapt.
+/// Coefficients and memory of an adaptive filter.
 #[derive(Clone, Debug)]
 pub struct AdaptiveParts {
     weights: Vec<f64>,
@@ -288,7 +288,7 @@ pub struct AdaptiveParts {
 }
 
 impl AdaptiveParts {
-    /// The parts, for a reference of a mean square.
+    /// The parts, for a reference of this mean square.
     pub fn new(made: &AdaptiveFilter, mean_square: f64) -> Self {
         let count = made.adaptive.weights;
         let ring = vec![0.0; (count * made.stride).max(made.secondary.len()).max(1)];

@@ -6,7 +6,7 @@ use super::StraightLine;
 use super::strategy::SLOW;
 use crate::realise::LinearRealisation;
 
-/// Halvings of the search for a frequency.
+/// Bisections of the search for a frequency.
 const HALVINGS: usize = 60;
 
 /// I = C du/dt: the largest rate of the drive \[V/s\] from current \[A\] and capacitance \[F\].
@@ -21,15 +21,15 @@ pub struct Reach {
     pub amplitude: f64,
     /// Voltage amplitude of a slow sine \[V\].
     pub amplitude_v: f64,
-    /// Highest frequency \[Hz\] at which neither slew nor range hold the drive back; half the sample rate
-    /// where they never do.
+    /// Highest frequency \[Hz\] at which neither slew rate nor range limits the drive; half the sample rate
+    /// where neither ever does.
     pub highest_hz: f64,
 }
 
 /// The highest frequency f at which a sine of an amplitude (displacement, about the middle of the range)
 /// keeps to the limits: with U(f) = amplitude/(slope
-/// |P(f)|), P the dynamics over their gain along slow loops, 2π f U(f) ≤ slew and 2 U(f) ≤ range. Held
-/// samples move by the secant: 2 sin(π f T) U/T in place of 2π f U.
+/// |P(f)|), P the dynamics over their quasi-static gain, 2π f U(f) ≤ slew and 2 U(f) ≤ range. Held samples
+/// move by the secant: 2 sin(π f T) U/T in place of 2π f U.
 pub fn reach(
     line: &StraightLine,
     dynamics: &LinearRealisation,
@@ -44,8 +44,8 @@ pub fn reach(
     let rate = |f: f64| 2.0 * (PI * f / sample_rate_hz).sin() * sample_rate_hz * voltage(f);
     let keeps = |f: f64| rate(f) <= slew_v_per_s && 2.0 * voltage(f) <= range_v[1] - range_v[0];
     let half = 0.5 * sample_rate_hz;
-    // The first frequency that breaks a limit, on a fine grid, then by halves: a resonance may keep them
-    // again.
+    // The first frequency that violates a limit, on a fine grid, then by bisection: beyond a resonance the
+    // limits may hold again.
     let grid = |k: usize| half * 10f64.powf(6.0 * (k as f64 / 2400.0 - 1.0));
     let first = (0..=2400).map(grid).find(|f| !keeps(*f));
     let highest_hz = first.map_or(half, |broken| {

@@ -1,4 +1,4 @@
-//! Errors of closing a loop.
+//! Errors of a closed loop.
 
 use hysteron_rt::ModelError;
 
@@ -11,26 +11,26 @@ use hysteron_numeric::display::short;
 /// Error of a [`Stage`](super::Stage), in the words of what drives it.
 pub type StageError = Box<dyn std::error::Error + Send + Sync>;
 
-/// Why a loop was not made, or not played.
+/// Error of building or running a closed loop.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ControlError {
-    /// The model does not run sample by sample.
+    /// The model cannot be realised.
     #[error(transparent)]
     Realise(#[from] RealiseError),
-    /// The stage.
+    /// Error of the stage.
     #[error(transparent)]
     Stage(#[from] StageError),
     /// The inverse, or a reference that does not begin where the stage can rest.
     #[error(transparent)]
     Inversion(#[from] InversionError),
-    /// The hysteresis refuses.
+    /// Error of the hysteresis.
     #[error(transparent)]
     Hysteresis(#[from] HysteresisError),
-    /// A controller refuses.
+    /// Error of a controller.
     #[error(transparent)]
     Runtime(#[from] ModelError<f64>),
-    /// A sine so slow that its samples would not fit.
+    /// The sine is too slow to be played.
     #[error("a sine of {} Hz is too long to be played: the lowest at this sample rate has {} Hz", short(*frequency_hz), short(*lowest_hz))]
     Sine {
         /// Its frequency \[Hz\].
@@ -38,10 +38,10 @@ pub enum ControlError {
         /// The lowest \[Hz\].
         lowest_hz: f64,
     },
-    /// There is nothing to follow.
+    /// The reference is too short or not finite.
     #[error("a reference needs at least 2 samples, all of them finite")]
     Reference,
-    /// A number of the feedback is not usable.
+    /// A number of the feedback is out of range.
     #[error("{name} is out of range: {value}")]
     Number {
         /// Its name, with its unit where it has one.
@@ -53,21 +53,21 @@ pub enum ControlError {
     #[error("no gain of the feedback keeps the margins asked for")]
     NoGain,
     /// The model has no resonance for a notch.
-    #[error("the model has no resonance below half the sample rate, a notch has nothing to take off")]
+    #[error("the model has no resonance below half the sample rate, so a notch has no effect")]
     NoResonance,
-    /// The poles of the feedback make no sense.
+    /// The poles of the feedback are invalid.
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),
     /// A reference without a sample rate.
-    #[error("the reference has no uniform sample rate, which is to be the controller's")]
+    #[error("the reference has no uniform sample rate, which sets the controller's")]
     NoSampleRate,
     /// The drive has no range.
     #[error("the model file does not say which voltages it was identified with")]
     NoRange,
     /// Too few samples are scored.
     #[error(
-        "nothing is left to score: the reference has {samples} samples, {skipped} of them skipped at its \
-         beginning and {ahead} at its end, where what is to be known ahead is not there"
+        "nothing is left to score: the reference has {samples} samples, {skipped} at its beginning are \
+         skipped and {ahead} at its end lack preview"
     )]
     NothingScored {
         /// Samples of the reference.

@@ -13,7 +13,8 @@ use crate::realise::{LinearParts, LinearRealisation, RealiseOptions, held};
 use crate::record::InterSample;
 use hysteron_numeric::Complex64;
 
-/// A fractional integral is fractional down to this share of its corner frequency, and an integral below.
+/// Lowest frequency of a fractional integral, as a share of its corner; below, the integral is of integer
+/// order.
 const FRACTIONAL_DECADES: f64 = 1e-3;
 /// Accuracy of its poles, as a share of its largest gain.
 const ACCURACY: f64 = 1e-5;
@@ -25,11 +26,11 @@ pub struct Notch {
     pub frequency_hz: f64,
     /// ζ₀, the resonance's damping.
     pub zeros: f64,
-    /// ζ₁, what is put in its place.
+    /// ζ₁, the damping that replaces it.
     pub poles: f64,
 }
 
-/// The form of a feedback law, its gain apart.
+/// Form of a feedback law, without its gain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FeedbackKind {
     /// 1/s.
@@ -39,7 +40,7 @@ pub enum FeedbackKind {
         /// ω₀/2π \[Hz\].
         corner_hz: f64,
     },
-    /// 1 + (ω₀/s)^λ; an integral that goes on from where the fractional one ends, three decades below ω₀.
+    /// 1 + (ω₀/s)^λ, continued by an integer-order integral three decades below ω₀.
     FractionalPi {
         /// ω₀/2π \[Hz\].
         corner_hz: f64,
@@ -62,7 +63,7 @@ pub struct FeedbackLaw {
     pub proportional: f64,
     /// Gain on the sum of errors × sample period \[1/s\].
     pub integral_per_s: f64,
-    /// Poles beside them.
+    /// Remaining poles.
     pub dynamics: LinearRealisation,
     /// The rate \[Hz\].
     pub sample_rate_hz: f64,
@@ -90,7 +91,7 @@ impl FeedbackLaw {
                 }
                 let corner = below_half("corner [Hz]", corner_hz)?;
                 let low = FRACTIONAL_DECADES * corner_hz;
-                // As large, where the one takes over from the other, as the other.
+                // Equal magnitudes where the integer-order integral takes over.
                 let rest = (TAU * low) * (corner / (TAU * low)).powf(order);
                 let shape =
                     TransferFunction::new(vec![term(corner.powf(order), 0.0)], vec![term(1.0, order)])?;
@@ -152,7 +153,7 @@ impl FeedbackLaw {
         self
     }
 
-    /// From error to correction at a frequency \[Hz\], without the period that computing it takes.
+    /// Response from error to correction at a frequency \[Hz\], without the one-period computation delay.
     pub fn response(&self, frequency_hz: f64) -> Complex64 {
         let theta = TAU * frequency_hz / self.sample_rate_hz;
         let late = Complex64::from_polar(1.0, -theta);

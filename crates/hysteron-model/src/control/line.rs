@@ -1,4 +1,4 @@
-//! The straight line through a model's loop: what a stage without compensation is driven by.
+//! The straight line through a model's loop: the feedforward of a stage without compensation.
 
 use crate::hammerstein::Model;
 use crate::hysteresis::HysteresisError;
@@ -6,7 +6,7 @@ use crate::start::Start;
 
 /// Samples of half a loop.
 const HALF: usize = 500;
-/// Their sizes, as shares of the range.
+/// Sizes of the loops, as shares of the range.
 const SIZES: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
 /// Samples over which a slope is taken.
 const SLOPE_OVER: usize = 10;
@@ -16,10 +16,10 @@ const SLOPE_OVER: usize = 10;
 pub struct StraightLine {
     /// Displacement at 0 V.
     pub offset: f64,
-    /// Displacement a volt.
+    /// Displacement per volt.
     pub slope: f64,
-    /// Largest slope of the hysteresis over the line's: by so much the gain of a loop is larger than its
-    /// linear part.
+    /// Ratio of the largest slope of the hysteresis to the line's: the factor by which the loop gain exceeds
+    /// that of its linear part.
     pub steepest: f64,
 }
 
@@ -47,7 +47,7 @@ impl StraightLine {
         let slopes = (SLOPE_OVER..u.len()).filter_map(|k| {
             let (from, to) = (k - SLOPE_OVER, k);
             let moved = u[to] - u[from];
-            // Without a turn in between.
+            // No turning point in between.
             let full = 0.99 * SLOPE_OVER as f64 * (u[to] - u[to - 1]).abs();
             (moved.abs() >= full && moved != 0.0).then(|| (v[to] - v[from]) / moved)
         });

@@ -5,12 +5,12 @@ use std::f64::consts::{PI, TAU};
 use crate::realise::LinearRealisation;
 use hysteron_numeric::Complex64;
 
-/// Points of a decade, and points that are spread evenly up to half the sample rate.
+/// Points per decade, and linearly spaced points up to half the sample rate.
 const PER_DECADE: usize = 200;
 const EVEN: usize = 2000;
 /// Lowest frequency, as a share of the sample rate.
 const LOWEST: f64 = 1e-8;
-/// |Im| over the magnitude of what counts as real.
+/// |Im| over magnitude below which a value counts as real.
 const REAL: f64 = 1e-6;
 /// Points about a resonance.
 const ABOUT: usize = 41;
@@ -18,10 +18,9 @@ const ABOUT: usize = 41;
 /// Margins of a loop L, feedback negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margins {
-    /// Factor by which the gain of the loop may rise, or fall where it must not fall; infinite where no gain
-    /// does harm.
+    /// Factor by which the gain of the loop may rise or fall; infinite where neither destabilises it.
     pub gain: f64,
-    /// Frequency \[Hz\] at which it would swing then.
+    /// Frequency \[Hz\] of the oscillation at that limit.
     pub gain_at_hz: f64,
     /// Least angle \[degrees\] between L and −1 where |L| = 1; infinite where |L| never is.
     pub phase_deg: f64,
@@ -29,14 +28,14 @@ pub struct Margins {
     pub crossover_hz: f64,
     /// Least |1 + L|: one over the largest sensitivity.
     pub modulus: f64,
-    /// Whether the closed loop is stable: L has no unstable pole, at most one at rest (an integral), and does
-    /// not encircle −1.
+    /// True if the closed loop is stable: L has no unstable pole, at most one integrator, and does not
+    /// encircle −1.
     pub is_stable: bool,
 }
 
 impl Margins {
-    /// Of a loop at rising frequencies \[Hz\] up to half the sample rate, dense enough for each step to turn
-    /// by less than half a turn.
+    /// Margins of a loop at rising frequencies \[Hz\] up to half the sample rate, with phase steps of less
+    /// than 180°.
     pub fn of(points: &[(f64, Complex64)]) -> Self {
         let mut found = Self {
             gain: f64::INFINITY,
@@ -83,8 +82,8 @@ impl Margins {
     }
 }
 
-/// Frequencies \[Hz\] on which the loop around some dynamics is looked at: dense about their resonances, up
-/// to half the sample rate.
+/// Frequency grid \[Hz\] for the loop around these dynamics: dense about their resonances, up to half the
+/// sample rate.
 pub fn loop_frequencies(dynamics: &LinearRealisation, sample_rate_hz: f64) -> Vec<f64> {
     let half = 0.5 * sample_rate_hz;
     let decades = (0.5 / LOWEST).log10();

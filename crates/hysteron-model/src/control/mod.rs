@@ -8,10 +8,9 @@
 //! ```
 //!
 //! Feedback acts on the displacement, ahead of the inverse ([`crate::compensator`]): what it adds to the
-//! reference passes the limits and the memory of the hysteresis as the reference does. Where the reading of
-//! one period makes the drive of the next, the loop is late by that period, by the hold and by the plant's
-//! own delay; all of it is in the loops that are tuned ([`tune`]) and whose [`Margins`] are stated. Theory:
-//! `docs/theory/control.md`.
+//! reference passes the limits and the memory of the hysteresis as the reference does. The reading of one
+//! period determines the drive of the next, so the delay of the loop is that period, the hold and the plant's
+//! delay; tuning ([`tune`]) and the stated [`Margins`] include all three. Theory: `docs/theory/control.md`.
 
 mod adaptive;
 mod amplifier;

@@ -1,4 +1,4 @@
-//! A loop, played on a stage.
+//! Running a loop on a stage.
 
 use hysteron_rt::{Compensator, HeldBack, Limited, Limits, Line, Model as RuntimeModel, Observer};
 
@@ -6,8 +6,7 @@ use super::{AdaptiveParts, ControlError, FeedbackParts, Loop, StageError};
 use crate::compensator::CompensatorParts;
 use crate::realise::{Realisation, RuntimeParts};
 
-/// Samples for which the stage is seen at rest before the reference begins: its sensor is zeroed on their
-/// mean.
+/// Samples at rest before the reference begins, on whose mean the sensor is zeroed.
 const RESTED: usize = 1000;
 
 /// Reading and displacement of a stage at the beginning of a period.
@@ -21,7 +20,7 @@ pub struct StageSample {
 
 /// A stage with its amplifier and sensor; a loop begins with it at rest.
 pub trait Stage: Sync {
-    /// The stage after it has rested at the voltage `rest_v` for ever, driven by a converter that holds.
+    /// The stage in steady state at the voltage `rest_v`, driven through a zero-order hold.
     ///
     /// # Errors
     /// [`StageError`]: a sample rate or voltage that the stage cannot take.
@@ -46,7 +45,7 @@ pub enum Plant<'a> {
     Model,
 }
 
-/// A reference that was played.
+/// Result of playing a reference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Played {
     /// Voltage at rest before it \[V\].
@@ -57,9 +56,9 @@ pub struct Played {
     pub reading: Vec<f64>,
     /// The displacement, counted from the same zero \[µm\].
     pub displacement: Vec<f64>,
-    /// Samples that the range held back, and that the slew did.
+    /// Samples limited by the range.
     pub at_range: usize,
-    /// Samples that the slew did.
+    /// Samples limited by the slew rate.
     pub at_slew: usize,
 }
 
@@ -90,8 +89,8 @@ enum Driver<'a> {
 }
 
 /// Plays a reference from rest at its first value, the hysteresis having been driven there from `virgin_v`
-/// (`None`: virgin there). What is ahead of its end stays where it ends. The reading at the beginning of one
-/// period makes the drive of the next.
+/// (`None`: virgin there). Beyond its end the reference stays constant. The reading at the beginning of one
+/// period determines the drive of the next.
 ///
 /// # Errors
 /// [`ControlError`].
@@ -172,7 +171,7 @@ pub fn play(
         None => None,
     };
 
-    // At rest the reading is taken for the reference's first value.
+    // The reading at rest is zeroed to the reference's first value.
     let mut sums = (0.0, 0.0);
     for _ in 0..RESTED {
         let (reading, displacement) = running.step(rest_v)?;

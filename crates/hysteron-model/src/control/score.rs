@@ -7,17 +7,17 @@ pub struct TrackingScore {
     pub rms: f64,
     /// Largest magnitude \[µm\].
     pub max: f64,
-    /// The mean that was taken off \[µm\].
+    /// The mean removed \[µm\].
     pub mean: f64,
     /// Rms in per cent of the reference's stroke.
     pub rms_percent: f64,
-    /// The largest in per cent of it.
+    /// The largest magnitude in per cent of the stroke.
     pub max_percent: f64,
 }
 
 impl TrackingScore {
-    /// From sample `from` on; all of it NaN where nothing is left, the percentages infinite or NaN where the
-    /// reference does not move.
+    /// Score from sample `from` on; NaN where no samples remain, the percentages infinite or NaN for a
+    /// constant reference.
     pub fn of(displacement: &[f64], reference: &[f64], from: usize) -> Self {
         let errors = || reference.iter().zip(displacement).skip(from).map(|(r, y)| r - y);
         let count = errors().count() as f64;

@@ -5,24 +5,24 @@ use std::f64::consts::{SQRT_2, TAU};
 use super::{ControlError, Loop, Plant, TrackingScore, play};
 use hysteron_numeric::Complex64;
 
-/// Sines a decade.
+/// Sines per decade.
 const PER_DECADE: f64 = 4.0;
-/// Halvings of the step between two of them, where a bandwidth lies in it.
+/// Bisections of a step between two sines that contains a bandwidth.
 const HALVINGS: usize = 3;
-/// Share of a bandwidth by formula at which one more is played.
+/// Ratio to a computed bandwidth at which another sine is played.
 const BEYOND: f64 = 1.05;
-/// Samples before a sine counts, beside a whole period, and those that count, beside two.
+/// Least number of samples before the evaluation (at least one period), and in it (at least two periods).
 const SETTLED: usize = 3000;
 const COUNTED: f64 = 2000.0;
-/// Samples that follow, beside what is known ahead: a reference that stops does so with a jerk.
+/// Samples after the evaluation, beyond the preview: the reference ends with a jerk.
 const AFTER: usize = 64;
-/// Samples of the longest period that is played: three of them are kept for each loop that plays it.
+/// Longest period played, in samples: a loop stores three of them.
 const LONGEST_PERIOD: f64 = 1e6;
 
-/// A sine of whole periods is next to the frequency that was asked for.
+/// Largest relative rounding of a frequency to whole periods.
 const ROUNDING: f64 = 1e-2;
 
-/// The sines that are played.
+/// The sines to play.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sines {
     /// Their middle \[µm\].
@@ -47,9 +47,9 @@ pub struct SineAnswer {
     pub frequency_hz: f64,
     /// Tracking error, harmonics and noise included, its mean removed: rms in per cent of stroke.
     pub error_percent: f64,
-    /// Its share in the displacement, as a complex number: 1 is ideal.
+    /// Complex response of the displacement to it; 1 is ideal.
     pub followed: Complex64,
-    /// Samples that range or slew held back.
+    /// Samples limited by range or slew rate.
     pub held_back: usize,
 }
 
@@ -83,7 +83,7 @@ pub struct Followed {
 }
 
 impl Loop {
-    /// Plays one sine, of whole periods: its share is the coherent one, Σ y e^(−jωt)/Σ r e^(−jωt).
+    /// Plays one sine of whole periods; the response is the coherent one, Σ y e^(−jωt)/Σ r e^(−jωt).
     ///
     /// # Errors
     /// Those of [`play`]; [`ControlError::Sine`] below [`Sines::lowest_hz`].
@@ -129,7 +129,7 @@ impl Loop {
         })
     }
 
-    /// Plays sines from the lowest to the highest frequency, four a decade and more where a bandwidth lies.
+    /// Plays sines from the lowest to the highest frequency, four per decade, more around a bandwidth.
     ///
     /// # Errors
     /// Those of [`Self::sine`].
@@ -143,7 +143,7 @@ impl Loop {
         let steps = (PER_DECADE * (high / low).log10()).ceil().max(1.0) as usize;
         let mut frequencies: Vec<f64> =
             (0..=steps).map(|k| low * (high / low).powf(k as f64 / steps as f64)).collect();
-        // A dip where the formula has one is not stepped over.
+        // So that a dip predicted by the model is not skipped.
         let own = [self.bandwidth.minus_3_db_hz, self.bandwidth.one_percent_hz].map(|f| BEYOND * f);
         frequencies.extend(own.into_iter().filter(|f| (low..=high).contains(f)));
         frequencies.sort_by(f64::total_cmp);
@@ -180,9 +180,9 @@ impl Loop {
         Self { adaptive: None, ..self.clone() }
     }
 
-    /// By how much, at most, the way of a correction on a plant differs in phase from the model's
-    /// \[degrees\], and where \[Hz\], from sines that the inverse alone followed: behind the same law, what
-    /// they answered over what they should have is plant over model.
+    /// Largest phase difference of the correction path between plant and model \[degrees\], and its frequency
+    /// \[Hz\], from sines under the inverse alone: under the same law, measured over expected response is
+    /// plant over model.
     pub fn phase_error(&self, alone: &[SineAnswer]) -> Option<(f64, f64)> {
         let (inverse, adaptive) = (self.inverse.as_ref()?, self.adaptive.as_ref()?);
         let errors = alone

@@ -1,4 +1,4 @@
-//! Ways to follow a reference, made ready from the model.
+//! Tracking strategies, designed from the model.
 
 use std::f64::consts::TAU;
 
@@ -13,8 +13,8 @@ use crate::hammerstein::Model;
 use crate::realise::{LinearRealisation, RealiseOptions, held};
 use hysteron_numeric::Complex64;
 
-/// Frequency of the slow loops that the straight line goes through, as a share of the sample rate: 1 Hz at 10
-/// kHz. (Of a model that creeps for ever the gain at rest says nothing.)
+/// Frequency of the slow loops that the straight line fits, as a share of the sample rate: 1 Hz at 10 kHz.
+/// (With unbounded creep the static gain is infinite.)
 pub(super) const SLOW: f64 = 1e-4;
 /// |1 − T| of a sine whose error is 1 % of its stroke, rms: the stroke is 2 √2 times its rms.
 const ONE_PERCENT: f64 = 0.02 * std::f64::consts::SQRT_2;
@@ -28,7 +28,7 @@ pub enum Forward {
     Inverse(CompensatorOptions),
 }
 
-/// A way to follow a reference.
+/// A tracking strategy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Strategy {
     /// Name of the strategy.
@@ -37,9 +37,9 @@ pub struct Strategy {
     pub forward: Forward,
     /// Feedback on the reading.
     pub feedback: Option<LawFamily>,
-    /// Whether a disturbance observer takes off what stands between model and stage.
+    /// True if a disturbance observer compensates the difference between model and stage.
     pub observer: bool,
-    /// Adaptive feedforward beside.
+    /// Additional adaptive feedforward.
     pub adaptive: Option<Adaptive>,
 }
 
@@ -83,7 +83,7 @@ pub struct LoopSettings {
     pub realise: RealiseOptions,
 }
 
-/// Bandwidths of a linear loop, sought from 1e-4 of the sample rate on.
+/// Bandwidths of a linear loop, searched from 1e-4 of the sample rate up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bandwidth {
     /// Lowest frequency \[Hz\] with a gain below 1/√2.
@@ -92,7 +92,7 @@ pub struct Bandwidth {
     pub one_percent_hz: f64,
 }
 
-/// A strategy made ready for one model and rate.
+/// A strategy designed for one model and rate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Loop {
     /// The strategy.
@@ -101,9 +101,9 @@ pub struct Loop {
     pub settings: LoopSettings,
     /// The model.
     pub model: Model,
-    /// Its dynamics as they answer held samples, delay included.
+    /// Its dynamics under a zero-order hold, delay included.
     pub dynamics: LinearRealisation,
-    /// The straight line through its loop.
+    /// The straight line through the model's loop.
     pub line: StraightLine,
     /// The inverse.
     pub inverse: Option<Compensation>,
@@ -111,17 +111,17 @@ pub struct Loop {
     pub feedback: Option<Tuned>,
     /// Gain of the observer, and margins of its loop.
     pub observer: Option<(f64, Margins)>,
-    /// The weights that adapt.
+    /// The adaptive weights.
     pub adaptive: Option<AdaptiveFilter>,
-    /// Bandwidths, the model taken for linear and exact.
+    /// Bandwidths, the model assumed linear and exact.
     pub bandwidth: Bandwidth,
 }
 
 impl Loop {
-    /// Makes a strategy ready.
+    /// Designs the loop of a strategy.
     ///
     /// # Errors
-    /// [`ControlError`]; an observer or weights that adapt beside the straight line are refused.
+    /// [`ControlError`]; an observer or adaptive weights without the inverse are refused.
     pub fn new(model: &Model, settings: &LoopSettings, strategy: &Strategy) -> Result<Self, ControlError> {
         let rate = settings.sample_rate_hz;
         if !(rate.is_finite() && rate > 0.0) {
@@ -142,7 +142,7 @@ impl Loop {
         let line = StraightLine::of_model(model, slow_gain, settings.range_v)?;
         let frequencies = loop_frequencies(&dynamics, rate);
         let late = |f: f64| Complex64::from_polar(1.0, -TAU * f / rate);
-        // From what is added to the reference to the displacement.
+        // Response of the displacement to a correction of the reference.
         let correction = |f: f64| match &inverse {
             Some(inverse) => inverse.correction(f),
             None => dynamics.response(f, rate) / slow_gain,

@@ -7,12 +7,13 @@ use crate::realise::LinearRealisation;
 use hysteron_numeric::Complex64;
 use serde::{Deserialize, Serialize};
 
-/// Corners that are tried: from the first up to a tenth of the sample rate, so many a decade.
+/// Corners tried: this many per decade, from the lowest to a tenth of the sample rate.
 const CORNERS_PER_DECADE: usize = 6;
 const LOWEST_CORNER: f64 = 1e-5;
-/// Orders that are tried.
+/// Orders tried.
 const ORDERS: [f64; 7] = [0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
-/// Halvings of the search for a gain; it begins between these, over the gain that crosses 1 somewhere.
+/// Bisections of the search for a gain, and its initial bracket relative to the gain at which the loop
+/// crosses 1.
 const HALVINGS: usize = 40;
 const GAINS: (f64, f64) = (1e-6, 1e2);
 
@@ -38,7 +39,7 @@ impl Default for RequiredMargins {
     }
 }
 
-/// A law with what it reaches on the model.
+/// A tuned law with its margins on the model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tuned {
     /// The law.
@@ -46,11 +47,11 @@ pub struct Tuned {
     /// Margins of its loop.
     pub margins: Margins,
     /// √Σ |S|²/f over frequencies evenly spread on a logarithmic scale, S = 1/(1 + L): up to a factor, the
-    /// residual of a wandering disturbance (its spectrum falling as 1/f²).
+    /// residual of a random-walk disturbance (spectrum falling as 1/f²).
     pub left: f64,
 }
 
-/// Which law is asked for.
+/// Family of the feedback law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LawFamily {
     /// k (1 + ω₀/s), or k/s.
@@ -61,13 +62,14 @@ pub enum LawFamily {
     NotchIntegral,
 }
 
-/// The law of a family that leaves least of a wandering disturbance among those that keep the margins.
+/// The law of a family with the smallest residual of a random-walk disturbance among those that keep the
+/// margins.
 ///
 /// Each form (corner, order) gets the largest gain that keeps them (as K. J. Åström, H. Panagopoulos, T.
 /// Hägglund, *Automatica* 34 (1998) 585–601, doi:10.1016/S0005-1098(98)00011-9, do for PI with the
 /// sensitivity alone; I. Podlubny, *IEEE Trans. Autom. Control* 44 (1999) 208–214, doi:10.1109/9.739144, for
-/// PI^λ), the form that leaves least is kept. `plant` is the rest of the loop at rising frequencies \[Hz\],
-/// the period of the computation included.
+/// PI^λ), the form with the smallest residual is kept. `plant` is the rest of the loop at rising frequencies
+/// \[Hz\], the period of the computation included.
 ///
 /// # Errors
 /// [`ControlError`].
@@ -136,7 +138,7 @@ fn resonance(dynamics: &LinearRealisation, sample_rate_hz: f64) -> Option<(f64, 
 
 /// Largest gain up to which all margins are kept, those margins, and [`Tuned::left`].
 fn largest_gain(shape: &[(f64, Complex64)], wanted: &RequiredMargins) -> Option<(f64, Margins, f64)> {
-    // A scale: the gain at which the loop would cross 1 at a hundredth of the sample rate.
+    // A scale: the gain at which the loop crosses 1 near a tenth of the sample rate.
     let middle = shape.get(shape.len() / 2)?.1.norm();
     let loops = |gain: f64| shape.iter().map(move |(f, l)| (*f, gain * l)).collect::<Vec<_>>();
     let keeps = |gain: f64| kept(&Margins::of(&loops(gain)), shape, gain, wanted);
@@ -175,9 +177,9 @@ fn left(points: &[(f64, Complex64)]) -> f64 {
     points.windows(2).map(|p| 0.5 * (density(&p[0]) + density(&p[1])) * (p[1].0 - p[0].0)).sum::<f64>().sqrt()
 }
 
-/// The largest gain of a disturbance observer that keeps the margins, and its loop's: S = 1 − G g q/(1 − (1 −
-/// g) q), G the way from its correction to the displacement, q the period of the computation. On the model it
-/// is stable at any gain; the margins say how far the device may differ.
+/// The largest gain of a disturbance observer that keeps the margins, and the margins of its loop: S = 1 − G
+/// g q/(1 − (1 − g) q), G the response of the displacement to its correction, q the one-period computation
+/// delay. On the model it is stable at any gain; the margins bound the error of the model.
 ///
 /// # Errors
 /// [`ControlError::NoGain`].

@@ -9,12 +9,12 @@ pub const MOST_CREEP_ELEMENTS: usize = 4;
 
 /// Creep factor C(s) of a [`super::DynamicForm`], 1 for fast motion.
 ///
-/// Fractional creep is a power law without an end, logarithmic creep grows by the same amount every decade of
-/// time, a Kelvin–Voigt chain comes to an end. Sources: H. Jung, D.-G. Gweon, "Creep characteristics of
-/// piezoelectric actuators", *Review of Scientific Instruments* 71 (2000) 1896, doi:10.1063/1.1150559
-/// (logarithmic); D. Croft, G. Shed, S. Devasia, "Creep, hysteresis, and vibration compensation for
-/// piezoactuators", *Journal of Dynamic Systems, Measurement, and Control* 123 (2001) 35,
-/// doi:10.1115/1.1341197 (chain of springs and dampers).
+/// Fractional creep is an unbounded power law, logarithmic creep grows by the same amount every decade of
+/// time, a Kelvin–Voigt chain settles. Sources: H. Jung, D.-G. Gweon, "Creep characteristics of piezoelectric
+/// actuators", *Review of Scientific Instruments* 71 (2000) 1896, doi:10.1063/1.1150559 (logarithmic); D.
+/// Croft, G. Shed, S. Devasia, "Creep, hysteresis, and vibration compensation for piezoactuators", *Journal
+/// of Dynamic Systems, Measurement, and Control* 123 (2001) 35, doi:10.1115/1.1341197 (chain of springs and
+/// dampers).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Creep {
@@ -37,7 +37,7 @@ pub enum Creep {
     Logarithmic,
     /// C = 1 + Σ kᵢ/(1 + τᵢ s): a unit step is followed by 1 + Σ kᵢ (1 − e^(−t/τᵢ)), springs with dampers
     /// beside them in series with a spring. Parameters `creep_1` (k₁ ≥ 0), `creep_time_1` (τ₁, s), `creep_2`,
-    /// … Exchanging elements is the same C.
+    /// … Exchanging elements leaves C unchanged.
     KelvinVoigt {
         /// Number of elements, 1 to [`MOST_CREEP_ELEMENTS`].
         elements: usize,
@@ -92,7 +92,7 @@ impl Creep {
         }
     }
 
-    /// Whether the transfer function keeps the orders it has without.
+    /// True if C has whole orders.
     pub fn has_whole_orders(self) -> bool {
         self != Self::Fractional
     }
@@ -139,16 +139,16 @@ impl Creep {
     }
 }
 
-/// Time constants of the chain that logarithmic creep is.
+/// Number of time constants in the chain of logarithmic creep.
 const ELEMENTS: usize = 14;
-/// Time constants a decade.
+/// Time constants per decade.
 const PER_DECADE: f64 = 2.0;
 
 /// 1/τ of the elements in 1/t₀ and their weights in γ: τ = t₀ 10^((j − 1)/2), weight ½ e^(−t₀/τ).
 ///
 /// The rule's error is the aliasing of the spectrum of the integrand in ln τ, at most 4 |Γ(2πi · 2/ln 10)|/ln
-/// 10 = 3.5e-4 of γ. Of what lies beyond the last element, which for t ≪ τ grows as t/τ, the last one takes
-/// the slope: Σ 10^(−j/2) over j ≥ 1.
+/// 10 = 3.5e-4 of γ. The last element takes the slope of the omitted ones, which for t ≪ τ grow as t/τ: Σ
+/// 10^(−j/2) over j ≥ 1.
 fn spectrum() -> [(f64, f64); ELEMENTS] {
     let ratio = 10f64.powf(-1.0 / PER_DECADE);
     std::array::from_fn(|j| {

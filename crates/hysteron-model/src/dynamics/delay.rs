@@ -67,8 +67,8 @@ pub fn delay_linear(
     Ok(())
 }
 
-/// Delays `x` by `samples` ≥ 0 in place, on straight lines between samples; the first line runs from
-/// `before`, one sample ahead. A negative or undefined delay is none.
+/// Delays `x` by `samples` ≥ 0 in place, linear between samples; `before` is the value one sample ahead. A
+/// negative or NaN delay counts as 0.
 #[doc(hidden)]
 pub fn delay_in_place(x: &mut [f64], samples: f64, before: f64) {
     if samples.is_nan() || samples <= 0.0 {

@@ -1,4 +1,4 @@
-//! Families of transfer functions in the words users think in, with exact derivatives.
+//! Families of transfer functions in physical parameters, with exact derivatives.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -21,21 +21,21 @@ pub enum Modes {
     /// G = 1.
     None,
     /// Gain 1 at zero frequency, the product of pairs ω²/P(f, ζ, 2, 1, 0) and, where the order is odd, a lag
-    /// 1/(1 + T s). The parameters of the second pair are named with `_2`, and so on. Exchanging pairs is the
-    /// same G.
+    /// 1/(1 + T s). The parameters of the second pair are named with `_2`, and so on. Exchanging pairs leaves
+    /// G unchanged.
     Integer {
         /// Number of poles, 1 to [`MOST_INTEGER_POLES`].
         order: usize,
     },
     /// Resonances in parallel, Σ w_k ω_k²/(s² + 2ζ_k ω_k s + ω_k²) with Σ w_k = 1, and behind them a lag
-    /// 1/(1 + T s) where asked for: gain 1 at zero frequency. Unlike the product of [`Modes::Integer`] they
-    /// have zeros between them. Shares `share` (w₁), `share_2`, … but for the last, which is what the others
-    /// leave of 1; a share may be negative (a resonance that moves against the others). Exchanging resonances
-    /// is the same G.
+    /// 1/(1 + T s) if requested: gain 1 at zero frequency. Unlike the product of [`Modes::Integer`] they have
+    /// zeros between them. Shares `share` (w₁), `share_2`, … except the last, which completes the sum to 1; a
+    /// share may be negative (a resonance that moves against the others). Exchanging resonances leaves G
+    /// unchanged.
     Resonances {
         /// Number of resonances, 1 to [`MOST_RESONANCES`].
         count: usize,
-        /// Whether there is a lag.
+        /// True if there is a lag.
         lag: bool,
     },
     /// c₀ / P(f, ζ, α₂, α₁, 0): gain 1 at zero frequency.
@@ -43,11 +43,11 @@ pub enum Modes {
     /// b / P(f, ζ, α₂, α₁, α₀) with b = |P(2πi·1 Hz)|: |G| = 1 at 1 Hz, since G(0) is infinite unless α₀ = 0.
     FractionalFreeLowest,
     /// w G₁ + (1 − w) G₂, both as [`Modes::Fractional`], in parallel. Share w; the parameters of the second
-    /// mode are named with `_2`. Exchanging the modes and w with 1 − w is the same G.
+    /// mode are named with `_2`. Exchanging the modes and w with 1 − w leaves G unchanged.
     TwoFractional,
 }
 
-/// A family of transfer functions: fast modes, and creep where asked for.
+/// A family of transfer functions: fast modes, and creep where requested.
 ///
 /// G = modes · creep. As a [`TransferFunction`]: products of polynomials; terms are sorted, and where orders
 /// coincide their coefficients are added (the derivatives stay exact there).
@@ -102,13 +102,13 @@ const LARGE: (usize, usize) = (26, 45);
 const LONG: (usize, usize) = (11, 135);
 
 impl DynamicForm {
-    /// The parameters, in the order in which their values are given. None of modes or elements that there are
-    /// too many of, which the other functions refuse.
+    /// The parameters, in the order in which their values are given. None for modes or elements beyond the
+    /// maximum, which the other functions refuse.
     pub fn parameters(&self) -> Vec<FormParameter> {
         self.list().copied().collect()
     }
 
-    /// The parameter of this name, whichever form it is of.
+    /// The parameter of this name in any form.
     pub fn parameter_named(name: &str) -> Option<FormParameter> {
         let longest = Creep::KelvinVoigt { elements: MOST_CREEP_ELEMENTS };
         let creep = Creep::USUAL.into_iter().chain([longest]).flat_map(Creep::parameters);
@@ -126,8 +126,7 @@ impl DynamicForm {
     /// # Errors
     /// [`DynamicsError::ParameterCount`]; [`DynamicsError::Parameter`] for a value that is not finite, a
     /// frequency, lag or time that is not positive, a negative order or Kelvin–Voigt creep, or a form with
-    /// more poles, resonances or elements than there may be, or none; what [`TransferFunction::validate`]
-    /// refuses.
+    /// more poles, resonances or elements than allowed, or none; what [`TransferFunction::validate`] refuses.
     pub fn transfer_function(&self, p: &[f64]) -> Result<TransferFunction, DynamicsError> {
         let mut tf = TransferFunction { numerator: Vec::new(), denominator: Vec::new() };
         self.write_to(p, &mut tf)?;

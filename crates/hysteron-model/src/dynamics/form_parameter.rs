@@ -1,4 +1,4 @@
-//! One number of a family of transfer functions.
+//! A parameter of a family of transfer functions.
 
 /// One parameter of a [`DynamicForm`](super::DynamicForm).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -13,7 +13,7 @@ pub struct FormParameter {
     pub meaning: &'static str,
     /// Unit; empty for a number without one.
     pub unit: &'static str,
-    /// Whether it is positive and naturally searched on a logarithmic scale.
+    /// True if it is positive and naturally searched on a logarithmic scale.
     pub logarithmic: bool,
     range: Range,
 }
@@ -50,7 +50,7 @@ pub enum ParameterKind {
 }
 
 impl FormParameter {
-    /// The parameter of this name: what every one of its kind has.
+    /// The parameter of this name, with the properties of its kind.
     pub(super) const fn new(name: &'static str, kind: ParameterKind) -> Self {
         use ParameterKind as Kind;
         let plain = Self {
@@ -90,7 +90,7 @@ impl FormParameter {
             Kind::LowestOrder => Self { symbol: "α₀", meaning: "lowest order", ..order },
             Kind::Share(1) => Self { meaning: "share of the first mode in the gain at rest", ..plain },
             Kind::Share(_) => {
-                Self { meaning: "share of a further mode; the last has what is left of 1", ..plain }
+                Self { meaning: "share of a further mode; the last has the remainder", ..plain }
             }
             Kind::Lag => Self { symbol: "T", meaning: "time constant of the lag", unit: "s", ..positive },
             Kind::CreepSize => Self {
@@ -118,7 +118,7 @@ impl FormParameter {
         }
     }
 
-    /// Whether it may have this value; if not, what it may be.
+    /// Checks a value; the error states the allowed values.
     pub(super) fn check(&self, value: f64) -> Result<(), &'static str> {
         let (allowed, inside) = match self.range {
             Range::Positive => ("positive and finite", value > 0.0),

@@ -3,7 +3,7 @@
 //!
 //! Away from s = 0 (and from the pole of `Tustin` at half the sample rate) ln s changes so little from one
 //! frequency to the next that over a run of them a power of s is a polynomial of the frequency, to the last
-//! bit: exp of a power series. A candidate then costs exponentials a run instead of a frequency, and all
+//! bit: exp of a power series. A candidate then costs exponentials per run instead of per frequency, and all
 //! terms of a polynomial in s add up to one.
 
 use std::f64::consts::{PI, TAU};
@@ -18,9 +18,8 @@ const REACH: f64 = 1.0 / 32.0;
 const SHORTEST_RUN: usize = 64;
 /// Lengths of runs are multiples of this, so that vectors are full.
 const LANES: usize = 16;
-/// A series is cut off behind the power n where (half of the run / that distance)^(n + 1) is below this. What
-/// it is multiplied by, in powers of s about s = 0 a binomial coefficient, is of the size of 1 for the orders
-/// that occur.
+/// A series is cut off behind the power n where (half of the run / that distance)^(n + 1) is below this. Its
+/// factor, in powers of s about s = 0 a binomial coefficient, is of order 1 for the orders that occur.
 const CUT: f64 = 1.2e-16;
 
 /// Bins 0 ..= length/2.

@@ -1,15 +1,13 @@
-//! The inverse of a response for a drive known ahead: as exact as asked for up to a bandwidth, quiet above
-//! it.
+//! Regularised inverse of a response for a reference known ahead: accurate up to a bandwidth, quiet above it.
 //!
-//! A plant that lags cannot be inverted at every frequency: at half the sample rate it passes next to
-//! nothing, and its plain inverse rings there (that of the Tustin form with a pole at −1). Sought is the
-//! input v that makes
+//! A plant that lags cannot be inverted at every frequency: at half the sample rate its gain is nearly 0, and
+//! its plain inverse rings there (that of the Tustin form with a pole at −1). The input v minimises
 //!
 //! Σ |r − P v|² + λ Σ |Δ²v|²
 //!
-//! smallest, P the plant from held samples to samples, delay included, Δ² the second difference. The
-//! minimiser is W r, W = P̄/(|P|² + λ|1 − z|⁴), which looks ahead: r must be known. The relative error is 1 −
-//! P W = λ|1 − z|⁴/(|P|² + λ|1 − z|⁴), a real number between 0 and 1 at every frequency: no phase error.
+//! with P the plant from held samples to samples, delay included, Δ² the second difference. The minimiser is
+//! W r, W = P̄/(|P|² + λ|1 − z|⁴), which is non-causal: r must be known ahead. The relative error is 1 − P W
+//! = λ|1 − z|⁴/(|P|² + λ|1 − z|⁴), a real number between 0 and 1 at every frequency: no phase error.
 
 use std::f64::consts::PI;
 
@@ -20,9 +18,9 @@ use hysteron_numeric::Complex64;
 /// Specification of an inverse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InverseAim {
-    /// Frequency up to which the output follows \[Hz\], below half the sample rate.
+    /// Tracking bandwidth \[Hz\], below half the sample rate.
     pub bandwidth_hz: f64,
-    /// Share of r that is missing there; it falls with the fourth power of the frequency, or faster, below.
+    /// Relative error there; below, it falls with the fourth power of the frequency, or faster.
     pub error: f64,
 }
 
@@ -35,7 +33,7 @@ pub struct Inverse {
     pub weight: f64,
     /// Largest |W|.
     pub peak: f64,
-    /// Root mean square of |W| over all frequencies: what white noise on r is multiplied by in v.
+    /// Root mean square of |W| over all frequencies: the gain of white noise from r to v.
     pub noise_gain: f64,
 }
 
@@ -69,11 +67,11 @@ impl SimulationPlan {
         Ok(())
     }
 
-    /// The regularised inverse of a response. λ is what leaves `aim.error` of r at the bandwidth.
+    /// The regularised inverse of a response. λ gives the relative error `aim.error` at the bandwidth.
     ///
     /// # Errors
     /// [`DynamicsError::Length`] for a response of another plan; [`DynamicsError::Bandwidth`] for a bandwidth
-    /// that is not between 0 and half the sample rate, or where the plant passes nothing;
+    /// that is not between 0 and half the sample rate, or where the plant's gain is 0;
     /// [`DynamicsError::Parameter`] for an error that is not between 0 and 1.
     pub fn inverse(&self, plant: &Response, aim: InverseAim) -> Result<Inverse, DynamicsError> {
         check_length("response", plant.values.len(), self.bins())?;
@@ -103,7 +101,7 @@ impl SimulationPlan {
             *value = value.conj() / (value.norm_sqr() + weight * self.roughness(bin));
             let size = value.norm_sqr();
             peak = peak.max(size);
-            // Each bin but the first and an even last one stands for two.
+            // Each bin except the first and an even last one counts twice.
             sum += if bin == 0 || (bin == last && self.transform_length().is_multiple_of(2)) {
                 size
             } else {

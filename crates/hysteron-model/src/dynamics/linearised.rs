@@ -15,7 +15,7 @@ pub struct TermTangent {
 }
 
 impl TermTangent {
-    /// Whether the term does not change in this direction.
+    /// True if the term does not change in this direction.
     pub(super) fn is_zero(self) -> bool {
         self == Self::default()
     }
@@ -55,7 +55,7 @@ impl Linearised {
         of_term(&self.denominator, term, self.parameters)
     }
 
-    /// Whether no term changes with this parameter.
+    /// True if no term changes with this parameter.
     pub(super) fn is_still(&self, parameter: usize) -> bool {
         let of = |tangents: &[TermTangent]| {
             tangents.iter().skip(parameter).step_by(self.parameters.max(1)).all(|t| t.is_zero())
@@ -111,8 +111,8 @@ fn gather<const P: usize>(
     }
 }
 
-/// A number that carries derivatives along or not, with what normalising a frequency response needs beside
-/// [`Scalar`].
+/// A number with or without derivatives, with the functions beyond [`Scalar`] that normalising a frequency
+/// response needs.
 pub(super) trait Number: Scalar<Real = f64> {
     fn sin(self) -> Self;
     fn cos(self) -> Self;
@@ -155,7 +155,7 @@ pub(super) struct Sum<S, const T: usize> {
     count: usize,
 }
 
-/// Where a term went.
+/// Destination of a term.
 #[derive(Clone, Copy)]
 pub(super) struct Merged {
     index: usize,
@@ -239,7 +239,8 @@ impl<S: Number, const T: usize> Sum<S, T> {
         (n.times(e).plus(&m.times(d)), d.times(e))
     }
 
-    /// Writes the terms in ascending order, those of equal order added up; `each` is told where each went.
+    /// Writes the terms in ascending order, those of equal order added up; `each` receives the destination of
+    /// each.
     pub(super) fn store(&self, to: &mut Vec<Term>, mut each: impl FnMut(Merged, (S, S))) {
         let mut sorted = *self;
         sorted.terms[..self.count].sort_unstable_by(|a, b| a.order.value().total_cmp(&b.order.value()));

@@ -3,9 +3,9 @@
 //! A [`TransferFunction`] with real orders (article Eqs. 2–6; whole orders make it the integer one) is
 //! simulated over a record through a [`SimulationPlan`], made once per record: a candidate then costs one
 //! complex exponential per term and frequency and one inverse FFT, and allocates nothing. A [`DynamicForm`]
-//! gives transfer functions in words, with exact derivatives, and a [`Response`] what they do to any number
-//! of inputs. [`stability`] is exact; [`delay`] shifts signals by fractions of a sample; [`Arx`] is the
-//! sampled-data alternative.
+//! gives transfer functions by physical parameters, with exact derivatives, and a [`Response`] applies them
+//! to any number of inputs. [`stability`] is exact; [`delay`] shifts signals by fractions of a sample;
+//! [`Arx`] is the sampled-data alternative.
 //!
 //! ```
 //! use hysteron_model::Start;

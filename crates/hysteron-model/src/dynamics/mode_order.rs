@@ -3,8 +3,8 @@
 use super::{DynamicForm, ParameterKind};
 
 impl DynamicForm {
-    /// Parameters of the same G with the natural frequencies of its modes in increasing order, so that the same
-    /// device has the same numbers whichever mode a search finds first.
+    /// Parameters of the same G with the natural frequencies of its modes in increasing order, so that they
+    /// do not depend on which mode a search finds first.
     pub fn in_order(&self, values: &[f64]) -> Vec<f64> {
         let parameters = self.parameters();
         let value =
@@ -42,7 +42,7 @@ mod tests {
     use super::super::{Creep, Modes};
     use super::*;
 
-    /// Natural frequencies fall from mode to mode, and every number is another.
+    /// Descending natural frequencies, all numbers different.
     fn example(form: &DynamicForm) -> Vec<f64> {
         let of = |(index, parameter): (usize, super::super::FormParameter)| match parameter.kind {
             ParameterKind::NaturalFrequency(mode) => 300.0 / mode as f64,

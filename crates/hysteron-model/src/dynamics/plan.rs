@@ -19,8 +19,8 @@ const ALIASING: f64 = 1e-10;
 /// Largest logarithm of a term of a polynomial, whose square must stay in range.
 pub(super) const LARGEST: f64 = 345.0;
 
-/// Shortest transform: in a record of a few samples the response may still grow past them, and what is
-/// aliased would be large against what is seen.
+/// Shortest transform: beyond a record of a few samples the response may still grow, and its aliased part
+/// would be large.
 const SHORTEST: usize = 256;
 
 /// Everything about a simulation that depends on the record but not on the candidate: made once, shared by
@@ -29,7 +29,7 @@ const SHORTEST: usize = 256;
 /// y = r^−k · IFFT( G(s) · FFT(r^k u_k) ), s = δ(r e^(−iθ))/h, L ≥ 2N, r^L = 1e-10 (Lubich's convolution
 /// quadrature; for `BandLimited` s = σ + iω with r = e^(−σh)). Holds FFT plans and ln s, point by point at
 /// the lowest frequencies and as power series over runs of the others, so that there a candidate costs one
-/// polynomial a frequency, whatever its orders. With [`Start::PERIODIC`] r = 1 and L = N: the exact steady
+/// polynomial per frequency, whatever its orders. With [`Start::PERIODIC`] r = 1 and L = N: the exact steady
 /// state.
 ///
 /// Error against the O(N²) recursion: below 1e-9 of the largest output on article Eq. 13 up to N = 1e5
@@ -271,7 +271,7 @@ impl SimulationPlan {
         }
     }
 
-    /// The spectrum of silence, to be written by [`SimulationPlan::transform_into`] or added to.
+    /// A zero spectrum, to be written by [`SimulationPlan::transform_into`] or added to.
     pub fn empty_spectrum(&self) -> InputSpectrum {
         InputSpectrum { bins: vec![Complex64::ZERO; self.bins()], level: 0.0 }
     }
@@ -317,11 +317,11 @@ impl SimulationPlan {
     }
 
     /// Poles z of the sampled system with |z| < 1, by the winding of the denominator along |z| = 1. (Along
-    /// the circle |z| = r of the simulation a growth of up to r^−N = 1e5 within the record would pass, and at
-    /// that the aliased part is as large as the response.)
+    /// the circle |z| = r of the simulation a growth of up to r^−N = 1e5 within the record would go
+    /// unnoticed, at which the aliased part is as large as the response.)
     fn sampled_poles(&self, tf: &TransferFunction) -> usize {
         let (log_abs, angle) = self.unit_circle.get_or_init(|| {
-            // Just inside, where z = 1 and s = 0 is left out: growth by e^0.01 is what is tolerated.
+            // Just inside, so that z = 1, s = 0 is excluded: growth by e^0.01 is tolerated.
             let (length, bins) = (self.fft.len(), self.bins());
             frequencies(self.scheme, length, 0.01 / length as f64, self.sample_rate_hz, 0, bins)
         });

@@ -1,12 +1,12 @@
-//! Simulation over a record whatever its time base: by FFT where it is uniform, step by step on stamps.
+//! Simulation over a record of any time base: by FFT on a uniform one, step by step on time stamps.
 
 use super::{
     DynamicsError, InputSpectrum, Linearised, Response, Sampling, SimulationPlan, StampedPlan,
     StampedResponse, StampedWorkspace, TransferFunction, Workspace,
 };
 
-/// A [`SimulationPlan`] or a [`StampedPlan`], with one set of calls. What belongs to another plan is refused
-/// with [`DynamicsError::Length`].
+/// A [`SimulationPlan`] or a [`StampedPlan`], with one set of calls. Data of another plan are refused with
+/// [`DynamicsError::Length`].
 #[derive(Debug)]
 pub enum RecordPlan {
     /// Of a uniform record.
@@ -25,7 +25,7 @@ pub enum PlanInput {
 }
 
 impl PlanInput {
-    /// Room for no input: it is made where one is prepared.
+    /// Empty buffers, allocated when an input is prepared.
     pub const fn none() -> Self {
         Self::Knots(Vec::new())
     }
@@ -88,8 +88,8 @@ impl RecordPlan {
         }
     }
 
-    /// Prepares an input; it starts from 0 (on a uniform record: as its plan says). Makes room where there is
-    /// none ([`PlanInput::none`]).
+    /// Prepares an input; it starts from 0 (on a uniform record: as its plan says). Allocates empty buffers
+    /// ([`PlanInput::none`]).
     ///
     /// # Errors
     /// Those of [`SimulationPlan::transform_into`].
@@ -194,7 +194,7 @@ impl RecordPlan {
         }
     }
 
-    /// [`Self::apply`] to several inputs, one output beside each: on stamps in one pass.
+    /// [`Self::apply`] to several inputs, one output for each: on time stamps in one pass.
     ///
     /// # Errors
     /// Those of [`Self::apply`].
@@ -244,7 +244,7 @@ impl RecordPlan {
         }
     }
 
-    /// [`Self::apply_tangent`] of several derivatives, one output beside each: on stamps in one pass.
+    /// [`Self::apply_tangent`] of several derivatives, one output for each: on time stamps in one pass.
     ///
     /// # Errors
     /// Those of [`Self::apply_tangent`].
@@ -298,7 +298,7 @@ impl PlanInput {
 }
 
 impl PlanResponse {
-    /// Whether derivative `which` is zero everywhere (or not there).
+    /// True if derivative `which` is zero everywhere (or not there).
     pub fn tangent_is_zero(&self, which: usize) -> bool {
         match self {
             Self::Uniform(response) => response.tangent_is_zero(which),

@@ -20,14 +20,14 @@ use hysteron_numeric::{Complex64, multiply};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Sampling {
     /// Rule of the delay. `BandLimited` is e^(−sτ), exact for a band-limited signal; one that starts with a
-    /// corner rings by about a tenth of the corner, which a G that falls off towards half the sample rate
-    /// takes away but for the first samples. `Linear` is what [`super::delay::delay_linear`] does; `Hold` a
+    /// corner rings by about a tenth of the corner, which a G that rolls off towards half the sample rate
+    /// removes except in the first samples. `Linear` is what [`super::delay::delay_linear`] does; `Hold` a
     /// delay by whole samples, rounded up, with derivative zero.
     pub delay: InterSample,
     /// Inter-sample behaviour of the input of the dynamics, under the scheme `BandLimited`; the other schemes
-    /// imply a rule and ignore this one. The staircase of `Hold` and the polygon of `Linear` reach above half
-    /// the sample rate, and what G passes of their images there is in the samples of the output, delayed by
-    /// e^(−sτ) at the s of each image (`tests/driven_between_samples.rs`).
+    /// imply a rule and ignore this one. The staircase of `Hold` and the polygon of `Linear` have content
+    /// above half the sample rate, and their images that G passes are in the samples of the output, delayed
+    /// by e^(−sτ) at the s of each image (`tests/driven_between_samples.rs`).
     pub reconstruction: InterSample,
 }
 
@@ -49,7 +49,7 @@ pub struct Response {
     pub(super) values: Vec<Complex64>,
     /// One for each parameter, then that of the delay; an unused one is left as it was.
     pub(super) tangents: Vec<Tangent>,
-    /// Whether the tangents belong to the values.
+    /// True if the tangents belong to the values.
     pub(super) differentiated: bool,
     /// Images of the values.
     pub(super) images: Box<[Complex64; SUMS]>,
@@ -61,7 +61,7 @@ impl Response {
         self.tangents.len()
     }
 
-    /// Whether derivative `which` is zero at every frequency (or not there), so that it need not be applied.
+    /// True if derivative `which` is zero at every frequency (or not there), so that it need not be applied.
     pub fn tangent_is_zero(&self, which: usize) -> bool {
         self.tangents.get(which).is_none_or(|tangent| tangent.zero)
     }
@@ -75,9 +75,9 @@ impl SimulationPlan {
         Response { values: bins, tangents, differentiated: false, images: Box::new([Complex64::ZERO; SUMS]) }
     }
 
-    /// The frequency response of `tf` with a delay \[s\]. Allocates nothing, but for tables that a plan makes
-    /// once when first asked for a reconstruction by `Hold` or `Linear`, or for a resonance above half the
-    /// sample rate.
+    /// The frequency response of `tf` with a delay \[s\]. Allocates nothing, except tables that a plan makes
+    /// once for the first reconstruction by `Hold` or `Linear`, or for a resonance above half the sample
+    /// rate.
     ///
     /// # Errors
     /// Those of [`SimulationPlan::simulate_spectrum`]; [`DynamicsError::Parameter`] for a delay that is
@@ -117,8 +117,8 @@ impl SimulationPlan {
         self.respond(&linearised.transfer_function, Some(linearised), delay_s, sampling, response)
     }
 
-    /// `output` = the response to `input`, without what the level taken off the input makes of it: add
-    /// G(0) · [`InputSpectrum::level`]. One inverse FFT; allocates nothing.
+    /// `output` = the response to `input`, without the contribution of the level subtracted from the input:
+    /// add G(0) · [`InputSpectrum::level`]. One inverse FFT; allocates nothing.
     ///
     /// # Errors
     /// [`DynamicsError::Length`] for what was made for another plan, [`DynamicsError::OutputNotFinite`].

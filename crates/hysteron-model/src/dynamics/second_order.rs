@@ -1,4 +1,4 @@
-//! The form of article Eq. 13 in the words users think in: gain, natural frequency, damping.
+//! The form of article Eq. 13 in physical parameters: gain, natural frequency, damping.
 
 use std::f64::consts::TAU;
 use std::fmt;

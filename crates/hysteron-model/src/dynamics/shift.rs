@@ -1,5 +1,5 @@
-//! Factors on a plan's frequencies: e^(−s x h) for a delay of x samples, and what the input does between its
-//! samples.
+//! Factors on a plan's frequencies: e^(−s x h) for a delay of x samples, and the inter-sample behaviour of
+//! the input.
 
 use std::f64::consts::{PI, TAU};
 
@@ -62,9 +62,8 @@ impl Shift {
 }
 
 impl SimulationPlan {
-    /// The plan for inputs that were low-passed and of which every `factor`-th sample was kept: what they do
-    /// between their samples by [`Sampling::reconstruction`], they do between those they had before, a
-    /// `factor`-th of a period apart.
+    /// The plan for decimated inputs (low-passed, every `factor`-th sample kept):
+    /// [`Sampling::reconstruction`] applies between their original samples, a `factor`-th of a period apart.
     #[must_use]
     pub fn of_thinned_inputs(mut self, factor: usize) -> Self {
         self.drive_period = 1.0 / factor.max(1) as f64;
@@ -136,7 +135,7 @@ impl<'a> InputFactor<'a> {
         Ok(Self { rule, shift, next, fraction, damping, step, sample_rate_hz, reconstruction, turns, set })
     }
 
-    /// Whether a small change of the delay changes anything.
+    /// True if the factor varies with the delay.
     pub(super) fn depends_on_delay(&self) -> bool {
         self.rule != InterSample::Hold
     }
@@ -146,7 +145,7 @@ impl<'a> InputFactor<'a> {
         self.reconstruction.map(|reconstruction| &reconstruction.images)
     }
 
-    /// Whether the delay is taken at the s of every image: then its derivative there is another.
+    /// True if the delay is taken at the s of every image: then its derivative there differs.
     pub(super) fn turns_images(&self) -> bool {
         self.turns.is_some()
     }

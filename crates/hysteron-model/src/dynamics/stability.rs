@@ -1,4 +1,4 @@
-//! Stability by the argument principle, with the orders as they are.
+//! Stability by the argument principle, without rounding the orders.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -33,18 +33,18 @@ pub enum Stability {
 }
 
 impl Stability {
-    /// Whether the response to a bounded input stays bounded.
+    /// True if the response to a bounded input stays bounded.
     pub fn is_stable(self) -> bool {
         self == Self::Stable
     }
 }
 
-/// Where the poles of G lie, by the winding of its denominator along the imaginary axis (argument principle
-/// on the main sheet; Matignon's theorem is the commensurate case, doi:10.1051/proc:1998004).
+/// Stability of G, by the winding of its denominator along the imaginary axis (argument principle on the main
+/// sheet; Matignon's theorem is the commensurate case, doi:10.1051/proc:1998004).
 ///
 /// Nothing is rounded to a common order, and the steps cannot skip a turn: each is so short that the change
 /// of the denominator is bounded by less than its magnitude. A pole closer to the imaginary axis than about
-/// 1e-11 of its frequency counts as on it. Poles are taken to be those of the denominator (no cancellation
+/// 1e-11 of its frequency counts as on it. Poles are assumed to be those of the denominator (no cancellation
 /// with the numerator but common powers of s). Allocates nothing up to 48 terms; a few µs for article Eq. 13.
 pub fn stability(tf: &TransferFunction) -> Stability {
     match zeros_within(&tf.denominator, FRAC_PI_2) {

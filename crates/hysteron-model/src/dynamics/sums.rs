@@ -70,7 +70,7 @@ impl Series {
         }
     }
 
-    /// Values on a run into `out`, which [`Self::fill`] has seen.
+    /// Values on a run into `out`, after [`Self::fill`].
     fn evaluate(&self, set: InstructionSet, lane: usize, degree: usize, count: usize, out: &mut Block) {
         if self.varies {
             let (re, im) = out.first_mut(count);
@@ -158,7 +158,7 @@ impl FractionPart {
     }
 }
 
-/// A candidate: its transfer function and, where asked for, the derivatives.
+/// A candidate: its transfer function and, where requested, the derivatives.
 #[derive(Clone, Copy)]
 pub(super) struct Candidate<'a> {
     pub(super) tf: &'a TransferFunction,
@@ -194,10 +194,9 @@ impl Candidate<'_> {
         }
     }
 
-    /// Numerator and denominator are both worked out over s^shift: with many orders their values, which
-    /// nothing but their quotient is asked of, would leave the range of numbers at high frequencies. 0 up to
-    /// order 8. The series of the runs hold sums of such powers to 3e-12 of their terms' size up to order 17,
-    /// to 1e-10 up to 27.
+    /// Numerator and denominator are both divided by s^shift: with many orders their values, of which only
+    /// the quotient is needed, would overflow at high frequencies. 0 up to order 8. The series of the runs
+    /// hold sums of such powers to 3e-12 of their terms' size up to order 17, to 1e-10 up to 27.
     fn shift(&self) -> f64 {
         shift(self.tf)
     }
@@ -306,7 +305,7 @@ impl Candidate<'_> {
         });
     }
 
-    /// Derivative of the quotient b/a of the terms that rule at one end, 0 where their orders differ.
+    /// Derivative of the quotient b/a of the dominant terms at one end, 0 where their orders differ.
     fn limit_tangent(&self, ruling: fn(&[Term]) -> usize, which: usize) -> f64 {
         let of = |part: FractionPart| {
             let i = ruling(part.terms(self.tf));

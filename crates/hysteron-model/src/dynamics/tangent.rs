@@ -188,7 +188,7 @@ impl SimulationPlan {
     }
 }
 
-/// Takes `gain` · `factors` off.
+/// Subtracts `gain` · `factors`.
 fn without(gain: f64, factors: &[Complex64], out: &mut [Complex64]) {
     if gain != 0.0 {
         out.iter_mut().zip(factors).for_each(|(out, factor)| *out -= factor * gain);

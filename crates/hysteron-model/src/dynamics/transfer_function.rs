@@ -65,12 +65,12 @@ impl TransferFunction {
         Ok(())
     }
 
-    /// Whether every order is a whole number.
+    /// True if every order is a whole number.
     pub fn is_integer_order(&self) -> bool {
         self.numerator.iter().chain(&self.denominator).all(|term| term.order.fract() == 0.0)
     }
 
-    /// Whether the highest numerator order does not exceed the highest denominator order.
+    /// True if the highest numerator order does not exceed the highest denominator order.
     pub fn is_proper(&self) -> bool {
         highest(&self.numerator).order <= highest(&self.denominator).order
     }
@@ -203,7 +203,7 @@ fn print(terms: &[Term], digits: usize) -> String {
     if text.is_empty() { "0".to_owned() } else { text }
 }
 
-/// A positive number to so many significant digits, without trailing zeros; a power of ten from 1e5 up and
+/// A positive number to this many significant digits, without trailing zeros; a power of ten from 1e5 up and
 /// below 1e-3.
 fn number(value: f64, digits: usize) -> String {
     let scientific = format!("{value:.*e}", digits.saturating_sub(1));

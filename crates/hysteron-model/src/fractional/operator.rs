@@ -34,7 +34,7 @@ pub fn differintegral(
     check_result(causal_convolution(&kernel, samples))
 }
 
-/// [`differintegral`] by the sum as it is written, O(N²): the oracle.
+/// [`differintegral`] by the direct sum, O(N²): the oracle.
 ///
 /// # Errors
 /// Those of [`differintegral`].

@@ -41,7 +41,7 @@ pub fn convolution_weights(
     spectrum[0].im = 0.0;
     spectrum[length / 2].im = 0.0;
     let mut series = vec![0.0; length];
-    // Lengths are right by construction, and the two bins above are real: nothing is left to fail.
+    // This cannot fail: lengths are right by construction, and the two bins above are real.
     fft.invert(&mut spectrum, &mut series);
     series.truncate(count);
     for (j, w) in series.iter_mut().enumerate() {

@@ -55,13 +55,13 @@ impl Scheme {
         }
     }
 
-    /// Whether parameters identified under this scheme hold at their own sample rate only. True for
+    /// True if parameters identified under this scheme hold at their own sample rate only: for
     /// `GrunwaldLetnikov`, whose parameters absorb its first-order error (`docs/theory/fractional.md`).
     pub const fn parameters_belong_to_sample_rate(self) -> bool {
         matches!(self, Self::GrunwaldLetnikov)
     }
 
-    /// Whether a plant that is unstable in continuous time may be stable under this scheme: δ maps the unit
+    /// True if a plant that is unstable in continuous time may be stable under this scheme: δ maps the unit
     /// disc into a part of the right half-plane (`Tustin`: onto all of it).
     pub const fn may_damp(self) -> bool {
         matches!(self, Self::GrunwaldLetnikov | Self::Bdf2)

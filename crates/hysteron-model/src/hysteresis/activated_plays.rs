@@ -1,5 +1,4 @@
-//! Plays whose edges are crossed by thermal activation: hysteresis that creeps and widens with the rate by
-//! one number.
+//! Plays with thermally activated edges: one parameter for both creep and the widening of loops with rate.
 //!
 //! Sources: H. Eyring, *J. Chem. Phys.* 4 (1936) 283–291, doi:10.1063/1.1749836 (the kinetics); L. Prandtl,
 //! *Z. angew. Math. Mech.* 8 (1928) 85–106, doi:10.1002/zamm.19280080202 (elements that slip by it).
@@ -14,8 +13,8 @@ use super::family::{
 use super::{FamilyForm, HysteresisError, HysteresisForm};
 use crate::record::{Dependence, Pace};
 
-/// Half-widths of the plays, from this share of the range of the grid to this one: no loop moves wider ones,
-/// and their weights would be spent on the levels of single records.
+/// Smallest and largest half-width of the plays, as shares of the range of the grid: no loop moves wider
+/// ones, and their weights would fit the offsets of single records.
 const WIDTHS: [f64; 2] = [0.0015, 0.5];
 /// Number of plays, at equal distances in ln r.
 const PLAYS: usize = 40;
@@ -25,30 +24,30 @@ const NARROWEST: f64 = 0.01;
 /// Columns H_(e,k) = Σᵢ gₑ(rᵢ) B_k(pᵢ) \[V\] of plays pᵢ = u − zᵢ with thermally activated edges
 /// ([`ActivatedMove`]),
 ///
-/// żᵢ = u̇ − sign(zᵢ) v₀ exp((|zᵢ| − rᵢ)/σ),  v₀ = 1 unit of the drive a second.
+/// żᵢ = u̇ − sign(zᵢ) v₀ exp((|zᵢ| − rᵢ)/σ),  v₀ = 1 unit of the drive per second.
 ///
-/// gₑ ∝ exp(−r/Rₑ) is a density over the half-widths, Σ g = 1, with one Rₑ a decade; B_k, k = 0, 1, 2, is the
-/// integral of the Bernstein polynomial b_k of degree 2 over the grid, from its lower end on and straight
-/// beyond its ends. So what a play puts out has a slope that depends on where it stands, and weights that are
-/// not negative make every slope so.
+/// gₑ ∝ exp(−r/Rₑ) is a density over the half-widths, Σ g = 1, with one Rₑ per decade; B_k, k = 0, 1, 2, is
+/// the integral of the Bernstein polynomial b_k of degree 2 over the grid, from its lower end on and straight
+/// beyond its ends. So the slope of a play's output depends on its state, and non-negative weights make every
+/// slope non-negative.
 ///
-/// σ \[V\], the one shape number, makes loops wider by σ for each factor e of the rate, and makes a device
-/// that stands still creep in proportion to σ ln t, more where it came farther and came faster. σ → 0 are
-/// plays. Virgin at its voltage.
+/// σ \[V\], the one shape number, widens loops by σ per factor e of the rate, and makes a device at rest
+/// creep in proportion to σ ln t, more after a larger and faster move. σ → 0 gives plays. A virgin play is at
+/// its voltage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActivatedPlays {
     /// Ends of the grid \[V\].
     pub range: [f64; 2],
     /// Densities.
     pub densities: usize,
-    /// Seconds between samples, where the drive does not say how it comes to them.
+    /// Seconds between samples, where the drive has no paces.
     pub interval_s: f64,
     thresholds: Vec<f64>,
     /// gₑ of each play, density by density.
     shares: Vec<f64>,
 }
 
-/// Distances zᵢ of the plays behind the drive, the drive, and how it goes on.
+/// Lags zᵢ of the plays behind the drive, the drive, and the pace of its next move.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActivatedPlayStates<S> {
     behind: Vec<S>,
@@ -58,7 +57,7 @@ pub struct ActivatedPlayStates<S> {
 }
 
 impl ActivatedPlays {
-    /// Plays over a grid, with so many densities.
+    /// Plays over a grid, with this number of densities.
     pub fn new(range: [f64; 2], densities: usize, interval_s: f64) -> Self {
         let span = range[1] - range[0];
         let [least, most] = WIDTHS;
@@ -112,7 +111,7 @@ impl ColumnKernel for ActivatedPlays {
         let interval_s = match state.pace.take() {
             Some(pace) => S::constant(pace.interval_s),
             None if state.moved => S::constant(self.interval_s),
-            // Nobody knows how long a device took to come to where it rests: at the pace of v₀.
+            // The duration of the move to rest is unknown: at the rate v₀.
             None if by.value() < 0.0 => -by,
             None => by,
         };
@@ -126,7 +125,7 @@ impl ColumnKernel for ActivatedPlays {
 
     fn preceded<S: Scalar<Real = f64>>(state: &mut ActivatedPlayStates<S>, by: Option<f64>) {
         if let Some(before) = by {
-            // The plays stay where they are as the drive is said to come from elsewhere.
+            // The plays keep their states while the previous voltage is replaced.
             let moved = (-state.u).shift(before);
             state.behind.iter_mut().for_each(|z| *z = *z + moved);
             (state.u, state.moved) = (S::constant(before), true);
@@ -205,8 +204,8 @@ impl FamilyDescription for Entry {
         vec![low, high, 0.017 * span.stroke]
     }
 
-    /// A creeping output may fall while the drive rises, but of two moves within the same time the farther
-    /// one puts out more.
+    /// A creeping output may fall while the drive rises, but of two moves of the same duration the larger
+    /// gives the larger output.
     fn is_monotone(&self) -> bool {
         true
     }

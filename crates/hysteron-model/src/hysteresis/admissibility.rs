@@ -1,4 +1,4 @@
-//! Whether a Bouc–Wen parameter set can run away.
+//! Boundedness of a Bouc–Wen parameter set.
 
 use hysteron_numeric::display::short;
 use std::fmt::{Display, Formatter};
@@ -25,7 +25,7 @@ pub enum Admissibility {
         /// Largest |ζ| to start from \[V\]: (γ' − β')^(−1/n).
         limit_v: f64,
     },
-    /// β' + γ' > 0 but β' < γ' and β' < 0: a reversal from saturation runs away.
+    /// β' + γ' > 0 but β' < γ' and β' < 0: z diverges after a reversal from saturation.
     UnboundedAfterReversal,
     /// β' + γ' = 0: no saturation, z grows in proportion to the drive.
     NoSaturation,

@@ -11,7 +11,7 @@ use super::pass::{Every, at_rest, pass};
 use super::{Admissibility, HysteresisError, polynomial};
 use crate::start::Start;
 
-/// Where a Bouc–Wen operator stands: present voltage u \[V\] and hysteretic displacement z \[µm\].
+/// State of a Bouc–Wen operator: present voltage u \[V\] and hysteretic displacement z \[µm\].
 pub type BoucWenState = hysteron_rt::BoucWenState<f64>;
 
 impl From<BoucWenState> for Start<f64> {
@@ -105,7 +105,7 @@ impl BoucWen {
         Ok(hysteron_rt::BoucWen::new(self.alpha, self.beta, self.gamma, self.n)?)
     }
 
-    /// Whether z can run away.
+    /// Boundedness of z.
     pub fn admissibility(&self) -> Admissibility {
         self.unit_shape().admissibility()
     }
@@ -176,7 +176,7 @@ impl UnitShape {
         run(&self.operator()?, factor, u, start, out)
     }
 
-    /// Whether ζ can run away.
+    /// Boundedness of ζ.
     pub fn admissibility(&self) -> Admissibility {
         Admissibility::of(*self)
     }
@@ -313,7 +313,7 @@ impl FamilyDescription for Entry {
         };
         vec![
             ShapeNumber::new("beta", unit, "shape of the loop", beta),
-            ShapeNumber::new("gamma", unit, "shape of the loop, going out against coming back", gamma),
+            ShapeNumber::new("gamma", unit, "asymmetry between loading and unloading", gamma),
             ShapeNumber::new("n", NumberUnit::NONE, "smoothness of the transition", exponent),
         ]
     }
@@ -332,7 +332,7 @@ impl FamilyDescription for Entry {
         true
     }
 
-    /// ζ of a device that has saturated at most.
+    /// Range of ζ up to saturation.
     fn memory_range(&self, _: [f64; 2], stroke: f64) -> [f64; 2] {
         [-stroke, stroke]
     }
@@ -347,7 +347,7 @@ impl FamilyDescription for Entry {
     ) -> f64 {
         match *shape {
             [beta, gamma, n] if settled => {
-                // Where a loop over the whole range turns, ζ is at most here.
+                // Largest ζ at the turning points of a loop over the whole range.
                 let saturated = (beta + gamma).powf(-1.0 / n).min(stroke);
                 saturated * (2.0 * (first - low) / (high - low) - 1.0)
             }

@@ -1,5 +1,4 @@
-//! Plays beside bands of their common output: Kuhnen's modified Prandtl–Ishlinskii operator with weights left
-//! open.
+//! Plays and bands of their mean output: Kuhnen's modified Prandtl–Ishlinskii operator with free weights.
 //!
 //! Source: K. Kuhnen, "Modeling, identification and compensation of complex hysteretic nonlinearities: a
 //! modified Prandtl–Ishlinskii approach", *Eur. J. Control* 9 (2003) 407–418, doi:10.3166/ejc.9.407-418.
@@ -14,18 +13,18 @@ use super::family::{
 };
 use super::plays::PlayStates;
 
-/// Bands that the output of the plays is cut into.
+/// Bands that divide the mean output of the plays.
 pub(super) const BANDS: usize = 6;
 
-/// Columns Fⱼ ← max(u − rⱼ, min(u + rⱼ, Fⱼ)) \[V\], one a play, then six bands of what the plays put out
-/// together.
+/// Columns Fⱼ ← max(u − rⱼ, min(u + rⱼ, Fⱼ)) \[V\], one per play, then six bands of the mean output of the
+/// plays.
 ///
 /// With the mean h = (1 − s) u + s Σ gⱼ Fⱼ, gⱼ ∝ exp(−rⱼ/reach), Σ gⱼ = 1, \[V\] and five corners c₁ < … < c₅
-/// at equal distances within `range`, band k is max(0, min(h − cₖ, cₖ₊₁ − cₖ)); the first and the last have
-/// no end outwards: min(h − c₁, 0) and max(h − c₅, 0). A band is the difference of two dead zones of
+/// at equal distances within `range`, band k is max(0, min(h − cₖ, cₖ₊₁ − cₖ)); the first and the last are
+/// unbounded outwards: min(h − c₁, 0) and max(h − c₅, 0). A band is the difference of two dead zones of
 /// Kuhnen's, so a sum of bands is S(h), S a broken line.
 ///
-/// A column rises with u and falls with it. Weights that are not negative make every S that rises.
+/// Every column rises and falls with u. Non-negative weights give every increasing S.
 ///
 /// Shape: `loop_share` s from 0 to below 1, `reach` \[V\]. A virgin play stands at its voltage.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +35,7 @@ pub struct DeadZonePlays {
     pub thresholds: Vec<f64>,
 }
 
-/// Where the plays stand, their shares gⱼ, the corners, and the present voltage.
+/// States of the plays, their shares gⱼ, the corners, and the present voltage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeadZonePlayStates<S> {
     plays: PlayStates<S>,
@@ -59,11 +58,11 @@ impl DeadZonePlays {
         (1..BANDS).map(|index| low + (high - low) * index as f64 / BANDS as f64).collect()
     }
 
-    /// s gⱼ: what each play counts in the mean.
+    /// s gⱼ: the weight of each play in the mean.
     pub(crate) fn shares<S: Scalar<Real = f64>>(&self, shape: &[S]) -> Vec<S> {
         let [share, reach] = [0, 1].map(|index| parameter(shape, index));
         let narrowest = self.thresholds.first().copied().unwrap_or(0.0);
-        // Relative to the narrowest play, of which something is left however short the reach.
+        // Relative to the narrowest play, whose share does not vanish however short the reach.
         let mut shares: Vec<S> =
             self.thresholds.iter().map(|r| (S::constant(narrowest - r) / reach).exp()).collect();
         let total = shares.iter().fold(S::constant(0.0), |sum, g| sum + *g);
@@ -117,7 +116,7 @@ impl ColumnKernel for DeadZonePlays {
 
     fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &DeadZonePlayStates<S>, out: &mut [S]) {
         let DeadZonePlayStates { plays, shares, corners, u } = state;
-        // (1 − Σ g) u + Σ g F, from how far the plays are behind.
+        // (1 − Σ g) u + Σ g F, from the lags of the plays.
         let behind =
             plays.plays.iter().zip(shares).fold(S::constant(0.0), |sum, (f, g)| sum + *g * (*f - *u));
         let h = *u + behind;
@@ -141,7 +140,7 @@ impl FamilyDescription for Entry {
     }
 
     fn summary(&self) -> &'static str {
-        "12 plays and six bands of what they put out: minor loops that differ with bias"
+        "12 plays and six bands of their outputs: minor loops that differ with bias"
     }
 
     fn equation(&self) -> &'static str {
@@ -163,7 +162,7 @@ impl FamilyDescription for Entry {
             ShapeNumber::new(
                 "loop_share",
                 NumberUnit::NONE,
-                "share of the plays in what the bands divide",
+                "share of the plays in the input of the bands",
                 share,
             ),
             ShapeNumber::new(

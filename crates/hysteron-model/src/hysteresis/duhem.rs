@@ -24,15 +24,14 @@ const MOST: usize = MOST_MOMENTS - 1;
 ///
 /// dyⱼ/du = uʲ ∓ b yⱼ,  j = 0 … degree,  yⱼ = 0 on a virgin device,
 ///
-/// in Vʲ⁺¹, and the polynomial f. Coefficients of f *and* of g beside a polynomial would be determined twice
-/// over. Shape: b \[1/V\]. y₀ is the Bouc–Wen column for n = 1, γ = 0; y₁, y₂, … make it grow with the
-/// voltage.
+/// in Vʲ⁺¹, and the polynomial f. Coefficients of f *and* of g beside a polynomial would be redundant. Shape:
+/// b \[1/V\]. y₀ is the Bouc–Wen column for n = 1, γ = 0; y₁, y₂, … make it grow with the voltage.
 ///
 /// A move from u₀ by Δ is exact: yⱼ e^(−b|Δ|) + Δ Σₖ (j over k) u₀ʲ⁻ᵏ Δᵏ mₖ(b|Δ|), mₖ(x) = ∫₀¹ θᵏ e^(−x(1−θ))
 /// dθ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Duhem {
-    /// Highest power of u, at most 9; the columns are one more.
+    /// Highest power of u, at most 9; there is one column more.
     pub degree: usize,
 }
 

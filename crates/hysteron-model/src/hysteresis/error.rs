@@ -40,10 +40,10 @@ pub enum HysteresisError {
     /// A memory of an operator of another family.
     #[error("the memory that the record is to start with belongs to a hysteresis operator of another family")]
     Memory,
-    /// The operator sees the rate, and the time between samples is not known.
+    /// The operator is rate dependent, and the time between samples is not known.
     #[error("this hysteresis depends on the rate of its input: it needs the time between samples")]
     Interval,
-    /// A steady state of a period that is not the drive.
+    /// The period of the steady state is not the whole drive.
     #[error(
         "the steady state of a hysteresis operator is that of its whole drive, {samples} samples, not of \
          {period_samples}"
@@ -51,7 +51,7 @@ pub enum HysteresisError {
     Period {
         /// Samples of the drive.
         samples: usize,
-        /// Samples of the period asked for.
+        /// Samples of the period requested.
         period_samples: usize,
     },
     /// The output does not have the length the input asks for.
@@ -92,15 +92,14 @@ pub enum HysteresisError {
     },
     /// The steady state of a period does not determine its own derivatives.
     #[error(
-        "the steady state has no derivatives: what is left of a difference of states after a period is \
-         {slope} of it and must be less than 1; give the loop a shape with β' > |γ'|, or another start than \
-         the periodic one"
+        "the steady state has no derivatives: a period multiplies a state difference by {slope}, which must \
+         be less than 1; give the loop a shape with β' > |γ'|, or another start than the periodic one"
     )]
     NotContracting {
         /// ∂ζ(end of the period)/∂ζ(its start).
         slope: f64,
     },
-    /// Not one weight a threshold.
+    /// The numbers of weights and thresholds differ.
     #[error("there are {thresholds} play thresholds but {weights} weights: give one weight a threshold")]
     PlayCount {
         /// Number of thresholds.
@@ -126,15 +125,15 @@ pub enum HysteresisError {
         /// Its weight.
         value: f64,
     },
-    /// Not one state a play.
+    /// The numbers of states and plays differ.
     #[error("there are {found} play states but {expected} plays: give one state a play")]
     PlayStates {
         /// Number of plays.
         expected: usize,
-        /// States handed in.
+        /// States given.
         found: usize,
     },
-    /// States that no common history of the voltage leaves behind.
+    /// The states cannot result from any history of the voltage.
     #[error(
         "the play states have no common history: play {index} (from 0) is further from the one before it \
          than their thresholds differ; start from rest or from the states that a simulation left behind"
@@ -143,7 +142,7 @@ pub enum HysteresisError {
         /// Number of the play, from 0.
         index: usize,
     },
-    /// The output leaves the range of the numbers.
+    /// The output overflows.
     #[error("the output is not finite at drive sample {index}: the drive is far too large")]
     Overflow {
         /// Number of the sample, from 0.
@@ -181,7 +180,7 @@ pub enum HysteresisError {
         /// Least slope of a branch there \[µm/V\].
         slope: f64,
     },
-    /// A range of voltages without inside.
+    /// The range of voltages is empty.
     #[error(
         "the range from {} to {} is empty or not finite: give its lower end first",
         short(*low),
@@ -193,7 +192,7 @@ pub enum HysteresisError {
         /// Upper end \[V\].
         high: f64,
     },
-    /// A device that rests where its drive may not be.
+    /// The device rests outside the range of its drive.
     #[error(
         "the device rests at the input {}, outside of the range of its drive, {} to {}",
         short(*rest),
@@ -216,20 +215,20 @@ pub enum HysteresisError {
     OutOfReach {
         /// Number of the sample, from 0.
         index: usize,
-        /// The output asked for \[µm\].
+        /// The output requested \[µm\].
         v: f64,
         /// Output at the lower end of the range \[µm\].
         from: f64,
         /// Output at its upper end \[µm\].
         to: f64,
     },
-    /// A largest step of the drive that leaves no room.
+    /// The largest step of the drive is not positive.
     #[error("the largest change of the drive from one sample to the next is {step}: it must be positive")]
     Step {
         /// The step \[V\].
         step: f64,
     },
-    /// An output asked for is infinite or not a number.
+    /// An output requested is infinite or not a number.
     #[error("the output wanted at sample {index} is not finite")]
     Wanted {
         /// Number of the sample, from 0.
@@ -251,7 +250,7 @@ pub enum HysteresisError {
     /// Up-sampling by 0.
     #[error("the up-sampling factor is 0: it must be at least 1")]
     Factor,
-    /// A number of elements that a family cannot have.
+    /// The number of elements is out of range.
     #[error("{family} cannot have {found} elements: {allowed}")]
     Elements {
         /// Name of the family.
@@ -261,12 +260,12 @@ pub enum HysteresisError {
         /// Allowed values.
         allowed: String,
     },
-    /// Not one number a shape parameter.
+    /// The number of shape parameters is wrong.
     #[error("the shape has {found} parameters but this family has {expected}")]
     ShapeCount {
         /// Parameters of the family.
         expected: usize,
-        /// Numbers handed in.
+        /// Numbers given.
         found: usize,
     },
     /// A shape parameter or a number of the structure out of its range.
@@ -279,7 +278,7 @@ pub enum HysteresisError {
         /// Condition on the value.
         must: &'static str,
     },
-    /// Envelopes between which a play has no place.
+    /// The envelopes leave no admissible state of a play.
     #[error(
         "at the input {u} the right envelope lies {by} above the left one, more than twice the narrowest \
          threshold {narrowest}: widen the thresholds or bring the envelopes together"
@@ -292,7 +291,7 @@ pub enum HysteresisError {
         /// Narrowest threshold.
         narrowest: f64,
     },
-    /// Not one weight a column.
+    /// The numbers of weights and columns differ.
     #[error("there are {columns} columns but {weights} weights: give one weight a column")]
     WeightCount {
         /// Columns of the family.

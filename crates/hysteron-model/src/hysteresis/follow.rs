@@ -1,8 +1,8 @@
-//! The drive that makes an operator put out what is wanted, one monotone move at a time.
+//! Inverse of an operator: the drive for a wanted output, one monotone move at a time.
 //!
-//! A move from where the operator stands to the voltage u gives an output that increases with u wherever the
-//! operator can be inverted; the voltage sought is bracketed by the present one and an end of what the limits
-//! allow, and found by secants kept within the bracket. Nothing is a sample old: the inverse is exact in one
+//! A move from the present state to the voltage u gives an output that increases with u wherever the operator
+//! can be inverted; the voltage sought is bracketed by the present one and an end of what the limits allow,
+//! and found by secants kept within the bracket. There is no one-sample delay: the inverse is exact in one
 //! step, for every family.
 
 use hysteron_rt::Limited;
@@ -21,34 +21,34 @@ pub struct DriveLimits {
     pub interval_s: Option<f64>,
 }
 
-/// A drive and what the operator puts out for it.
+/// A drive and the operator's output for it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Followed {
     /// Drive \[V\].
     pub drive: Vec<f64>,
-    /// Output of the operator \[µm\]: the one wanted, but where a limit holds.
+    /// Output of the operator \[µm\]: the one wanted, except where a limit is active.
     pub output: Vec<f64>,
-    /// Limit that held each sample back: the range of the drive, its largest step, or none.
+    /// Limit active at each sample: the range of the drive, its largest step, or none.
     pub limited: Vec<Limited>,
 }
 
 impl Followed {
-    /// Samples that this held back.
+    /// Samples limited by this.
     pub fn count(&self, by: Limited) -> usize {
         self.limited.iter().filter(|limited| **limited == by).count()
     }
 }
 
 impl Hysteresis {
-    /// The drive that makes the operator put out `wanted` \[µm\], sample by sample, as far as `limits` allow.
-    /// The device rests at the voltage `rest` \[V\] before, with a `memory` in the operator's own scale (see
+    /// The drive for the output `wanted` \[µm\], sample by sample, as far as `limits` allow. The device rests
+    /// at the voltage `rest` \[V\] before, with a `memory` in the operator's own scale (see
     /// [`crate::Start::Remembering`]), virgin where there is none.
     ///
     /// # Errors
-    /// Those of [`Self::validate`]; [`HysteresisError::Range`] and [`HysteresisError::Step`] for limits that
-    /// leave no room; [`HysteresisError::RestOutside`] for a device that rests outside of them;
+    /// Those of [`Self::validate`]; [`HysteresisError::Range`] and [`HysteresisError::Step`] for empty
+    /// limits; [`HysteresisError::RestOutside`] for a device that rests outside of them;
     /// [`HysteresisError::Wanted`] where an output is not finite; [`HysteresisError::NotIncreasing`] where
-    /// the output falls as the voltage rises: then no one drive belongs to an output.
+    /// the output falls as the voltage rises, so that the drive is not unique.
     pub fn follow(
         &self,
         wanted: &[f64],
@@ -110,7 +110,7 @@ pub(super) fn columns<K: ColumnKernel>(
     })
 }
 
-/// Where a move goes, and the output there.
+/// End point of a move, and the output there.
 #[derive(Clone, Copy)]
 struct Point {
     u: f64,
@@ -131,7 +131,7 @@ fn along<S: Clone>(
         limited: Vec::with_capacity(wanted.len()),
     };
     let [low, high] = limits.range;
-    // The next move is the first of a device at rest, whatever is asked here.
+    // On a clone, so that the next move remains the first from rest.
     let mut now = Point { u: rest, v: step(&mut state.clone(), rest)? };
     let mut slope = None;
     for (index, &target) in wanted.iter().enumerate() {
@@ -140,7 +140,7 @@ fn along<S: Clone>(
             let v = step(&mut state.clone(), u).map_err(|error| error.at_sample(index))?;
             if v.is_finite() { Ok(Point { u, v }) } else { Err(HysteresisError::Overflow { index }) }
         };
-        // Output of the operator where the voltage stays, which one that sees the rate has not put out yet.
+        // Output at constant voltage, which a rate-dependent operator has not reached yet.
         let still = trial(now.u)?;
         let found = reach(trial, still, target, allowed, slope).map_err(|refused| match refused {
             Refused::Move(error) => error,
@@ -177,7 +177,7 @@ enum Refused {
     Falls(f64),
 }
 
-/// Steps of the search at most. A secant takes a few; bisection alone would come to the last place in 60.
+/// Steps of the search at most. A secant takes a few; bisection alone reaches the last place in 60.
 const STEPS: usize = 120;
 /// Part of an output's change by which rounding may make it fall.
 const ROUNDING: f64 = 1e-9;

@@ -18,11 +18,11 @@ use super::family::{
 /// γ_r(u) = tanh(a_r (u − c_r)) where u rises,  γ_l(u) = tanh(a_l (u − c_l)) where it falls.
 ///
 /// Columns and thresholds are in units of the envelopes, in which these end at ±1. Shape: `rise_right` a_r
-/// \[1/V\], `centre_right` c_r \[V\], `rise_left` a_l, `centre_left` c_l. A play has a place to stand
-/// wherever γ_r − γ_l ≤ 2rⱼ; a voltage at which the narrowest has none is an error. A virgin play stands at ½
+/// \[1/V\], `centre_right` c_r \[V\], `rise_left` a_l, `centre_left` c_l. A play has an admissible state
+/// wherever γ_r − γ_l ≤ 2rⱼ; a voltage at which the narrowest has none is an error. A virgin play is at ½
 /// (γ_l + γ_r).
 ///
-/// Equal envelopes make it the Prandtl–Ishlinskii model of γ(u).
+/// Equal envelopes give the Prandtl–Ishlinskii model of γ(u).
 #[derive(Clone, Debug, PartialEq)]
 pub struct GeneralisedPlays {
     /// Half-widths, from 0 on (where the envelopes allow it), increasing.
@@ -83,7 +83,7 @@ impl ColumnKernel for GeneralisedPlays {
 
     fn virgin<S: Scalar<Real = f64>>(&self, shape: &[S], u: S) -> GeneralisedPlayStates<S> {
         let mut plays = vec![u; self.thresholds.len()];
-        // Plays without a place at rest are refused by the first move.
+        // Plays without an admissible state at rest are refused by the first move.
         let _ = envelopes(shape).rest_at(self.half_widths(), &mut plays, u);
         GeneralisedPlayStates { u: u.value(), plays }
     }

@@ -1,9 +1,9 @@
 //! Inter-sample behaviour of the drive.
 //!
-//! Hysteresis sees nothing but the sequence of turning points, so at the sampling instants
-//! [`InterSample::Hold`] and [`InterSample::Linear`] give it the same values; they differ for what follows
-//! it. [`InterSample::BandLimited`] matters as soon as a period has few samples, because the true turning
-//! points then lie between them.
+//! Rate-independent hysteresis depends only on the sequence of turning points, so [`InterSample::Hold`] and
+//! [`InterSample::Linear`] give the same values at the sampling instants; they differ for the dynamics.
+//! [`InterSample::BandLimited`] matters as soon as a period has few samples, because the true turning points
+//! then lie between them.
 
 use realfft::RealFftPlanner;
 
@@ -101,12 +101,13 @@ fn trigonometric(u: &[f64], factor: usize) -> Result<Vec<f64>, HysteresisError> 
 }
 
 /// x̃ such that the polygon through it has the mean of x over every sample period: x̃_k = x_k + ½ (b_{k−1} +
-/// b_k), where b_k = ⅔ (x_{k+½} − ½ (x_k + x_{k+1})) is by Simpson's rule what the straight line from x_k to
-/// x_{k+1} leaves out. `fine` holds x on a time base twice as fine; one sample more or less at its end does
-/// not matter.
+/// b_k), where b_k = ⅔ (x_{k+½} − ½ (x_k + x_{k+1})) is by Simpson's rule the mean deviation of x from the
+/// straight line from x_k to x_{k+1}. `fine` holds x on a time base twice as fine; one sample more or less at
+/// its end does not matter.
 ///
-/// A hysteresis operator driven along straight lines puts out curves between the samples. Linear dynamics
-/// much slower than a sample period see the means of these, so x̃ is what is to be joined by straight lines.
+/// Under a piecewise linear drive the output of a hysteresis operator is curved between samples. Linear
+/// dynamics much slower than a sample period respond to its means, so x̃ is the signal to interpolate
+/// linearly.
 #[doc(hidden)]
 pub fn polygon_of_means(fine: &[f64], out: &mut [f64]) {
     // ½ (b_{k−1} + b_k) from five neighbours; beyond the ends nothing is left out.

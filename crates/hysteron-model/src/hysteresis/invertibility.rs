@@ -1,4 +1,4 @@
-//! Whether an operator can be inverted: whether every move raises its output with the drive.
+//! Invertibility of an operator: every move must raise its output with the drive.
 
 use std::fmt;
 
@@ -9,26 +9,26 @@ use crate::record::{Timing, paces_on};
 use crate::start::Start;
 use hysteron_numeric::display::short;
 
-/// Moves shorter than this share of the range of the drive say nothing about a slope.
+/// Moves shorter than this share of the range of the drive do not determine a slope.
 const SHORTEST_MOVE: f64 = 1e-6;
 
-/// Whether the output rises with the drive on every branch.
+/// Verdict on whether the output rises with the drive on every branch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Invertibility {
     /// On every branch of every history within the range, by an exact condition of the family.
     Everywhere,
-    /// By the exact condition of the family some branch within the range falls or stands.
+    /// By the exact condition of the family some branch within the range falls or is flat.
     Nowhere {
         /// Voltage at which it does \[V\].
         at_v: f64,
     },
-    /// The family has no such condition, or one that is met by no more than the drives at hand need; along
-    /// these every move raised the output.
+    /// The family has no such condition, or only a sufficient one that is not met; along the given drives
+    /// every move raised the output.
     AlongDrives {
         /// Least slope of a move \[µm/V\].
         least_slope: f64,
     },
-    /// A move along the drives at hand did not raise the output.
+    /// A move along the given drives did not raise the output.
     FallsAlongDrives {
         /// Least slope of a move \[µm/V\].
         least_slope: f64,
@@ -36,7 +36,7 @@ pub enum Invertibility {
 }
 
 impl Invertibility {
-    /// Whether an inverse exists as far as is known.
+    /// True if an inverse exists as far as is known.
     pub fn is_invertible(self) -> bool {
         matches!(self, Self::Everywhere | Self::AlongDrives { .. })
     }
@@ -87,19 +87,19 @@ fn least_interval_s(timing: Timing<'_>) -> Option<f64> {
 }
 
 impl Hysteresis {
-    /// Whether the operator can be inverted over the voltages of `drives` \[V\]: by the exact condition of
-    /// its family where that decides, else by the slopes of the moves along the drives, each from rest at its
+    /// Invertibility of the operator over the voltages of `drives` \[V\]: by the exact condition of its
+    /// family where that decides, else by the slopes of the moves along the drives, each from rest at its
     /// first sample.
     ///
     /// - Bouc–Wen in the bounded class: dζ/du lies between 0 and max(1, 2β'/(β' + γ')), so that l' above α
-    ///   times that (above 0 for α < 0) is enough. Where it is not met only a saturated loop need fall, and
-    ///   the drives decide.
-    /// - Plays: l' + w₁ + … + w_k > 0 for every k ≥ 0, enough and needed (P. Krejčí, K. Kuhnen 2001,
+    ///   times that (above 0 for α < 0) is sufficient. Where it is not met only a saturated loop need fall,
+    ///   and the drives decide.
+    /// - Plays: l' + w₁ + … + w_k > 0 for every k ≥ 0, necessary and sufficient (P. Krejčí, K. Kuhnen 2001,
     ///   doi:10.1049/ip-cta:20010375).
     /// - Families that are plays in other coordinates: as plays.
-    /// - Families whose columns all rise: weights ≥ 0 and l' > 0 are enough. Where plays widen with the rate,
-    ///   by λ for 1 V/s, so is l' > Σ w (λ/T − 1) for λ > T, T the least time between samples: a move then
-    ///   pushes a play back by λ/T − 1 for each volt.
+    /// - Families whose columns all rise: weights ≥ 0 and l' > 0 are sufficient. Where plays widen with the
+    ///   rate, by λ for 1 V/s, so is l' > Σ w (λ/T − 1) for λ > T, T the least time between samples: a move
+    ///   then pushes a play back by λ/T − 1 for each volt.
     ///
     /// # Errors
     /// Those of [`Self::simulate`].
@@ -145,7 +145,7 @@ impl Hysteresis {
             };
             let grid = DriveGrid { paces: paces.as_deref(), ..DriveGrid::new(timing.sample_rate_hz(), 1, 1) };
             self.simulate_every(grid, drive, Start::Rest { voltage_v: rest }, &mut v)?;
-            // From turn to turn of what moves at all, so that noise on a held drive is no branch.
+            // Over moves longer than `shortest` only, so that noise on a held drive is no branch.
             let mut from = (rest, v.first().copied().unwrap_or(0.0));
             for (&u, &v) in drive.iter().zip(&v) {
                 if (u - from.0).abs() > shortest {

@@ -35,7 +35,7 @@ pub struct JilesAtherton;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JilesAthertonState<S> {
     u: S,
-    /// Where Newton's method begins.
+    /// Initial value of Newton's method.
     field: S,
     irreversible: [S; 1],
 }

@@ -19,17 +19,17 @@ use super::{HysteresisError, PrandtlIshlinskii};
 ///
 /// Eⱼ = u − Fⱼ with the play Fⱼ of the same half-width, so that Maxwell slip and Prandtl–Ishlinskii are one
 /// model in two coordinates: v = l\[u\] + Σ kⱼ Eⱼ has the weights −kⱼ and the linear coefficient l₁ + Σ kⱼ
-/// there. Kept as plays, so that nothing adds up from move to move.
+/// there. Stored as plays, so that rounding does not accumulate from move to move.
 ///
-/// Weights are the stiffnesses kⱼ \[µm/V\] (negative for a displacement that lags). Shape: `scale`, 1 for the
-/// thresholds as they are. A virgin element is without strain.
+/// Weights are the stiffnesses kⱼ \[µm/V\] (negative for a displacement that lags). Shape: `scale`, 1 for
+/// unscaled thresholds. A virgin element is without strain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaxwellSlip {
     /// Strains rⱼ at which the elements slip \[V\], positive and increasing.
     pub thresholds: Vec<f64>,
 }
 
-/// Present voltage, and where the elements touch their ground.
+/// Present voltage, and positions of the elements' sliding contacts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaxwellSlipState<S> {
     u: S,
@@ -78,7 +78,7 @@ impl ColumnKernel for MaxwellSlip {
 #[derive(Debug)]
 pub(super) struct Entry;
 
-/// A stop is the voltage without its play: the voltage goes to the polynomial.
+/// A stop is the voltage minus its play: the voltage goes to the polynomial.
 fn give_way(polynomial: &mut [f64], weights: &[f64]) {
     if let Some(linear) = polynomial.first_mut() {
         *linear += weights.iter().sum::<f64>();

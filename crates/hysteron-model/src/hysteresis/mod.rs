@@ -1,18 +1,18 @@
-//! Static hysteresis block: rate-independent operators, one file a model behind one enum.
+//! Hysteresis block: operators, most of them rate independent, one file per model behind one enum.
 //!
 //! * [`BoucWen`] (article Eq. 1) and its [`UnitShape`], the two or three numbers that enter nonlinearly.
 //! * [`PrandtlIshlinskii`]: polynomial and plays, with their inverse.
 //! * [`ColumnKernel`]: the operators of a family that is linear in weights, with a few nonlinear numbers.
 //!   Each family has a file of its name here: its kernel, and its [`FamilyDescription`].
-//! * [`HysteresisForm`]: a family as a fit sees it, run into [`Columns`] with their derivatives;
+//! * [`HysteresisForm`]: a family as used by a fit, evaluated into [`Columns`] with their derivatives;
 //!   [`FamilyForm`] where it is one of columns.
-//! * [`Family`]: a model of such a family; [`FamilyStream`] runs it sample by sample. [`DriveGrid`] tells
-//!   families that see the rate how fast the drive is.
-//! * [`Start`]: what happened before the first sample, with a memory in the operator's own scale;
-//!   [`Sensitivities`] are Bouc–Wen's own.
-//! * [`InterSample`]: how the drive goes from one sample to the next.
-//! * [`Admissibility`]: whether a parameter set can run away; [`Invertibility`]: whether every move raises
-//!   the output.
+//! * [`Family`]: a model of such a family; [`FamilyStream`] runs it sample by sample. [`DriveGrid`] gives
+//!   rate-dependent families the timing of the drive.
+//! * [`Start`]: the state before the first sample, with a memory in the operator's scale; [`Sensitivities`]
+//!   are those of Bouc–Wen.
+//! * [`InterSample`]: inter-sample behaviour of the drive.
+//! * [`Admissibility`]: boundedness of a parameter set; [`Invertibility`]: whether every move raises the
+//!   output.
 
 mod activated_plays;
 mod admissibility;
@@ -116,7 +116,7 @@ impl FamilyForm {
     }
 }
 
-/// A rate-independent hysteresis operator.
+/// A hysteresis operator.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Hysteresis {
     /// Bouc–Wen, article Eq. 1.
@@ -147,9 +147,8 @@ impl Hysteresis {
         self.simulate_every(1, u, start, out)
     }
 
-    /// [`Self::simulate`] for a drive `u` given on a time base finer by a factor
-    /// ([`InterSample::upsample`]): `out[k]` belongs to `u[k * factor]`. An operator that sees the rate takes
-    /// it from the grid.
+    /// [`Self::simulate`] for a drive `u` given on a time base finer by a factor ([`InterSample::upsample`]):
+    /// `out[k]` belongs to `u[k * factor]`. A rate-dependent operator takes the rate from the grid.
     ///
     /// # Errors
     /// As the model's own `simulate`.
@@ -176,8 +175,8 @@ impl Hysteresis {
         }
     }
 
-    /// Memory of an operator, in its own scale, that was virgin at the voltage `virgin` \[V\] and went to
-    /// `rest` without turning.
+    /// Memory of an operator, in its own scale, that was virgin at the voltage `virgin` \[V\] and moved
+    /// monotonically to `rest`.
     ///
     /// # Errors
     /// As the model's own `validate`; voltages that are not finite.
@@ -192,7 +191,7 @@ impl Hysteresis {
         }
     }
 
-    /// Polynomial and operator by which the runtime runs it, for so many samples a second.
+    /// Polynomial and operator of the runtime at this sample rate.
     pub fn runtime(&self, sample_rate_hz: f64) -> (Vec<f64>, RuntimeOperator) {
         let mut polynomial = self.polynomial().to_vec();
         let operator = match self {
@@ -205,7 +204,7 @@ impl Hysteresis {
         (polynomial, operator)
     }
 
-    /// Coefficients of the polynomial l\[u\], to change them.
+    /// Mutable coefficients of the polynomial l\[u\].
     pub fn polynomial_mut(&mut self) -> &mut Vec<f64> {
         match self {
             Self::BoucWen(model) => &mut model.polynomial,

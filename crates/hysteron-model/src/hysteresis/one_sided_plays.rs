@@ -10,12 +10,12 @@ use super::family::{
 };
 use super::plays::{PlayStates, check_thresholds, evenly_below, scaled};
 
-/// Columns Fⱼ ← max(u − rⱼ, min(u, Fⱼ)) \[V\], rⱼ = scale · `thresholds`\[j\], which only ever lag behind a
-/// voltage that falls after they were taken along: one-sided plays.
+/// Columns Fⱼ ← max(u − rⱼ, min(u, Fⱼ)) \[V\], rⱼ = scale · `thresholds`\[j\], which lag behind a rising
+/// voltage by up to rⱼ and not behind a falling one: one-sided plays.
 ///
-/// The play of half-width rⱼ/2 moved by −rⱼ/2, with another virgin state: at rest it stands at u, the upper
-/// end of its width. For devices that are driven to one side of their rest. Shape: `scale`. Source: K.
-/// Kuhnen, *Eur. J. Control* 9 (2003) 407–418, doi:10.3166/ejc.9.407-418.
+/// The play of half-width rⱼ/2 moved by −rⱼ/2, with another virgin state: at rest it is at u, the upper end
+/// of its width. Shape: `scale`. Source: K. Kuhnen, *Eur. J. Control* 9 (2003) 407–418,
+/// doi:10.3166/ejc.9.407-418.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OneSidedPlays {
     /// Widths \[V\], positive and increasing.
@@ -102,8 +102,7 @@ impl FamilyDescription for Entry {
         true
     }
 
-    /// At rest at the lower end of their range, plays that only lag behind a falling voltage remember what
-    /// was below.
+    /// Plays that lag only behind a rising voltage retain a memory of lower voltages only.
     fn first_memory(&self, _: &[f64], first: f64, _: [f64; 2], stroke: f64, settled: bool) -> f64 {
         if settled { first - 0.25 * stroke } else { first }
     }

@@ -11,7 +11,7 @@ use super::sensitivities::Sensitivities;
 pub struct Columns {
     /// H_j \[V\], as many samples each as the record has.
     pub values: Vec<Vec<f64>>,
-    /// ∂H_j/∂θ_p, where it is not zero and was asked for.
+    /// ∂H_j/∂θ_p, where it is not zero and was requested.
     pub partials: Vec<Partial>,
     /// ∂H_j/∂memory of [`crate::Start::Remembering`], 0 beyond its end; empty unless derivatives were asked
     /// for and there is such a memory.
@@ -40,10 +40,10 @@ pub struct Partial {
 }
 
 impl Columns {
-    /// Gives every buffer its length. Derivatives of the pairs (θ, column) given.
+    /// Resizes every buffer, with derivatives for the pairs (θ, column) given.
     ///
     /// # Errors
-    /// Where a stop is asked for meanwhile: to clear the memory of long records takes a while.
+    /// [`HysteresisError::Stopped`] on a stop meanwhile: clearing the buffers of long records takes time.
     pub(in crate::hysteresis) fn resize(
         &mut self,
         columns: usize,
@@ -72,7 +72,7 @@ impl Columns {
 }
 
 /// # Errors
-/// Where a stop is asked for.
+/// [`HysteresisError::Stopped`] on a stop.
 pub(in crate::hysteresis) fn look(stop: Option<&Stop>) -> Result<(), HysteresisError> {
     if stop.is_some_and(Stop::is_requested) { Err(HysteresisError::Stopped) } else { Ok(()) }
 }

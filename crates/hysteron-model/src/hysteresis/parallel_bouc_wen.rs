@@ -15,9 +15,9 @@ pub const MOST_STATES: usize = 3;
 ///
 /// dζₖ/du = 1 − βₖ s ζₖ − γₖ |ζₖ|,  s = sgn Δu.
 ///
-/// The weight of a column is −αₖ. States of unlike βₖ bend at unlike distances from a turn, so that small and
-/// large loops get their own widths, which one state cannot give them. Shape: β₁, γ₁, β₂, γ₂, … \[1/V\].
-/// Every move is exact.
+/// The weight of a column is −αₖ. States of different βₖ bend at different distances from a turning point, so
+/// that small and large loops have independent widths, unlike with one state. Shape: β₁, γ₁, β₂, γ₂, …
+/// \[1/V\]. Every move is exact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ParallelBoucWen {
     /// Number of states, 1 to 3.
@@ -71,7 +71,7 @@ impl ColumnKernel for ParallelBoucWen {
             let (beta, gamma) = (parameter(shape, 2 * index), parameter(shape, 2 * index + 1));
             let end = BoucWen::advance_unit(beta, gamma, 1.0, *zeta, distance)
                 .map_err(|cause| HysteresisError::RunsAway { index: 0, cause })?;
-            // A start that moves shortens the way: dζ/du at its end.
+            // Shifting the start shortens the move: dζ/du at its end.
             let slope = 1.0 - beta.value() * s * end.value() - gamma.value() * end.value().abs();
             *zeta = end + by.shift(-distance).scale(slope);
         }
@@ -98,7 +98,7 @@ impl FamilyDescription for Entry {
     }
 
     fn summary(&self) -> &'static str {
-        "Two Bouc-Wen states of unlike sharpness"
+        "Two Bouc-Wen states of different sharpness"
     }
 
     fn equation(&self) -> &'static str {

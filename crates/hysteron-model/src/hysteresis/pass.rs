@@ -7,7 +7,7 @@ use crate::start::Start;
 use hysteron_numeric::{InstructionSet, Relaxations};
 
 /// Rest voltage \[V\] before the drive `u` and the memory there, `None` where the operator is virgin; `None`
-/// for the steady state under `u` repeated for ever.
+/// for the periodic steady state under `u`.
 ///
 /// # Errors
 /// [`HysteresisError::Period`] for a period that is not the whole of `u`.
@@ -41,7 +41,7 @@ impl Every {
         Ok(Self { factor, until: 0 })
     }
 
-    /// Whether the next sample is one of them.
+    /// True if the next sample is one of them.
     #[inline(always)]
     pub(super) fn take(&mut self) -> bool {
         let take = self.until == 0;
@@ -53,8 +53,8 @@ impl Every {
     }
 }
 
-/// z along `u` from z at the voltage of `start`; `sink` is handed each sample's in turn. Returns the last.
-/// The partials are those of [`BoucWen::simulate_with_shape`]: β, γ, then any others z comes with.
+/// z along `u` from z at the voltage of `start`; `sink` receives each sample's value in turn. Returns the
+/// last. The partials are those of [`BoucWen::simulate_with_shape`]: β, γ, then any others z comes with.
 ///
 /// # Errors
 /// Those of [`BoucWen::simulate_with_shape`].
@@ -73,15 +73,15 @@ pub(super) fn pass<const P: usize>(
     if end.value.is_finite() && end.partials.iter().all(|p| p.is_finite()) {
         return Ok(end);
     }
-    // Once a number is not finite it stays so; the steps one by one then find where.
+    // A non-finite value persists; single steps then locate it.
     operator.simulate_with_shape(start, u, |_| {})?;
     Err(SimulateError::Step { index: u.len().saturating_sub(1), cause: StepError::Overflow })
 }
 
 /// n = 1 in the bounded class, where both rates κ = β ± γ are ≥ 0.
 ///
-/// z⁺ = z e^(−κd) + α reach(Δu, κ): everything but z is known before, so a row of it is made at once by
-/// vector code, for the present sign of z. The sample on which z changes sign is done by
+/// z⁺ = z e^(−κd) + α reach(Δu, κ): everything but z is known beforehand, so a row of it is computed at once
+/// by vector code, for the present sign of z. The sample on which z changes sign is done by
 /// [`BoucWen::advance_with_shape`], and a new row begun behind it, about as long as the sign lasted.
 fn relax<const P: usize>(
     operator: &BoucWen<f64>,

@@ -4,7 +4,7 @@ use hysteron_rt::{Scalar, play};
 
 use super::HysteresisError;
 
-/// Where plays stand.
+/// States of plays.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlayStates<S> {
     pub(super) plays: Vec<S>,
@@ -21,7 +21,7 @@ impl<S: Scalar<Real = f64>> PlayStates<S> {
         self.plays.iter_mut().zip(thresholds).for_each(|(state, r)| *state = play(r, *state, S::constant(u)));
     }
 
-    /// One column a play.
+    /// One column per play.
     pub(super) fn read(&self, out: &mut [S]) {
         out.iter_mut().zip(&self.plays).for_each(|(out, play)| *out = *play);
     }

@@ -18,14 +18,13 @@ use crate::record::{Dependence, Pace};
 /// Columns Fⱼ ← max(u − ρⱼ, min(u + ρⱼ, Fⱼ)) \[V\], ρⱼ = scale · `thresholds`\[j\] + λ |u̇|.
 ///
 /// Loops get wider with frequency and amplitude, without dynamics behind them. λ = 0 is
-/// [`super::PrandtlIshlinskii`]. All thresholds move by the same, so that their order and what Al Janaideh
-/// and Krejčí ask for an inverse (a distance of thresholds that does not shrink) hold for every rate. The
+/// [`super::PrandtlIshlinskii`]. All thresholds shift equally, so that their order and Al Janaideh and
+/// Krejčí's condition for an inverse (distances of thresholds that do not shrink) hold for every rate. The
 /// operator is *not* rate independent.
 ///
-/// Shape: `scale`, 1 for the thresholds as they are; `rate_gain` λ ≥ 0 \[s\]. The rate is that of the
-/// straight line between two samples; the first move of a device at rest has none. A virgin play stands at
-/// its voltage. Where samples are not an equal time apart, their rates are given with the drive
-/// ([`super::DriveGrid::paces`]).
+/// Shape: `scale`, 1 for unscaled thresholds; `rate_gain` λ ≥ 0 \[s\]. The rate is that of the straight line
+/// between two samples; the first move of a device at rest has none. A virgin play stands at its voltage. For
+/// unevenly spaced samples the rates are given with the drive ([`super::DriveGrid::paces`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct RateDependentPlays {
     /// Half-widths at rest \[V\], positive and increasing.
@@ -34,8 +33,8 @@ pub struct RateDependentPlays {
     pub interval_s: f64,
 }
 
-/// Where plays stand, the voltage of the sample before, if there was one, and the rate of the next move
-/// \[V/s\], where it is told.
+/// States of the plays, the voltage of the previous sample, if any, and the rate of the next move \[V/s\], if
+/// given.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RateDependentPlayStates<S> {
     plays: PlayStates<S>,

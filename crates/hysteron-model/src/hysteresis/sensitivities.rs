@@ -21,7 +21,7 @@ pub struct Sensitivities {
     pub d_beta: Vec<f64>,
     /// ∂ζ/∂γ'.
     pub d_gamma: Vec<f64>,
-    /// ∂ζ/∂n; empty unless asked for.
+    /// ∂ζ/∂n; empty unless requested.
     pub d_n: Vec<f64>,
     /// Derivative with respect to the start ζ(0), before the first sample; 0 for a steady state, which has no
     /// free start.
@@ -90,7 +90,7 @@ impl UnitShape {
 }
 
 impl Sensitivities {
-    /// Gives every buffer its length.
+    /// Resizes every buffer.
     fn resize(&mut self, samples: usize, exponent: bool) {
         for column in [&mut self.zeta, &mut self.d_beta, &mut self.d_gamma, &mut self.d_start] {
             column.resize(samples, 0.0);

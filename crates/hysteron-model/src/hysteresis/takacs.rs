@@ -22,7 +22,8 @@ use super::family::{
 /// Takács'.
 ///
 /// The weight is the saturation \[µm\]; the linear part of T(x) is the polynomial's. Shape: `centre`, `width`
-/// and `coercive` \[V\]. A virgin device stands where ever smaller loops end. A move is exact at any length.
+/// and `coercive` \[V\]. A virgin device is at the limit of ever smaller loops. A move is exact at any
+/// length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Takacs;
 

@@ -1,4 +1,4 @@
-//! Why there is no drive for a reference.
+//! Errors of inverting a model for a reference.
 
 use crate::dynamics::DynamicsError;
 use crate::hammerstein::SimulationError;
@@ -6,7 +6,7 @@ use crate::hysteresis::{HysteresisError, Invertibility};
 use crate::realise::RealiseError;
 use hysteron_numeric::display::short;
 
-/// Why there is no drive.
+/// Error of an inversion.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InversionError {
@@ -22,7 +22,7 @@ pub enum InversionError {
         /// Number of the sample.
         index: usize,
     },
-    /// The last run is not one of this reference.
+    /// The last run does not match this reference.
     #[error(
         "the last run has {drive} samples of its drive and {measured} of its output, the reference has \
          {samples}: all must be the same and the drive within the range"
@@ -73,7 +73,7 @@ pub enum InversionError {
         /// Where the output falls \[V\].
         near: f64,
     },
-    /// A reference that repeats was to be followed one sample at a time.
+    /// A periodic reference was to be followed one sample at a time.
     #[error(
         "a reference that repeats is followed as a whole: one sample at a time it has no steady state to \
          begin in"
@@ -93,7 +93,7 @@ pub enum InversionError {
          displacement"
     )]
     Displacement,
-    /// The model does not run sample by sample, or not from where the device rests.
+    /// The model cannot be realised, or not from where the device rests.
     #[error(transparent)]
     Realise(#[from] RealiseError),
     /// The model cannot be run at this rate.
@@ -105,7 +105,7 @@ pub enum InversionError {
     /// The hysteresis has no inverse.
     #[error("the hysteresis cannot be inverted: {0}")]
     Hysteresis(#[from] HysteresisError),
-    /// A number of the options of a compensator is not usable.
+    /// An option of a compensator is out of range.
     #[error("{name} must be {allowed}, but it is {value}")]
     Option {
         /// Its name, with its unit where it has one.
@@ -118,7 +118,7 @@ pub enum InversionError {
     /// The hysteresis has no inverse within the range.
     #[error("the hysteresis cannot be inverted: {0}")]
     NotInvertible(Invertibility),
-    /// The gain at rest is 0, or next to nothing.
+    /// The static gain is 0 or negligible.
     #[error("the dynamics pass next to nothing at rest: no drive holds a displacement")]
     NoGain,
     /// The equations of the regulator have no solution in double precision.

@@ -1,4 +1,4 @@
-//! Which kind of model does what.
+//! Operations that each kind of model supports.
 
 use std::fmt;
 
@@ -13,11 +13,11 @@ pub enum Capability {
     Scores,
     /// Scores on consecutive records of one run.
     Runs,
-    /// A band around the output, from the errors of the numbers.
+    /// A band around the output, from the standard errors of the parameters.
     Bands,
     /// Running sample by sample at a controller's rate.
     Realisation,
-    /// The drive that follows a reference.
+    /// The drive that tracks a reference.
     Inversion,
     /// A control loop around the inverse.
     Tracking,
@@ -25,9 +25,9 @@ pub enum Capability {
     Export,
     /// A new gain and delay from a short record.
     Recalibration,
-    /// Following a device while it runs.
+    /// Online adaptation to a device.
     Adaptation,
-    /// Being what a fit of the same kind begins with.
+    /// Initial model of a fit of the same kind.
     StartOfFit,
 }
 
@@ -64,7 +64,7 @@ impl Capability {
         }
     }
 
-    /// Whether models of this kind support it.
+    /// True if models of this kind support it.
     pub fn of(self, kind: Kind) -> bool {
         match (kind, self) {
             (Kind::Hammerstein, _)
@@ -81,13 +81,13 @@ impl fmt::Display for Capability {
     }
 }
 
-/// A kind of model does not do this yet.
+/// A kind of model does not support this yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{wanted} is not supported for a model of the kind \"{kind}\" yet")]
 pub struct Unsupported {
     /// The kind of the model.
     pub kind: Kind,
-    /// The operation asked for.
+    /// The operation requested.
     pub wanted: Capability,
 }
 

@@ -9,7 +9,7 @@ use crate::realise::{
     Realisation, RealiseError, Section, StreamParts, Verification, nanoseconds_per_sample, sweep, verify,
 };
 
-/// Samples of the sweep that is compared and timed, and passes of the clock.
+/// Samples of the sweep that is compared and timed, and timing passes.
 const SAMPLES: usize = 20_000;
 const ROUNDS: usize = 20;
 
@@ -25,7 +25,7 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// Two periods of the lowest frequency of the records, within reason.
+    /// Two periods of the lowest frequency of the records, within limits.
     pub fn over(range: Option<&ValidRange>, sample_rate_hz: f64) -> Self {
         let voltages = range.map_or((0.0, 1.0), |r| (r.input.low, r.input.high));
         let frequencies_hz = frequencies(range, sample_rate_hz);
@@ -43,7 +43,7 @@ fn frequencies(range: Option<&ValidRange>, sample_rate_hz: f64) -> (f64, f64) {
     (if low > 0.0 { low.clamp(1e-4 * high, high) } else { 0.01 * high }, high)
 }
 
-/// A realisation and what was found out about it.
+/// A realisation with its verification and timing.
 #[derive(Clone, Debug)]
 pub struct CheckedRealisation {
     /// The realisation.
@@ -52,9 +52,9 @@ pub struct CheckedRealisation {
     pub verification: Verification,
     /// The sweep.
     pub sweep: Sweep,
-    /// Nanoseconds a sample on this machine.
+    /// Nanoseconds per sample on this machine.
     pub nanoseconds: f64,
-    /// Accuracy asked for, as a share of the range.
+    /// Accuracy requested, as a share of the range.
     pub accuracy: f64,
     /// Symbols of the units of input and output.
     pub units: (String, String),
@@ -94,7 +94,7 @@ impl CheckedRealisation {
 pub struct RealisationSummary {
     /// Its rate \[Hz\].
     pub sample_rate_hz: f64,
-    /// Accuracy asked for, as a share of the range.
+    /// Accuracy requested, as a share of the range.
     pub accuracy: f64,
     /// Linear states.
     pub states: usize,
@@ -126,7 +126,7 @@ pub struct RealisationSummary {
     pub range: f64,
     /// Symbol of the unit of the output.
     pub output_unit: String,
-    /// Nanoseconds a sample on the machine that made it.
+    /// Nanoseconds per sample on the machine that made it.
     pub nanoseconds_per_sample: f64,
 }
 
@@ -156,7 +156,7 @@ impl SectionSummary {
 }
 
 impl CheckedRealisation {
-    /// It in numbers.
+    /// The realisation in numbers.
     pub fn summary(&self) -> RealisationSummary {
         let realisation = &self.realisation;
         let linear = &realisation.dynamics;

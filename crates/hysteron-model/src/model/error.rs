@@ -1,4 +1,4 @@
-//! Why a model could not be run on a record.
+//! Errors of running a model on a record.
 
 use crate::axes::AxesError;
 use crate::hammerstein::SimulationError;
@@ -30,7 +30,7 @@ impl SignalRole {
     }
 }
 
-/// Why a model could not be simulated on a record, or not scored.
+/// Error of simulating or scoring a model on a record.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RunError {
@@ -52,7 +52,7 @@ pub enum RunError {
         /// The signals it takes.
         expected: &'static str,
     },
-    /// A rest voltage or a memory is given to a model that knows none.
+    /// A rest voltage or a memory is given to a model that has none.
     #[error(
         "a model of the kind \"{kind}\" starts from rest at its first sample, or settled on a period: a rest \
          voltage or a hysteresis memory does not apply"
@@ -76,7 +76,7 @@ pub enum RunError {
     /// The record cannot be scored.
     #[error(transparent)]
     Score(#[from] ScoreError),
-    /// Too few samples say anything about a model.
+    /// Too few samples can be scored.
     #[error("only {samples} of its {total} samples can be scored; need at least {need}")]
     TooFewSamples {
         /// Samples that can be scored.
@@ -86,7 +86,7 @@ pub enum RunError {
         /// Samples needed.
         need: usize,
     },
-    /// The output stands still.
+    /// The output is constant.
     #[error("the output `{name}` is constant ({}): no motion to compare with", short(*value))]
     ConstantOutput {
         /// Name of the channel.
@@ -94,7 +94,7 @@ pub enum RunError {
         /// Its value.
         value: f64,
     },
-    /// The input stands still.
+    /// The input is constant.
     #[error("the input `{name}` is constant ({}): the model has nothing to follow", short(*value))]
     ConstantInput {
         /// Name of the channel.

@@ -1,4 +1,4 @@
-//! Why a drive does not do what was asked of it, and what to do about it.
+//! Limits of an inverse drive, with remedies.
 
 use super::Hammerstein;
 use crate::dynamics::Dynamics;
@@ -12,8 +12,8 @@ pub const FAR_FROM_REST: f64 = 1.25;
 
 impl Hammerstein {
     /// Gain at rest over that at the lowest frequency of the records it was identified from, and that
-    /// frequency \[Hz\]; infinite for a model that creeps for ever. `None` for a static model, or one whose
-    /// records had no frequency.
+    /// frequency \[Hz\]; infinite for unbounded creep. `None` for a static model, or one whose records had no
+    /// frequency.
     pub fn gain_at_rest(&self) -> Option<(f64, f64)> {
         let (Dynamics::Integer(g) | Dynamics::Fractional(g)) = &self.law().dynamics else { return None };
         let lowest_hz = self.data().valid_range.as_ref()?.frequency.as_ref()?.low;

@@ -1,4 +1,4 @@
-//! The drive that follows a reference, for programs.
+//! Summary of an inverse drive, for programs.
 
 use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize, Serializer};
@@ -24,23 +24,23 @@ pub struct InverseSummary {
     pub drive_high: f64,
     /// Largest rate of the drive, per second.
     pub fastest_drive_per_s: f64,
-    /// Samples that the range held back.
+    /// Samples limited by the range.
     pub samples_at_range: usize,
-    /// Samples that the largest rate held back.
+    /// Samples limited by the slew rate.
     pub samples_at_slew: usize,
-    /// Frequency up to which the output follows \[Hz\]; `None` for a static model.
+    /// Tracking bandwidth \[Hz\]; `None` for a static model.
     pub bandwidth_hz: Option<f64>,
-    /// Share of the reference that is missing there.
+    /// Relative error there.
     pub error_at_bandwidth: Option<f64>,
-    /// White noise on the reference is so many times as large at the output of the hysteresis.
+    /// Gain from white noise on the reference to noise on the hysteresis output, both rms.
     pub noise_gain: Option<f64>,
-    /// Rms error, the model taken for true.
+    /// Rms error, the model assumed exact.
     pub predicted_rms_error: f64,
-    /// Largest error, the model taken for true.
+    /// Largest error, the model assumed exact.
     pub predicted_max_error: f64,
-    /// The first in per cent of the stroke of the reference \[%\].
+    /// Rms error in per cent of the stroke of the reference \[%\].
     pub predicted_rms_percent_of_stroke: f64,
-    /// Half of the 95 % band of the model's output at its widest; `None` where the file holds no correlation.
+    /// Largest half-width of the 95 % band of the model's output; `None` where the file holds no correlation.
     pub band: Option<f64>,
     /// Limits on tracking, with remedies.
     pub findings: Vec<Finding>,
@@ -51,8 +51,8 @@ pub struct InverseSummary {
 }
 
 impl InverseSummary {
-    /// Of the `found` drive for a reference; `band`: half of the 95 % band of the model's output at its
-    /// widest.
+    /// Summary of the `found` drive for a reference; `band`: largest half-width of the 95 % band of the
+    /// model's output.
     pub fn new(
         reference: &[f64],
         found: &InverseDrive,

@@ -1,8 +1,8 @@
-//! A model of any kind: its data and what it does.
+//! A model of any kind: its data and operations.
 //!
 //! A [`Model`] is made from the bytes of a model file ([`Model::from_json`]) or from an identification.
-//! [`Model::simulate`] and [`Model::score`] take every kind; what a kind does not do is one error,
-//! [`Unsupported`].
+//! [`Model::simulate`] and [`Model::score`] take every kind; an operation that a kind does not support gives
+//! the error [`Unsupported`].
 
 mod capability;
 mod checked_realisation;
@@ -38,7 +38,7 @@ use crate::oscillator::Oscillator;
 use crate::realise::{RealiseError, RealiseOptions, realise};
 use crate::record::TimeBase;
 
-/// Share of the lowest frequency of the records down to which a model that creeps for ever is realised.
+/// Share of the lowest frequency of the records down to which a model with unbounded creep is realised.
 const CREEP_BELOW_RECORDS: f64 = 1e-3;
 
 /// An identified model.
@@ -77,7 +77,7 @@ impl<D, L> Body<D, L> {
 pub type Hammerstein = Body<ModelFile, hammerstein::Model>;
 
 impl Hammerstein {
-    /// Least and largest drive that the model was identified with; `None` where the data do not say.
+    /// Least and largest drive that the model was identified with; `None` where the data do not state it.
     pub fn drive_range(&self) -> Option<[f64; 2]> {
         self.data.valid_range.as_ref().map(|range| [range.input.low, range.input.high])
     }
@@ -94,8 +94,8 @@ impl Hammerstein {
         remark.into_iter().collect()
     }
 
-    /// `options`; where the model creeps for ever and no lowest frequency is named, with a thousandth of the
-    /// lowest frequency of the records it was identified from.
+    /// `options`; for unbounded creep without a lowest frequency, with a thousandth of the lowest frequency
+    /// of the records it was identified from.
     pub fn realise_options(&self, sample_rate_hz: f64, options: RealiseOptions) -> RealiseOptions {
         let frequency = self.data.valid_range.as_ref().and_then(|range| range.frequency.as_ref());
         let low = frequency.map(|f| CREEP_BELOW_RECORDS * f.low).filter(|low| *low > 0.0);
@@ -119,7 +119,7 @@ macro_rules! header {
 }
 
 impl Model {
-    /// The model in the bytes of a model file, of version 2 or 1.
+    /// The model from the bytes of a model file, of version 2 or 1.
     ///
     /// # Errors
     /// [`ModelFileError`] that names the place.
@@ -130,7 +130,7 @@ impl Model {
     /// Text of the model file (version 2): indented JSON with a final newline.
     ///
     /// # Errors
-    /// [`ModelFileError`] where the data are not sound.
+    /// [`ModelFileError`] for invalid data.
     pub fn to_json(&self) -> Result<String, ModelFileError> {
         header!(self, body => body.data.to_json())
     }
@@ -164,7 +164,7 @@ impl Model {
         }
     }
 
-    /// Whether a record can begin behind a rest at another input than its first sample's.
+    /// True if a record can start from rest at an input other than its first sample's.
     pub fn rests_at_a_voltage(&self) -> bool {
         matches!(self, Self::Hammerstein(_))
     }

@@ -11,7 +11,7 @@ use crate::start::Start;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Remark {
-    /// A signal has no unit and is taken to be in the model's.
+    /// A signal without unit is assumed to be in the model's.
     UnitAssumed {
         /// Which signal.
         signal: SignalRole,
@@ -37,23 +37,23 @@ pub enum Remark {
         unit: Unit,
     },
     /// The model was identified on settled periodic records, or takes one to be settled; this drive does not
-    /// repeat, and the device is taken to start at rest.
+    /// repeat, and the device is assumed to start at rest.
     DoesNotRepeat,
-    /// The record is explained better from another start than the one expected.
+    /// Another start than the expected one explains the record better.
     StartChosen {
         /// The start taken.
         chosen: Start,
         /// The start expected.
         expected: Start,
     },
-    /// The drive starts with a jump, which a model without dynamics cannot follow: so many samples are not
+    /// The drive starts with a jump, which a model without dynamics cannot follow: this many samples are not
     /// scored.
     LeftOut {
         /// Number of samples.
         samples: usize,
     },
-    /// A drive or a reference swings faster than what the model was identified with: beyond that it
-    /// extrapolates, and an error predicted for it says nothing of that.
+    /// A drive or a reference exceeds the frequencies identified: beyond them the model extrapolates, and a
+    /// predicted error does not include this.
     Fast {
         /// Which signal.
         signal: SignalRole,
@@ -65,7 +65,7 @@ pub enum Remark {
 }
 
 impl Remark {
-    /// In words, about a record that `model` ran on, with what says otherwise.
+    /// In words, for a record that `model` ran on, with the remedy.
     pub fn in_words(&self, model: &Model) -> (String, Option<Advice>) {
         let units = model.units();
         let start = Some(Advice::GiveStart { at_voltage: model.rests_at_a_voltage() });

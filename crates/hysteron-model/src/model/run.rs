@@ -13,10 +13,9 @@ use crate::record::{
 use crate::start::Start;
 use crate::validate::{OffsetTreatment, ScoreError, Scores, Scoring, choose_start, score, unfollowed_start};
 
-/// A level beyond those identified by this share deserves a remark.
+/// Share by which a level may exceed those identified without a remark.
 const LEVEL_SLACK: f64 = 0.02;
-/// Fewest samples that say anything about a model: with two, and the offset estimated from them, any line
-/// fits.
+/// Fewest samples for a score: with two and an estimated offset, any line fits.
 const FEWEST_SAMPLES: usize = 3;
 /// Variation of a simulation, over its size, that is rounding.
 const ROUNDING: f64 = 1e-9;
@@ -58,7 +57,7 @@ impl Model {
     /// than 1 %; a hysteresis memory is estimated.
     ///
     /// # Errors
-    /// Those of [`Self::simulate`]; a record that says nothing about a model.
+    /// Those of [`Self::simulate`]; a record that cannot be scored.
     pub fn score(&self, signals: &Signals, start: Start, scoring: &Scoring) -> Result<Score, RunError> {
         self.check_start(start)?;
         let (simulation, record, scores) = match (self, signals) {
@@ -100,7 +99,7 @@ impl Model {
     }
 
     /// Scores of the model on a run of several records. [`Start::AsIdentified`]: from the start that explains
-    /// the first record best, as [`Self::score`] finds it; the later ones do not help.
+    /// the first record best, as [`Self::score`] finds it; the later ones are not used.
     ///
     /// # Errors
     /// Those of [`Self::score`]; [`RunError::Signals`] for models of several inputs and outputs.
@@ -140,7 +139,7 @@ impl Model {
         Ok(RunScore { records, whole, whole_without_estimated_start: without })
     }
 
-    /// The start that the model file assumes for a record; what is remarkable about it goes to `remarks`.
+    /// The start that the model file assumes for a record; remarks on it are added to `remarks`.
     pub fn expected_start(&self, record: &InputOutput, remarks: &mut Vec<Remark>) -> Start {
         match self {
             Self::Hammerstein(body) => hammerstein_start(&body.data, record, remarks),
@@ -171,7 +170,7 @@ impl Model {
         agreed_unit(signal, own, found, remarks)
     }
 
-    /// An input other than the first sample's before a record is known to a Hammerstein model alone.
+    /// Only a Hammerstein model can start from an input other than the first sample's.
     fn check_start(&self, start: Start) -> Result<(), RunError> {
         match (self, start) {
             (Self::Hammerstein(_), _) | (_, Start::AsIdentified | Start::Settled { .. }) => Ok(()),
@@ -239,7 +238,7 @@ impl Model {
         for start in std::iter::once(expected).chain(others) {
             let y = match oscillate(body, record, start) {
                 Ok(y) => y,
-                // A start that cannot be simulated is not the one.
+                // A start that cannot be simulated is discarded.
                 Err(e) => {
                     failure.get_or_insert(e);
                     continue;
@@ -400,7 +399,7 @@ fn agreed_unit(
     Err(RunError::Unit { signal, model: own, record: found.clone() })
 }
 
-/// The period of a drive that repeats; only the drive counts, and stands in for the output.
+/// The period of a repeating drive, which also takes the place of the output.
 fn period_of_drive(u: &[f64], time: &TimeBase) -> Option<crate::record::Periods> {
     let data = InputOutput::new("drive", time.clone(), u.to_vec(), u.to_vec()).ok()?;
     find_periods(&data).ok()
@@ -449,8 +448,8 @@ fn oscillate(
     Ok(y)
 }
 
-/// A score says nothing of one or two samples, nor where nothing moves: a sensor that stood still, or a drive
-/// that did (unless the model, started elsewhere, still moves towards it).
+/// Refuses a meaningless score: of one or two samples, a constant output, or a constant drive (unless the
+/// model, started elsewhere, still moves towards it).
 fn check_meaningful(record: &InputOutput, simulated: &[f64]) -> Result<(), RunError> {
     let valid = |k: usize| record.is_valid(k);
     let range = |x: &[f64]| {

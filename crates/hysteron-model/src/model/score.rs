@@ -32,7 +32,7 @@ pub struct Score {
     pub outputs: Vec<Scores>,
     /// Further figures of a record of several axes.
     pub axes: Option<AxesScore>,
-    /// Coverage of the record by the 95 % band of a new measurement, where it was asked for.
+    /// Coverage of the record by the 95 % band of a new measurement, where it was requested.
     pub band: Option<BandScore>,
     /// Scores from the start that the model file assumes, where a hysteresis memory was estimated from the
     /// record.
@@ -51,8 +51,8 @@ pub struct RunScore {
     pub records: Vec<Score>,
     /// The whole run.
     pub whole: Score,
-    /// The whole run from the start that the model file assumes, without the memory that the first record
-    /// tells of; `None` where that is the same.
+    /// The whole run from the start that the model file assumes, without the memory estimated from the first
+    /// record; `None` where that is the same.
     pub whole_without_estimated_start: Option<Score>,
 }
 
@@ -63,7 +63,7 @@ pub struct AxesScore {
     pub outputs: Vec<String>,
     /// rms of the inputs about their means, where the drive repeats.
     pub level: Option<f64>,
-    /// RMSE of the mean period, means off, where the drive repeats.
+    /// RMSE of the mean period, means removed, where the drive repeats.
     pub mean_period_rmse: Option<f64>,
 }
 
@@ -72,9 +72,9 @@ pub struct AxesScore {
 pub struct BandScore {
     /// Share of the scored samples within the band \[%\].
     pub inside_percent: f64,
-    /// Half of its width at its widest, in the unit of the output.
+    /// Its largest half-width, in the unit of the output.
     pub measurement: f64,
-    /// Half of the width of the band of the model's output at its widest.
+    /// Largest half-width of the band of the model's output.
     pub model: f64,
 }
 
@@ -96,8 +96,8 @@ impl Score {
         }
     }
 
-    /// Every sample of a record as it was scored: drive, measured output `y`, the model's `y_model` with the
-    /// offset, `residual` y − y_model. Samples that are not valid are marked.
+    /// Every sample of a scored record: drive, measured output `y`, the model's `y_model` with the offset,
+    /// `residual` y − y_model. Samples that are not valid are marked.
     ///
     /// # Errors
     /// [`RecordError`] where the record is not that of the score.
@@ -158,7 +158,7 @@ pub struct ScoreSummary {
     pub unit: String,
     /// Errors, of one output or pooled over several.
     pub errors: ErrorSummary,
-    /// Band of a new measurement, where it was asked for.
+    /// Band of a new measurement, where it was requested.
     pub band: Option<BandScore>,
     /// Start with an estimated memory.
     pub start: Option<RememberingStart>,

@@ -3,7 +3,7 @@
 use crate::axes::AxesRecord;
 use crate::record::{Driven, InputOutput, Signal, TimeBase, Unit};
 
-/// Inputs, and outputs where they were measured, as a model takes them.
+/// Inputs, and outputs where measured, in the form a model takes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Signals {
     /// One input and one output; no samples of the output where it was not measured.

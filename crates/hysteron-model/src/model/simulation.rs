@@ -8,9 +8,9 @@ use crate::start::Start;
 /// Output of a model for a drive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Simulation {
-    /// One list an output, in the model's output unit.
+    /// One list per output, in the model's output unit.
     pub outputs: Vec<Vec<f64>>,
-    /// Start that was simulated from.
+    /// Start of the simulation.
     pub start: Start,
     /// Unit of the input, the record's or, where it has none, the model's.
     pub input_unit: Unit,

@@ -1,4 +1,4 @@
-//! Whether a record is of the device and the range that a model was identified with.
+//! Verdict on whether a record is of the device and range that a model was identified with.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,11 +9,11 @@ use hysteron_numeric::display::{short, short_to};
 
 /// An error up to this many times that of the training is as good as in training.
 const AS_IN_TRAINING: f64 = 2.0;
-/// A gain explains an error where it removes this share of it, and differs from one by so much.
+/// A gain explains an error if it removes this share of it and differs from 1 by at least this much.
 const EXPLAINED: f64 = 0.4;
 const OTHER_GAIN: f64 = 0.02;
-/// A loop this many times as wide or as narrow is another one, where the difference exceeds so many times the
-/// error of the training.
+/// A loop this many times as wide or as narrow is a different one, where the difference exceeds this many
+/// times the error of the training.
 const OTHER_WIDTH: f64 = 1.25;
 const BEYOND_ERROR: f64 = 3.0;
 /// Excess over the range of the identification, as a share of it, that does not count.
@@ -26,13 +26,13 @@ pub(super) const RANGE_SLACK: f64 = 0.01;
 pub enum Judgement {
     /// The error is what it was in training.
     AsInTraining,
-    /// The error is larger, and the drive leaves what the model was identified with.
+    /// The error is larger, and the drive leaves the range of the identification.
     AnotherRange,
-    /// The error is larger, and the output's gain or the width of the loop is another.
+    /// The error is larger, and the output's gain or the width of the loop differs.
     AnotherDevice,
     /// Both.
     AnotherDeviceOrRange,
-    /// The error is larger, and neither the range nor the gain tells why.
+    /// The error is larger, and neither the range nor the gain explains it.
     WorseThanInTraining,
 }
 

@@ -1,4 +1,4 @@
-//! Between the model and its file.
+//! Conversion between a model and its file.
 
 use super::{
     DynamicsBlock, DynamicsKind, FORMAT, HysteresisBlock, HysteresisKind, Kind, ModelFile, ModelFileError,

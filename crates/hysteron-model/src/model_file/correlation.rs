@@ -1,7 +1,7 @@
 //! Correlation of the estimates of the numbers in a model file.
 //!
-//! Standard errors stand at the numbers themselves; beside them the file holds their correlation R, so that
-//! nothing is said twice: the covariance is σ_i R_ij σ_j.
+//! Standard errors are stored with the numbers; beside them the file holds their correlation R, without
+//! redundancy: the covariance is σ_i R_ij σ_j.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -19,7 +19,7 @@ use crate::hammerstein::Model;
 /// Most numbers whose correlation a file may hold; a power law with 40 poles and
 /// as many zeros has 163.
 pub const MAX_CORRELATED: usize = 200;
-/// Rounding allowed for: of 1 on the diagonal, of symmetry, and of the eigenvalues a number.
+/// Rounding allowed for: of 1 on the diagonal, of symmetry, and of the eigenvalues per number.
 const ROUNDING: f64 = 1e-9;
 
 /// Correlation of the estimates of a model's numbers.
@@ -47,7 +47,7 @@ impl Serialize for CorrelationRow {
     }
 }
 
-/// A list that stops growing where no sound file could.
+/// A list of bounded length.
 fn bounded<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<T>, D::Error> {
     struct List<T>(PhantomData<T>);
     impl<'de, T: Deserialize<'de>> Visitor<'de> for List<T> {
@@ -86,8 +86,8 @@ pub fn transfer_function_numbers(g: &TransferFunction) -> (Vec<String>, Vec<f64>
         .unzip()
 }
 
-/// Which term a name such as `denominator[1].order` speaks of: is it of the denominator, its place, is it the
-/// order.
+/// Term that a name such as `denominator[1].order` refers to: whether in the denominator, its place, whether
+/// its order.
 fn term(name: &str) -> Option<(bool, usize, bool)> {
     let (list, rest) = name.split_once('[')?;
     let (place, what) = rest.split_once("].")?;
@@ -218,7 +218,7 @@ impl ModelFile {
         Some((entry.names.clone(), DMatrix::from_row_slice(count, count, &values)))
     }
 
-    /// Checks that the correlation is one, of numbers that the model has and knows the error of.
+    /// Checks for a valid correlation matrix, of numbers of the model that have standard errors.
     pub(super) fn check_correlation(&self) -> Result<(), ModelFileError> {
         let Some(CorrelationEntry { names, matrix }) = &self.correlation else { return Ok(()) };
         let refuse = |problem: String| Err(ModelFileError::Correlation { problem });

@@ -91,7 +91,7 @@ pub enum ModelFileError {
         /// The names there are.
         expected: &'static str,
     },
-    /// Shape numbers that the hysteresis block cannot have.
+    /// The shape numbers are invalid for the hysteresis block.
     #[error("hysteresis.parameters: {problem}")]
     Shape {
         /// The problem.
@@ -110,13 +110,13 @@ pub enum ModelFileError {
     /// A settled start has no rest voltage.
     #[error("start.voltage: expected null for a start of the kind \"settled\"")]
     VoltageOfSettledStart,
-    /// The correlation of the numbers is not one.
+    /// The correlation matrix is invalid.
     #[error("correlation: {problem}")]
     Correlation {
         /// The problem.
         problem: String,
     },
-    /// An ARX model lives in z at one sample rate, and the file names none.
+    /// An ARX model belongs to one sample rate, and the file names none.
     #[error("sample_rate_hz: an arx model needs its sample rate, found null")]
     ArxWithoutSampleRate,
 }

@@ -17,7 +17,7 @@ impl HysteresisKind {
         Self(hysteresis.form())
     }
 
-    /// The family; its number of elements is the file's to say.
+    /// The family; the file gives its number of elements.
     pub fn family(self) -> HysteresisForm {
         self.0
     }

@@ -1,4 +1,4 @@
-//! Bytes of a model file: parsed within bounds, and made.
+//! Bytes of a model file: bounded parsing, and writing.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +13,7 @@ pub(super) struct Header {
     kind: Option<serde_json::Value>,
 }
 
-/// Kinds by the key `format` of version 1, which had one format a kind.
+/// Kinds by the key `format` of version 1, which had one format per kind.
 const VERSION_1: [(&str, Kind); 4] = [
     (FORMAT, Kind::Hammerstein),
     ("hysteron-oscillator", Kind::Oscillator),
@@ -22,7 +22,7 @@ const VERSION_1: [(&str, Kind); 4] = [
 ];
 
 impl Header {
-    /// Of the bytes of a file that is no larger than a model can be.
+    /// Header of a file no larger than a model can be.
     pub(super) fn of(bytes: &[u8]) -> Result<Self, ModelFileError> {
         if bytes.len() as u64 > MAX_BYTES {
             return Err(ModelFileError::TooLarge { limit_bytes: MAX_BYTES });

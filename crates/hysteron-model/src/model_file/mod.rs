@@ -1,9 +1,9 @@
 //! The versioned model file: a model is data.
 //!
 //! `MODEL.json` holds `"format": "hysteron-model"`, `"version": 2`, the `kind` of model ([`Kind`]), its
-//! numbers, and how they were made. [`read`] takes every kind, and the files of version 1, which had a format
-//! a kind. The keys of a Hammerstein model are those of [`ModelFile`]; of the other kinds [`OscillatorFile`],
-//! [`ModesFile`], [`CoupledFile`]. Every number of the model is a [`Quantity`]
+//! numbers, and how they were made. [`read`] takes every kind, and the files of version 1, which had one
+//! format per kind. The keys of a Hammerstein model are those of [`ModelFile`]; of the other kinds
+//! [`OscillatorFile`], [`ModesFile`], [`CoupledFile`]. Every number of the model is a [`Quantity`]
 //! `{"value": …, "unit": …, "std_error": …|null}`. Units are the suffixes of column headers (`um`, `V`,
 //! `A_per_m`):
 //!

@@ -31,7 +31,7 @@ pub(super) enum StartKind {
 
 impl ModelFile {
     /// Default start before a record. [`Start::AsIdentified`]: at rest at the record's own first sample;
-    /// [`Start::PERIODIC`]: the drive's own period has been running for long.
+    /// [`Start::PERIODIC`]: the periodic steady state of the drive's own period.
     pub fn start(&self) -> Start {
         match (&self.start.voltage, self.start.kind) {
             (Some(voltage), _) => Start::Rest { voltage_v: voltage.value },

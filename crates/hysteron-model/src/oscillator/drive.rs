@@ -1,4 +1,4 @@
-//! The force, and what it does between its samples.
+//! The force and its inter-sample behaviour.
 
 use super::SimulationError;
 use crate::hysteresis::RecordEnds;
@@ -7,7 +7,7 @@ use crate::record::InterSample;
 /// A sampled force on the time base that a simulation steps along: the ends and the middles of its steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drive {
-    /// Two values a step, and the last end where the record does not repeat.
+    /// Two values per step, and the last end where the record does not repeat.
     force: Vec<f64>,
     samples: usize,
     steps: usize,
@@ -17,10 +17,10 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// The force `u` sampled at `sample_rate_hz`, followed with `steps` steps a sample
-    /// ([`super::Oscillator::steps`]). What it does between samples is `rule`'s to say: on the public
-    /// benchmark, 5 to 21 samples a period, straight lines leave an error of 1.1 % where the band-limited
-    /// force leaves 0.04 %.
+    /// The force `u` sampled at `sample_rate_hz`, with `steps` steps per sample
+    /// ([`super::Oscillator::steps`]). `rule` is its inter-sample behaviour: on the public benchmark, with 5
+    /// to 21 samples per period, linear interpolation has an error of 1.1 %, the band-limited force one of
+    /// 0.04 %.
     ///
     /// # Errors
     /// [`SimulationError::TooShort`], [`SimulationError::BadSampleRate`], [`SimulationError::Steps`],
@@ -60,7 +60,7 @@ impl Drive {
         self.samples == 0
     }
 
-    /// Steps a sample.
+    /// Steps per sample.
     pub fn steps(&self) -> usize {
         self.steps
     }
@@ -76,7 +76,8 @@ impl Drive {
     }
 
     /// The force at the beginning, the middle and the end of every step that leads from one sample to the
-    /// next; one item an interval. Where the force repeats, the last interval leads back to the first sample.
+    /// next; one item per interval. Where the force repeats, the last interval leads back to the first
+    /// sample.
     pub(super) fn intervals(&self) -> impl Iterator<Item = Interval<'_>> {
         let per_sample = 2 * self.steps;
         let first = self.force.first().copied().unwrap_or(0.0);

@@ -8,7 +8,7 @@
 //!
 //! * [`Oscillator`]: the parameters; [`Oscillator::simulate`], and with exact derivatives
 //!   [`Oscillator::simulate_with_sensitivities`].
-//! * [`Drive`]: the force and what it does between its samples.
+//! * [`Drive`]: the force and its inter-sample behaviour.
 //! * [`Oscillator::simulate_record`]: a whole record at once, from a [`Start`](crate::Start).
 //!
 //! Identified by `hysteron_identify::oscillator`.
@@ -33,7 +33,8 @@ use serde::{Deserialize, Serialize};
 
 /// Parameters of the oscillator m ÿ + c ẏ + k y + z = u, ż = α ẏ − β |ẏ| z |z|ⁿ⁻¹ − γ ẏ |z|ⁿ.
 ///
-/// Units: those of the record, u in N and y in µm, say; then m in N s²/µm, and so on. Any other pair will do.
+/// Units: those of the record, u in N and y in µm, say; then m in N s²/µm, and so on. Any other pair is
+/// possible.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Oscillator {
@@ -53,7 +54,7 @@ pub struct Oscillator {
     pub n: f64,
 }
 
-/// Where the oscillator stands.
+/// State of the oscillator.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OscillatorState {
     /// Displacement \[µm\].
@@ -85,8 +86,8 @@ impl Oscillator {
         Self { mass, damping, stiffness, alpha, beta, gamma, n }
     }
 
-    /// Checks that every parameter is finite, m > 0 and n ≥ 1. Nothing else: parameters with which motion can
-    /// run away are simulated as long as it does not.
+    /// Checks that every parameter is finite, m > 0 and n ≥ 1. Nothing else: parameters that allow unbounded
+    /// motion are simulated until it occurs.
     ///
     /// # Errors
     /// [`SimulationError::Parameter`], the first found.
@@ -118,7 +119,7 @@ impl Oscillator {
     /// natural frequency at small motion, at least four.
     ///
     /// The error of a step is that of the corners of ż, where ẏ or z change sign: second order, measured on
-    /// the public benchmark 5e-5 of the rms displacement at ten steps a sample (0.030 rad).
+    /// the public benchmark 5e-5 of the rms displacement at ten steps per sample (0.030 rad).
     pub fn steps(&self, sample_rate_hz: f64) -> usize {
         let angle = std::f64::consts::TAU * self.natural_frequency_hz() / sample_rate_hz;
         (angle / LONGEST_STEP).ceil().clamp(FEWEST_STEPS, MOST_STEPS) as usize
@@ -134,7 +135,7 @@ impl Oscillator {
         }
     }
 
-    /// Whether z stays finite for every motion; the displacement is then bounded where k > 0 and c > 0.
+    /// Boundedness of z for every motion; the displacement is then bounded where k > 0 and c > 0.
     pub fn admissibility(&self) -> Admissibility {
         self.unit_shape().admissibility()
     }

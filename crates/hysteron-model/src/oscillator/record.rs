@@ -5,14 +5,14 @@ use crate::hysteresis::RecordEnds;
 use crate::record::InterSample;
 use crate::start::Start;
 
-/// Largest difference of a force to itself a period later, as a share of its largest value, with which it
-/// repeats.
+/// Largest difference of a force from itself one period later, as a share of its largest value, at which it
+/// counts as periodic.
 const REPEATS: f64 = 1e-9;
 
 impl Oscillator {
-    /// Displacement at every sample of the force `u`, in [`Self::steps`] steps a sample. Behind a settled
-    /// start a force that repeats to the last sample gives the steady state over and over; another one is
-    /// followed from there.
+    /// Displacement at every sample of the force `u`, in [`Self::steps`] steps per sample. From a settled
+    /// start a force that repeats to the last sample gives the steady state, repeated; any other is simulated
+    /// on from it.
     ///
     /// # Errors
     /// Those of [`Drive::new`] and [`Self::simulate`]; [`SimulationError::Period`].

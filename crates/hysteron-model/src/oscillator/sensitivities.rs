@@ -13,8 +13,8 @@ pub const PARTIALS: usize = 10;
 /// Number of parameters.
 const PARAMETERS: usize = 7;
 
-/// Displacements and their derivatives, to be used again and again: a call that finds buffers of the right
-/// length allocates nothing.
+/// Displacements and their derivatives, reusable: a call that finds buffers of the right length allocates
+/// nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
     /// Displacement at every sample.
@@ -50,7 +50,7 @@ impl Tangent {
         Self { y: sum(&self.y, &d.y), v: sum(&self.v, &d.v), z: sum(&self.z, &d.z) }
     }
 
-    /// Without the derivatives with respect to the first state that have vanished: they decay for ever.
+    /// Sets vanished derivatives with respect to the first state, which keep decaying, to 0.
     fn drop_vanished(&mut self) {
         for column in [&mut self.y, &mut self.v, &mut self.z] {
             for p in column.iter_mut().skip(PARAMETERS).filter(|p| p.abs() < VANISHED) {

@@ -5,7 +5,7 @@ use super::{Drive, Oscillator, OscillatorState, SimulationError};
 use crate::hysteresis::RecordEnds;
 use crate::start::Start;
 
-/// A state at the first sample, of which the force at rest is not asked.
+/// A state at the first sample; the force at rest does not matter.
 impl From<OscillatorState> for Start<OscillatorState> {
     fn from(memory: OscillatorState) -> Self {
         Self::Remembering { voltage_v: 0.0, memory }
@@ -35,9 +35,9 @@ pub(super) fn first_state(
 }
 
 impl Oscillator {
-    /// Displacement under the force of `drive` into `out` (one value a sample); returns the state at the last
-    /// sample, of a force that repeats that at the end of the period. Classical Runge–Kutta scheme of fourth
-    /// order with the steps of the drive. Allocates nothing.
+    /// Displacement under the force of `drive` into `out` (one value per sample); returns the state at the
+    /// last sample, of a force that repeats that at the end of the period. Classical Runge–Kutta scheme of
+    /// fourth order with the steps of the drive. Allocates nothing.
     ///
     /// # Errors
     /// [`SimulationError`]: a parameter or a state out of range, an output of another length than the drive,
@@ -97,8 +97,8 @@ const PERIODS: usize = 400;
 /// Change of the state over a period, as a share of its largest value, below which it is steady.
 const STEADY: f64 = 1e-10;
 
-/// Steady state: the period from rest, again and again, until its end is its beginning. `out` holds the last
-/// one. Hysteresis and damping forget, mostly within a period or two.
+/// Steady state: the period is repeated from rest until its end equals its beginning. `out` holds the last
+/// one. Hysteresis and damping settle mostly within a period or two.
 pub(super) fn settle(
     oscillator: &Oscillator,
     drive: &Drive,

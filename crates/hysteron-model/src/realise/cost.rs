@@ -1,4 +1,4 @@
-//! Cost of models sample by sample, side by side.
+//! Cost per sample of models, side by side.
 
 use std::time::Duration;
 
@@ -11,12 +11,12 @@ use crate::hammerstein::Model;
 pub struct Cost {
     /// States of its dynamic block.
     pub states: usize,
-    /// Nanoseconds a sample on this machine: least of the rounds.
+    /// Nanoseconds per sample on this machine: least of the rounds.
     pub nanoseconds: f64,
 }
 
 /// Realises `models` for `sample_rate_hz` and times them along the same drive in turns. Comparable with each
-/// other, not with another run or machine; `now` is a clock. A model that cannot be realised is no error of
+/// other, not with another run or machine; `now` is a clock. A model that cannot be realised does not affect
 /// the others.
 pub fn side_by_side(
     models: &[&Model],
@@ -32,7 +32,7 @@ pub fn side_by_side(
         .map(|model| {
             let realised = realise(model, sample_rate_hz, options)?;
             let mut parts = StreamParts::new(&realised)?;
-            // One that does not get through alone would end the turns of all.
+            // A model that fails on its own would end the timing of all.
             let mut out = vec![0.0; drive.len()];
             parts.stream().and_then(|mut stream| {
                 stream.rest_at(first)?;

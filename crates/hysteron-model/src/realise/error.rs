@@ -1,4 +1,4 @@
-//! Why a model was not realised.
+//! Errors of a realisation.
 
 use crate::dynamics::DynamicsError;
 use crate::hammerstein::SimulationError;
@@ -8,7 +8,7 @@ use crate::hysteresis::HysteresisError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RealiseError {
-    /// A number of the options is not usable.
+    /// An option is out of range.
     #[error("{name} must be {allowed}, but it is {value}")]
     Option {
         /// Its name, with its unit where it has one.
@@ -28,14 +28,14 @@ pub enum RealiseError {
         scheme: &'static str,
         /// Rate of the model \[Hz\].
         model_hz: f64,
-        /// Rate asked for \[Hz\].
+        /// Rate requested \[Hz\].
         rate_hz: f64,
     },
-    /// The gain at zero frequency is infinite, or not reached in any time that matters: the lowest frequency
-    /// of the realisation must be named.
+    /// The gain at zero frequency is infinite, or not reached within practical times: the lowest frequency of
+    /// the realisation must be named.
     #[error(
-        "the model creeps for ever (its gain at zero frequency is infinite, or not reached in any time that \
-         matters): name the lowest frequency to realise it down to"
+        "the model creeps for ever (its gain at zero frequency is infinite, or not reached within practical \
+         times): give the lowest frequency of the realisation"
     )]
     LowestFrequency,
     /// The dynamics are not stable.
@@ -53,7 +53,7 @@ pub enum RealiseError {
          model leave {reached:e}"
     )]
     Accuracy {
-        /// Accuracy asked for.
+        /// Accuracy requested.
         wanted: f64,
         /// Accuracy reached.
         reached: f64,
@@ -68,16 +68,16 @@ pub enum RealiseError {
         /// Most.
         most: usize,
     },
-    /// Parameters that are in order in double precision are not in the number type asked for.
+    /// Parameters valid in double precision are invalid in the number type requested.
     #[error("the model's numbers are out of range, or not in order any more, in the number type asked for")]
     Rounded,
-    /// A sample without a result.
+    /// A step has no result.
     #[error(transparent)]
     Step(#[from] hysteron_rt::ModelError<f64>),
-    /// The dynamic block is not a sound one.
+    /// The dynamic block is invalid.
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),
-    /// The hysteresis block is not a sound one, or has no result.
+    /// The hysteresis block is invalid, or has no result.
     #[error(transparent)]
     Hysteresis(#[from] HysteresisError),
     /// The model could not be simulated to check the realisation.

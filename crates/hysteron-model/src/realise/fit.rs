@@ -5,10 +5,10 @@ use nalgebra::{DMatrix, DVector};
 use super::target::{Pole, Target};
 use hysteron_numeric::Complex64;
 
-/// Singular values below this share of the largest are left out: they buy accuracy with weights that cancel.
+/// Singular values below this share of the largest are left out: they gain accuracy by weights that cancel.
 const SMALLEST: f64 = 1e-11;
 
-/// A point of the fit: angle θ = ωh, and what an error there counts.
+/// A point of the fit: angle θ = ωh, and the weight of an error there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point {
     pub theta: f64,
@@ -34,8 +34,8 @@ impl FittedSections {
     }
 }
 
-/// Least squares over `points` for the weights of `poles` and of `taps` taps. The gain at rest, where there
-/// is one to meet, is met exactly, by the first tap. `None` where the equations cannot be solved.
+/// Least squares over `points` for the weights of `poles` and of `taps` taps. A prescribed static gain is met
+/// exactly, by the first tap. `None` where the equations cannot be solved.
 pub(super) fn weights(
     target: Target<'_>,
     at_rest: Option<f64>,
@@ -55,7 +55,7 @@ pub(super) fn weights(
             matrix[(2 * i, column)] = z.re * point.weight;
             matrix[(2 * i + 1, column)] = z.im * point.weight;
         };
-        // Every function less its value at rest, which the first tap makes up for.
+        // Every function minus its value at rest, which the first tap compensates.
         let less = |z: Complex64, at_rest: f64| if tied { z - at_rest } else { z };
         let mut column = 0;
         for tap in usize::from(tied)..taps {

@@ -1,4 +1,4 @@
-//! The dynamic block as sections, to a named accuracy.
+//! The dynamic block as sections, to a specified accuracy.
 
 use std::f64::consts::{PI, TAU};
 
@@ -17,13 +17,13 @@ use hysteron_numeric::Complex64;
 const MOST_POLES: usize = 64;
 /// Most whole samples of delay.
 const MOST_DELAY: usize = 1 << 20;
-/// Points of the fit a decade; those it is checked on are denser.
+/// Points of the fit per decade; those of the check are denser.
 const PER_DECADE: usize = 24;
 /// Images of the sampled spectrum that the error is summed over, to either side.
 const IMAGES: i32 = 12;
-/// Lowest angle looked at for a response that settles.
+/// Lowest angle evaluated for a response that settles.
 const LOWEST: f64 = 1e-12;
-/// A gain at rest below this share of the largest is no measure of the range.
+/// A static gain below this share of the largest does not measure the range.
 const SMALL_GAIN: f64 = 1e-3;
 
 /// The dynamic block, delay included, as taps and stable sections of first and second order:
@@ -41,8 +41,8 @@ pub struct LinearRealisation {
     pub rest_gain: f64,
     /// Largest |error of the response| over the band, as a share of `reference_gain`.
     pub frequency_error: f64,
-    /// The gain that errors are measured against: that at rest (at the lowest frequency where it is
-    /// infinite); the largest where that is next to nothing.
+    /// The gain that errors are relative to: the static gain (that at the lowest frequency where it is
+    /// infinite); the largest where that is negligible.
     pub reference_gain: f64,
     /// The band \[Hz\]: from rest, or the lowest frequency, to half the sample rate.
     pub band_hz: (f64, f64),
@@ -67,13 +67,13 @@ impl LinearRealisation {
         self.sections.iter().map(Section::states).sum()
     }
 
-    /// Sum of taps and sections at rest; where the model creeps for ever, the gain at which creep stops.
+    /// Sum of taps and sections at rest; for unbounded creep, the gain at which creep stops.
     pub fn held_gain(&self) -> f64 {
         self.taps.iter().sum::<f64>() + self.sections.iter().map(|s| s.weight.re).sum::<f64>()
     }
 
-    /// Σ |weights| over the gain that errors are measured against: what the rounding of a coefficient is
-    /// amplified by.
+    /// Σ |weights| over the gain that errors are relative to: the amplification of the rounding of a
+    /// coefficient.
     pub fn amplification(&self) -> f64 {
         let taps: f64 = self.taps.iter().map(|tap| tap.abs()).sum();
         let sections: f64 = self.sections.iter().map(|s| s.weight.norm()).sum();
@@ -201,16 +201,16 @@ fn pole_count(g: &TransferFunction, found: usize) -> usize {
     if whole { (high - low) as usize } else { found }
 }
 
-/// A response to follow.
+/// A response to fit.
 struct Problem<'a> {
     target: Target<'a>,
-    /// Poles that are known.
+    /// Known poles.
     poles: Vec<Pole>,
     /// Resonances \[rad/s\], about which points are dense.
     resonances: Vec<Complex64>,
     sample_rate_hz: f64,
     accuracy: f64,
-    /// Power of 1/θ by which the input falls off above half the sample rate: 1 held, 2 on straight lines.
+    /// Power of 1/θ by which the input falls off above half the sample rate: 1 held, 2 linear.
     fall: i32,
     /// Gain at rest, where the band reaches down to it; it is met exactly.
     tied: Option<f64>,
@@ -269,7 +269,7 @@ impl<'a> Problem<'a> {
         Ok(problem)
     }
 
-    /// Highest angle that is fitted: images of the sampled spectrum are answers to G above half the sample
+    /// Highest angle that is fitted: images of the sampled spectrum are responses to G above half the sample
     /// rate.
     fn high(&self) -> f64 {
         if self.target.is_continuous() { TAU * f64::from(IMAGES) } else { PI }
@@ -320,8 +320,8 @@ impl<'a> Problem<'a> {
         Err(RealiseError::Accuracy { wanted: self.accuracy, reached, poles: MOST_POLES })
     }
 
-    /// Largest error over the band, as a share of the reference: on the s-plane of the sampled answer to
-    /// straight lines or held samples, all images of which are taken to add up.
+    /// Largest error over the band, as a share of the reference: on the s-plane, of the sampled response to a
+    /// linear or held input, all images assumed to add up.
     fn error(&self, fitted: &FittedSections, check: &[Point]) -> f64 {
         let error =
             |theta: f64| (fitted.at(self.target, theta) - self.target.at(theta)).norm() / self.reference;
@@ -369,7 +369,7 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Poles over the band where there is no cut to go by.
+/// Poles over the band where there is no cut.
 fn spread(low: f64, high: f64, count: usize) -> Vec<f64> {
     (0..count).map(|k| low * (high / low).powf((k as f64 + 0.5) / count as f64)).collect()
 }

@@ -1,10 +1,10 @@
-//! An identified model as a fixed number of real poles and pole pairs: what runs sample by sample at a
+//! An identified model as a fixed number of real poles and pole pairs, to run sample by sample at a
 //! controller's rate.
 //!
 //! [`realise`] makes a [`Realisation`] of any [`Model`]: poles of the transfer function on the main sheet
-//! exactly, its branch cut by real poles, their number grown until the response follows the batch
-//! simulation's to a named accuracy. The sections are stable and real by construction: every pole is placed
-//! before any weight is fitted. Theory and limits: `docs/theory/realisation.md`.
+//! exactly, its branch cut by real poles, as many as bring the response within a specified accuracy of the
+//! batch simulation's. The sections are stable and real by construction: every pole is placed before any
+//! weight is fitted. Theory and limits: `docs/theory/realisation.md`.
 
 mod cost;
 mod error;
@@ -38,8 +38,7 @@ use serde::{Deserialize, Serialize};
 pub struct RealiseOptions {
     /// Largest error of the response over the band, as a share of the gain at rest.
     pub accuracy: f64,
-    /// Frequency \[Hz\] down to which a model that creeps for ever is realised; below it the realisation
-    /// stops creeping.
+    /// Frequency \[Hz\] down to which unbounded creep is realised; below it the realisation stops creeping.
     pub lowest_frequency_hz: Option<f64>,
 }
 
@@ -59,8 +58,8 @@ pub struct Realisation {
     pub dynamics: LinearRealisation,
     /// The rate \[Hz\].
     pub sample_rate_hz: f64,
-    /// Whether moves are looked at half-way, so that what the hysteresis does between samples enters with its
-    /// mean: where the batch simulation does so (drive along straight lines, scheme `band-limited`).
+    /// True if moves are evaluated half-way, so that the hysteresis between samples enters with its mean:
+    /// where the batch simulation does so (linear drive, scheme `band-limited`).
     pub joins_means: bool,
 }
 
@@ -101,8 +100,8 @@ pub fn realise(
     Ok(Realisation { model: model.clone(), dynamics, sample_rate_hz, joins_means })
 }
 
-/// The dynamic block, delay included, as it answers a drive that is held between samples, whatever the model
-/// was identified under.
+/// The dynamic block, delay included, under a zero-order hold, whatever the inter-sample behaviour of the
+/// identification.
 pub(crate) fn held(
     model: &Model,
     sample_rate_hz: f64,

@@ -1,5 +1,4 @@
-//! The hysteresis block in one number type: numbers and memory of the operator that `hysteron-rt` runs a
-//! family by.
+//! The hysteresis block in one number type: numbers and memory of the operator of `hysteron-rt` for a family.
 
 use hysteron_rt::{
     ActivatedPlays, BoucWen, BrokenLine, IncrementMemory, ModelError, Operator, Plane, PlayBank, Real,
@@ -26,7 +25,7 @@ pub(super) struct OperatorParts<T> {
     turns: Vec<Turn<T>>,
 }
 
-/// Polynomial and operator of a hysteresis block, for so many samples a second.
+/// Polynomial and operator of a hysteresis block at this sample rate.
 pub(super) fn parts<T: Real>(
     hysteresis: &Hysteresis,
     sample_rate_hz: f64,

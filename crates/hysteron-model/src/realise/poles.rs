@@ -8,14 +8,14 @@ use super::target::{Pole, Target};
 use crate::dynamics::{Arx, TransferFunction};
 use hysteron_numeric::Complex64;
 
-/// Parts of a decade over which the density of a branch cut is summed.
+/// Steps per decade over which the density of a branch cut is summed.
 const PER_DECADE: usize = 12;
-/// Decades of a branch cut looked at.
+/// Decades of a branch cut evaluated.
 const DECADES: (i32, i32) = (-12, 12);
 /// Poles are spread over ln x as this power of the density: weak ends of the cut get fewer.
 const SPREAD: f64 = 0.2;
-/// Steps a decade in which poles on the cut are looked for, and what the denominator is there at most, as a
-/// share of its terms.
+/// Steps per decade of the search for poles on the cut, and largest denominator at one, as a share of its
+/// terms.
 const ON_CUT_PER_DECADE: usize = 48;
 const ON_CUT: f64 = 1e-9;
 /// Relative distance of the members of a multiple pole.
@@ -87,8 +87,8 @@ pub(super) fn of_transfer_function(target: Target<'_>, found: &[Complex64], coun
 
 /// Poles of G that lie on its branch cut \[rad/s\], which no search of the main sheet finds: where the
 /// denominator has a factor of whole orders, as creep by relaxations beside fractional modes has, it vanishes
-/// on both sides of the cut at once. Between two of them, apart by more than a step, the denominator turns
-/// round.
+/// on both sides of the cut at once. Between two of them, more than a step apart, the denominator reverses
+/// its direction.
 pub(super) fn on_the_cut(g: &TransferFunction) -> Vec<f64> {
     // The denominator on the upper side of the cut at e^ln_x, and what rounding is measured by.
     let at = |ln_x: f64| {
@@ -130,7 +130,7 @@ pub(super) fn of_arx(arx: &Arx) -> Vec<Pole> {
             companion[(i + 1, i)] = 1.0;
         }
     }
-    // As 1 − a. Rounding tears a multiple eigenvalue into a ring about itself.
+    // As 1 − a. Rounding spreads a multiple eigenvalue into a ring about itself.
     let mut left: Vec<Complex64> =
         companion.complex_eigenvalues().iter().map(|z| Complex64::new(1.0 - z.re, -z.im)).collect();
     let mut poles = Vec::new();
@@ -149,7 +149,7 @@ pub(super) fn of_arx(arx: &Arx) -> Vec<Pole> {
     poles
 }
 
-/// `count` places about one, as far apart as weights can tell them.
+/// `count` places about one, far enough apart for weights to resolve them.
 fn side_by_side(place: Complex64, count: usize) -> impl Iterator<Item = Complex64> {
     (0..count).map(move |j| place * (1.0 + SPLIT * (j as f64 - 0.5 * (count as f64 - 1.0))))
 }
@@ -159,7 +159,7 @@ pub(super) fn about(s: Complex64, period: f64) -> impl Iterator<Item = f64> {
     (-12..=12).map(move |k: i32| (s.im + s.re.abs() * (0.45 * f64::from(k)).sinh()) * period)
 }
 
-/// Angles from `low` to `high` on a logarithmic scale, `per_decade` a decade.
+/// Angles from `low` to `high` on a logarithmic scale, `per_decade` per decade.
 pub(super) fn logarithmic(low: f64, high: f64, per_decade: usize) -> impl Iterator<Item = f64> {
     let count = ((high / low).log10() * per_decade as f64).ceil().max(1.0) as usize;
     (0..=count).map(move |k| low * (high / low).powf(k as f64 / count as f64))

@@ -17,12 +17,12 @@ pub struct Section {
 }
 
 impl Section {
-    /// Whether it is a pair of poles.
+    /// True if it is a pair of poles.
     pub fn is_pair(&self) -> bool {
         self.gain.im != 0.0
     }
 
-    /// Whether both poles lie inside the unit circle.
+    /// True if both poles lie inside the unit circle.
     pub fn is_stable(&self) -> bool {
         // |1 − g|² < 1.
         self.gain.norm_sqr() < 2.0 * self.gain.re
@@ -33,7 +33,7 @@ impl Section {
         if self.is_pair() { 2 } else { 1 }
     }
 
-    /// −ln |a| times the sample rate: the rate \[rad/s\] at which the section forgets.
+    /// −ln |a| times the sample rate: the rate \[rad/s\] at which the section decays.
     pub fn rate(&self, sample_rate_hz: f64) -> f64 {
         -0.5 * (self.gain.norm_sqr() - 2.0 * self.gain.re).ln_1p() * sample_rate_hz
     }
@@ -46,8 +46,8 @@ pub(super) struct Discrete {
     pub sections: Vec<Section>,
 }
 
-/// The sampled answer of poles on the s-plane to an input that goes along straight lines between its samples,
-/// or is held, read a `fraction` of a sample earlier: exact.
+/// The exact sampled response of poles on the s-plane to an input that is linear or held between its samples,
+/// delayed by a `fraction` of a sample.
 pub(super) fn of_continuous(fitted: &FittedSections, rule: InterSample, fraction: f64) -> Discrete {
     let held = rule == InterSample::Hold;
     let direct: f64 = fitted.taps.iter().sum();
@@ -79,15 +79,15 @@ pub(super) fn of_continuous(fitted: &FittedSections, rule: InterSample, fraction
 /// x), place = p h.
 fn answer(place: Complex64, held: bool, fraction: f64) -> (Complex64, [Complex64; 3]) {
     let gain = -expm1(place);
-    // Of a stretch of length t (in samples): the constant moves the state by 1 − e^(pt), what rises by 1 over
-    // it by its second.
+    // Of a stretch of length t (in samples): a constant moves the state by 1 − e^(pt), a ramp of 1 over it by
+    // the second number.
     let stretch = |t: f64| {
         let forget = -expm1(place * t);
         let rise = if t == 0.0 { Complex64::ZERO } else { 1.0 - mean_of_exp(place * t) };
         (forget, rise)
     };
     let (early, late) = (stretch(fraction), stretch(1.0 - fraction));
-    // The state after the early stretch is still forgotten over the late one.
+    // The state after the early stretch still decays over the late one.
     let fade = 1.0 - late.0;
     let zero = Complex64::ZERO;
     if held {
@@ -117,8 +117,8 @@ fn mean_of_exp(x: Complex64) -> Complex64 {
     (1..=10).rev().fold(Complex64::ONE, |sum, k| 1.0 + sum * x / f64::from(k + 1))
 }
 
-/// Sections fitted on the q-plane, behind a delay of a `fraction` of a sample on straight lines: (1 − f) + f
-/// q times them.
+/// Sections fitted on the q-plane, with a linearly interpolated delay of a `fraction` of a sample: (1 − f) +
+/// f q times them.
 pub(super) fn of_sampled(fitted: &FittedSections, fraction: f64) -> Discrete {
     let f = fraction;
     let own = fitted.taps.len();

@@ -20,7 +20,7 @@ pub struct RuntimeParts<T> {
     joins_means: bool,
 }
 
-/// The numbers of [`RuntimeParts`], as another program would run them.
+/// The numbers of [`RuntimeParts`], for other programs to run.
 #[derive(Clone, Copy, Debug)]
 pub struct Coefficients<'a, T> {
     /// l\[u\] = Σ_{i≥1} polynomial\[i−1\] uⁱ.
@@ -33,7 +33,7 @@ pub struct Coefficients<'a, T> {
     pub delay_samples: usize,
     /// Constant of the output \[µm\].
     pub offset: T,
-    /// Whether moves are looked at half-way ([`hysteron_rt::Means`]).
+    /// True if moves are evaluated half-way ([`hysteron_rt::Means`]).
     pub joins_means: bool,
 }
 
@@ -102,7 +102,7 @@ impl<T: Real> RuntimeParts<T> {
     /// The parts of a realisation, rounded to `T`.
     ///
     /// # Errors
-    /// [`RealiseError::Rounded`] where a parameter is not one any more once rounded.
+    /// [`RealiseError::Rounded`] where rounding makes a parameter invalid.
     pub fn new(realisation: &Realisation) -> Result<Self, RealiseError> {
         let model = &realisation.model;
         let (polynomial, operator) = parts(&model.hysteresis, realisation.sample_rate_hz)?;
@@ -128,7 +128,7 @@ impl<T: Real> RuntimeParts<T> {
         }
     }
 
-    /// The model, at rest and virgin at 0 V. What it remembered before is forgotten.
+    /// The model, at rest and virgin at 0 V; clears its memory.
     ///
     /// # Errors
     /// [`RealiseError::Rounded`] where the coefficients are not finite in this number type.
@@ -175,7 +175,8 @@ impl StreamParts {
 }
 
 impl Stream<'_> {
-    /// Puts the model at rest, and its hysteresis virgin, at `voltage` \[V\]; the displacement there \[µm\].
+    /// Resets the model to rest, its hysteresis virgin, at `voltage` \[V\]; returns the displacement there
+    /// \[µm\].
     ///
     /// # Errors
     /// [`RealiseError::Step`] for a voltage that is not finite.
@@ -204,8 +205,8 @@ impl Stream<'_> {
     }
 }
 
-/// Nanoseconds a sample of each stream along `drive`: the least of `rounds` passes, which the streams take in
-/// turn, so that whatever else the machine does meets all of them; `now` is a clock, from any time on.
+/// Nanoseconds per sample of each stream along `drive`: the least of `rounds` passes, which the streams take
+/// in turn, so that other load on the machine affects all of them; `now` is a clock with any origin.
 ///
 /// # Errors
 /// Those of [`Stream::step`].

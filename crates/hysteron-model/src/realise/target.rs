@@ -1,4 +1,4 @@
-//! Target of a realisation: the response of the dynamic block as the batch simulation has it.
+//! Target of a realisation: the response of the dynamic block in the batch simulation.
 
 use std::f64::consts::PI;
 
@@ -11,8 +11,8 @@ use hysteron_numeric::Complex64;
 /// The response without delay, on one of two planes.
 ///
 /// Under a scheme that replaces s by δ(q)/h the batch simulation is a response in q, and so is ARX. Under
-/// `BandLimited` it is G on the imaginary axis; poles are fitted there, and what the input does between its
-/// samples is worked out exactly afterwards.
+/// `BandLimited` it is G on the imaginary axis; poles are fitted there, and the inter-sample behaviour of the
+/// input is added exactly afterwards.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Target<'a> {
     Continuous { g: &'a TransferFunction, rate_hz: f64 },
@@ -20,10 +20,10 @@ pub(super) enum Target<'a> {
     Arx { arx: &'a Arx, first: usize },
 }
 
-/// A pole of a fit: what its first-order section is made of.
+/// A pole of a fit, which defines its first-order section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pole {
-    /// p h on the s-plane, 1 − a on the q-plane. With an imaginary part above 0 it stands for a pair.
+    /// p h on the s-plane, 1 − a on the q-plane. With an imaginary part above 0 it represents a pair.
     pub place: Complex64,
 }
 
@@ -94,7 +94,7 @@ impl Target<'_> {
         [0.5 * (own + other), 0.5 * Complex64::I * (own - other)]
     }
 
-    /// The poles that answer a pole of G at `s` \[rad/s\], upper half-plane.
+    /// The poles that represent a pole of G at `s` \[rad/s\], upper half-plane.
     pub fn poles_of(self, s: Complex64) -> Vec<Pole> {
         let (scheme, y) = match self {
             Self::Continuous { rate_hz, .. } => return vec![Pole { place: s / rate_hz }],
@@ -107,7 +107,7 @@ impl Target<'_> {
             Scheme::Bdf2 => {
                 // q = 2 ∓ √(1 − 2y), both on the sheet. The farther one, and all of the cut beyond y = ½,
                 // where q is complex, have
-                // |q| ≥ 2: taps answer for them.
+                // |q| ≥ 2: taps represent them.
                 if y.im == 0.0 && y.re >= 0.5 {
                     return Vec::new();
                 }
@@ -119,7 +119,7 @@ impl Target<'_> {
         vec![Pole { place: upper(real_if_close(place)) }]
     }
 
-    /// Taps that the poles leave a need for.
+    /// Number of taps needed beside the poles.
     pub fn taps(self) -> usize {
         match self {
             Self::Continuous { .. } => 1,
@@ -133,7 +133,7 @@ impl Target<'_> {
         }
     }
 
-    /// Whether there is a branch cut beside the poles.
+    /// True if there is a branch cut beside the poles.
     pub fn has_cut(self) -> bool {
         match self {
             Self::Continuous { g, .. } | Self::Sampled { g, .. } => !g.is_integer_order(),
@@ -152,7 +152,7 @@ impl Target<'_> {
     }
 }
 
-/// Without an imaginary part that is rounding.
+/// Drops an imaginary part that is only rounding.
 pub(super) fn real_if_close(z: Complex64) -> Complex64 {
     if z.im.abs() < 1e-13 * z.norm() { z.re.into() } else { z }
 }

@@ -1,4 +1,4 @@
-//! A realisation beside the batch simulation of its model.
+//! Comparison of a realisation with the batch simulation of its model.
 
 use std::f64::consts::TAU;
 

@@ -10,8 +10,8 @@ impl Channel {
         Channel { name: name.to_string(), unit: Unit::new(unit), samples }
     }
 
-    /// Column header that [`split_header`] takes apart again: `u_V`; `x [counts]` where the unit is not a
-    /// known one; `y` or `x_s []` where there is none.
+    /// Column header that [`split_header`] splits again: `u_V`; `x [counts]` where the unit is not a known
+    /// one; `y` or `x_s []` where there is none.
     pub fn header(&self) -> String {
         header_of(&self.name, &self.unit)
     }
@@ -25,7 +25,7 @@ impl Channel {
         }
     }
 
-    /// Whether `asked` means this channel: its header or its bare name, exactly.
+    /// True if `asked` names this channel: its header or its bare name, exactly.
     pub(crate) fn is_called(&self, asked: &str) -> bool {
         self.name == asked || self.header() == asked
     }
@@ -46,7 +46,7 @@ impl Record {
         Err(self.no_such(asked, role))
     }
 
-    /// The refusal of a channel that is not there.
+    /// The error for a missing channel.
     pub(super) fn no_such(&self, asked: &str, role: ColumnRole) -> RecordError {
         RecordError::NoSuchChannel {
             record: self.name.clone(),
@@ -65,11 +65,11 @@ pub fn header_of(name: &str, unit: &Unit) -> String {
     if back.0 == name && back.1 == *unit { suffixed } else { format!("{name} [{symbol}]") }
 }
 
-/// Takes a column header apart into name and unit.
+/// Splits a column header into name and unit.
 ///
-/// The unit is the longest suffix behind an underscore that is a known unit (`u_V`, `u_cmd_V`, `H_A_per_m`,
-/// `y1_nm`; `in`, inches, behind the name of a displacement alone), or stands in brackets, known or not
-/// (`Voltage (V)`, `y [µm]`). A header without one has the empty unit.
+/// The unit is the longest suffix after an underscore that is a known unit (`u_V`, `u_cmd_V`, `H_A_per_m`,
+/// `y1_nm`; `in`, inches, only after the name of a displacement), or is in brackets, known or not (`Voltage
+/// (V)`, `y [µm]`). A header without one has the empty unit.
 pub fn split_header(header: &str) -> (String, Unit) {
     let header = header.trim();
     for (open, close) in [('[', ']'), ('(', ')')] {
@@ -89,7 +89,7 @@ pub fn split_header(header: &str) -> (String, Unit) {
     (header.to_string(), Unit::new(""))
 }
 
-/// Whether a name is that of a displacement, so that `in` behind it are inches, where `u_in` is an input.
+/// True if a name is that of a displacement, so that `in` after it means inches, whereas `u_in` is an input.
 fn is_displacement(name: &str) -> bool {
     const WORDS: [&str; 11] = [
         "output",

@@ -68,10 +68,10 @@ impl InputOutput {
         })
     }
 
-    /// Sample rate \[Hz\], or why there is none.
+    /// Sample rate \[Hz\], or the error for a base without one.
     ///
     /// # Errors
-    /// [`RecordError::NotUniform`]; `purpose` says what needs the rate.
+    /// [`RecordError::NotUniform`]; `purpose` names the step that needs the rate.
     pub fn require_sample_rate_hz(&self, purpose: &'static str) -> Result<f64, RecordError> {
         self.sample_rate_hz().ok_or_else(|| RecordError::NotUniform {
             record: self.name.clone(),

@@ -10,7 +10,7 @@ use crate::advice::ColumnRole;
 use super::turning_points::{range_of, turning_points};
 use super::{Record, RecordError, TimeBase};
 
-/// Reversals of less than this share of the drive's range are none: noise of a measured drive.
+/// Reversals of less than this share of the drive's range do not count: noise of a measured drive.
 const SMALLEST_SWING: f64 = 0.02;
 /// A stamp that lies outside of the time kept by less than this share of the mean period is inside.
 const TIME_TOLERANCE_PERIODS: f64 = 1e-6;
@@ -129,7 +129,7 @@ impl FromStr for Turns {
 }
 
 impl Cut {
-    /// Whether the whole record is kept.
+    /// True if the whole record is kept.
     pub fn is_whole(&self) -> bool {
         *self == Cut::default()
     }

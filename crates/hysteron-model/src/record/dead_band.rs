@@ -1,8 +1,8 @@
-//! Drives below what an amplifier follows.
+//! Dead band of an amplifier.
 
 use crate::finding::{Finding, FindingKind};
 
-/// Sets a drive to 0 where it is smaller than `threshold`, in its unit; what was done, in words.
+/// Sets a drive to 0 where it is smaller than `threshold`, in its unit; returns a finding with the count.
 pub fn beyond_dead_band(u: &mut [f64], threshold: f64) -> Finding {
     let within = u.iter_mut().filter(|u| u.abs() < threshold);
     let count = within.map(|u| *u = 0.0).count();

@@ -1,4 +1,4 @@
-//! Delay between drive and output, without mistaking the width of the loop for it.
+//! Delay between drive and output, distinguished from the lag of the hysteresis loop.
 //!
 //! A hysteresis loop lags by the same *angle* at every frequency, a delay by the same *time*. One steady
 //! frequency cannot distinguish them; a start from rest, or several frequencies, can.
@@ -19,7 +19,7 @@ const FEWEST_RESPONSES: usize = 8;
 /// Delay identified from a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DelayFinding {
-    /// From a jump out of rest: pure dead time beside a first-order lag.
+    /// From a jump out of rest: pure dead time plus a first-order lag.
     FromStartUp(StartUp),
     /// From the phase over frequency: φ(f) = −φ₀ − 2π f τ.
     FromPhase {
@@ -33,20 +33,20 @@ pub enum DelayFinding {
         /// Lowest and highest frequency used \[Hz\].
         band_hz: (f64, f64),
     },
-    /// One frequency in steady state: all that is known is that delay and loop width together make this lag.
+    /// One frequency in steady state: only the sum of delay and loop lag is known.
     Inseparable {
         /// The frequency \[Hz\].
         frequency_hz: f64,
-        /// Lag of the output's fundamental \[s\]: what the delay would be if there were no hysteresis.
+        /// Lag of the output's fundamental \[s\]: the delay if there were no hysteresis.
         at_most_s: f64,
     },
-    /// Nothing in the record speaks of it.
+    /// The record does not determine it.
     Unknown,
 }
 
 /// Estimates the delay of the output behind the drive: from a start-up out of rest where there is one, else
-/// from the phase over at least a factor of three in frequency, else an upper bound from the one frequency
-/// there is. `None` without a uniform time base.
+/// from the phase over at least a factor of three in frequency, else an upper bound from the only frequency.
+/// `None` without a uniform time base.
 pub fn find_delay(
     data: &InputOutput,
     kind: &ExcitationKind,
@@ -75,7 +75,7 @@ pub struct Response {
     pub gain: f64,
     /// Phase \[rad\], −π … π; π is added where the characteristic falls.
     pub phase_rad: f64,
-    /// Weight of the phase, the reciprocal of its variance but for a common factor.
+    /// Weight of the phase, the reciprocal of its variance up to a common factor.
     pub weight: f64,
 }
 

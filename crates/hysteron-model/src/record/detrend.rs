@@ -11,7 +11,7 @@ use super::{Record, RecordError};
 pub struct Trend {
     /// Mean of the valid samples, in the channel's unit.
     pub mean: f64,
-    /// Slope \[unit per second\]; 0 where the mean alone was asked for.
+    /// Slope \[unit per second\]; 0 where the mean alone was requested.
     pub per_s: f64,
     /// Mean time of the valid samples \[s\].
     pub mean_time_s: f64,

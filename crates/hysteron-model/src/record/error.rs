@@ -57,7 +57,7 @@ pub enum RecordError {
         /// The value found.
         value: f64,
     },
-    /// A channel name that no file could carry back.
+    /// A channel name that cannot be written to a file and read back.
     #[error(
         "record `{record}`: `{}` is not a channel name; use printable characters, not empty, no blanks at \
          the ends",
@@ -77,14 +77,14 @@ pub enum RecordError {
         /// Header (name and unit) of both.
         channel: String,
     },
-    /// A chosen channel that is not there.
+    /// The chosen channel does not exist.
     #[error(
         "record `{record}` has no channel `{asked}` to be the {role}; it has {available}; choose one of them"
     )]
     NoSuchChannel {
         /// Name of the record.
         record: String,
-        /// The channel asked for.
+        /// The channel requested.
         asked: String,
         /// Role it is chosen for.
         role: ColumnRole,
@@ -216,7 +216,7 @@ pub enum RecordError {
     NotUniform {
         /// Name of the record.
         record: String,
-        /// Operation asked for.
+        /// Operation requested.
         purpose: &'static str,
         /// Description of the time base.
         found: &'static str,
@@ -226,7 +226,7 @@ pub enum RecordError {
     BadRange {
         /// Name of the record.
         record: String,
-        /// First sample asked for.
+        /// First sample requested.
         start: usize,
         /// End of the range (exclusive).
         end: usize,
@@ -286,7 +286,7 @@ pub enum RecordError {
         channel: String,
         /// Its one value.
         value: f64,
-        /// Operation asked for.
+        /// Operation requested.
         purpose: &'static str,
     },
     /// A signal in which no period was found.
@@ -294,7 +294,7 @@ pub enum RecordError {
     NotPeriodic {
         /// Name of the record.
         record: String,
-        /// Operation asked for.
+        /// Operation requested.
         purpose: &'static str,
     },
     /// A step that needs time stamps.
@@ -304,10 +304,10 @@ pub enum RecordError {
     NoTimes {
         /// Name of the record.
         record: String,
-        /// Operation asked for.
+        /// Operation requested.
         purpose: &'static str,
     },
-    /// A cut that keeps next to nothing.
+    /// A cut that keeps fewer than two samples.
     #[error(
         "record `{record}`: the cut keeps {kept} of {samples} samples, at least 2 are needed; the record \
          holds {holds}"
@@ -319,10 +319,10 @@ pub enum RecordError {
         kept: usize,
         /// Samples of the record.
         samples: usize,
-        /// Range of its time and of the columns asked for.
+        /// Range of its time and of the columns requested.
         holds: String,
     },
-    /// A text asked of a column of numbers.
+    /// A text condition on a column of numbers.
     #[error(
         "record `{record}`: channel `{channel}` holds numbers, `{text}` is none; ask for a number or a range"
     )]
@@ -334,7 +334,7 @@ pub enum RecordError {
         /// The text.
         text: String,
     },
-    /// Fewer turning points than asked for.
+    /// Fewer turning points than requested.
     #[error("record `{record}`: channel `{channel}` turns {found} times, turning point {asked} is asked for")]
     TooFewTurns {
         /// Name of the record.
@@ -364,7 +364,7 @@ pub enum RecordError {
     JoinOrder {
         /// Name of the record before.
         earlier: String,
-        /// Name of the record behind it.
+        /// Name of the later record.
         later: String,
         /// Last stamp of the one \[s\].
         ends_s: f64,
@@ -432,7 +432,7 @@ pub enum RecordError {
 }
 
 impl RecordError {
-    /// Remedy, where there is one that the user can choose.
+    /// Remedy available to the user, if any.
     pub fn advice(&self) -> Option<Advice> {
         match self {
             Self::NoSuchChannel { role, .. }

@@ -131,7 +131,7 @@ pub fn excitation_kind(u: &[f64]) -> ExcitationKind {
     ExcitationKind::Broadband { from, to }
 }
 
-/// Whether more than half of the samples repeat their predecessor, and at least half of the other moves
+/// True if more than half of the samples repeat their predecessor, and at least half of the other moves
 /// exceed 2 % of the range.
 fn is_held(u: &[f64], span: f64) -> bool {
     let held = u.windows(2).filter(|w| (w[1] - w[0]).abs() <= 1e-9 * span).count();

@@ -6,9 +6,9 @@ use crate::record::RecordError;
 use hysteron_numeric::Complex64;
 use nalgebra::Matrix4x3;
 
-/// Fewest points of which a scatter is told.
+/// Fewest points for an estimate of scatter.
 const FEWEST_POINTS: usize = 12;
-/// Points whose scatter is taken together.
+/// Points whose scatter is combined.
 const NEIGHBOURS: usize = 11;
 /// A point that scatters by more than this share of its value is noise.
 pub const NOISY: f64 = 0.3;
@@ -54,7 +54,7 @@ impl FrequencyResponse {
         self.frequency_hz.len()
     }
 
-    /// Whether there is no point.
+    /// True if there is no point.
     pub fn is_empty(&self) -> bool {
         self.frequency_hz.is_empty()
     }
@@ -151,16 +151,16 @@ impl FrequencyResponse {
         (0..n).map(|i| middle(i) / 2f64.ln().sqrt()).collect()
     }
 
-    /// The points that say more than noise: without those at either end that scatter by more than 30 % of
-    /// their value. `None` where that leaves out nothing, where the uncertainty is known, or where nothing is
-    /// left.
+    /// Band of the points above the noise: without those at either end that scatter by more than 30 % of
+    /// their value. `None` where that excludes nothing, where the uncertainty is known, or where fewer than
+    /// 12 points remain.
     pub fn band_above_noise(&self) -> Option<(f64, f64)> {
         if self.std_dev.is_some() {
             return None;
         }
         let clear: Vec<bool> =
             self.scatter().iter().zip(&self.values).map(|(s, g)| *s <= NOISY * g.norm()).collect();
-        // An end is noise up to the last noisy point before as many clear ones as are taken together.
+        // An end is noise up to the last noisy point before as many clear ones as are combined.
         let end = |flags: &mut dyn Iterator<Item = bool>| {
             let (mut run, mut cut) = (0, 0);
             for (k, clear) in flags.enumerate() {
@@ -180,7 +180,7 @@ impl FrequencyResponse {
 
     /// This response over another at the same frequencies, e.g. stage over amplifier voltage from two
     /// responses to one command. Independent uncertainties are combined to first order; where only one is
-    /// known it is taken alone.
+    /// known it is used alone.
     ///
     /// # Errors
     /// [`RecordError::OtherFrequencies`]; [`RecordError::ResponseValue`] for a zero divisor.

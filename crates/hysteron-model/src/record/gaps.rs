@@ -7,7 +7,7 @@ use super::turning_points::median;
 
 /// An interval longer than this many of its neighbours' periods is a gap.
 const LONGEST_PERIODS: f64 = 3.0;
-/// Intervals on either side that say what the period there is: the median of as many.
+/// Intervals on either side whose median is the period there.
 const NEIGHBOURS: usize = 3;
 
 /// A pause between two samples.
@@ -23,7 +23,8 @@ pub struct Gap {
 
 impl TimeBase {
     /// Gaps: intervals between stamps longer than three times the periods on both sides, where a period is
-    /// the median of three intervals. A change of the rate is none; nor are equal stamps of a coarse clock.
+    /// the median of three intervals. A change of the rate is not a gap, nor are equal stamps of a coarse
+    /// clock.
     pub fn gaps(&self) -> Vec<Gap> {
         let TimeBase::NonUniform { times_s } = self else { return Vec::new() };
         // Intervals between stamps that differ, with the sample that each begins behind.

@@ -12,7 +12,7 @@ use super::{
     servo,
 };
 
-/// Everything [`inspect`] finds. Frequencies in Hz where there is a uniform time base, else `None`.
+/// Result of [`inspect`]. Frequencies in Hz where there is a uniform time base, else `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inspection {
     /// Number of samples.
@@ -76,7 +76,7 @@ pub fn inspect(data: &InputOutput) -> Inspection {
     );
     let (delay, noise_floor) =
         rayon::join(|| find_delay(data, &kind, periods.as_ref()), || noise_floor(data, periods.as_ref()));
-    // Steps of the converter hide what is smaller, and leave their own rounding.
+    // Quantisation hides smaller noise and adds its own rounding.
     let rounding = output_step.map_or(0.0, |step| step / 12f64.sqrt());
     let noise_floor = noise_floor.map(|floor| {
         let hidden = floor.rms < rounding;
@@ -105,7 +105,7 @@ pub fn inspect(data: &InputOutput) -> Inspection {
         noise_floor,
         drift: periods.as_ref().and_then(|p| linear_drift(data, Some(p)).ok()),
         loop_shape: if makes_loop { settled_loop(data, settled) } else { None },
-        // A drive may rest where it likes; held for less than half a period it was cut off.
+        // A drive may rest at any level; held for less than half a period it was clipped.
         input_clipping: kind
             .span()
             .map_or(Clipping::default(), |(lowest, _)| clipping(&data.u, (0.5 / lowest.max(1e-9)) as usize)),
@@ -129,7 +129,7 @@ fn warning(text: String) -> Finding {
     Finding::new(FindingKind::Warning, "record", text)
 }
 
-/// Amplitudes of oscillation whose ratio exceeds this are two.
+/// Ratio above which amplitudes of oscillation count as different.
 const TWO_AMPLITUDES: f64 = 1.5;
 /// Shortest rest of the drive that shows creep \[s\].
 const SHOWS_CREEP_S: f64 = 5.0;
@@ -404,9 +404,9 @@ impl Inspection {
                 ))
             }
             Some(DelayFinding::Inseparable { frequency_hz, at_most_s }) => note(format!(
-                "The delay cannot be told from loop width: on one steady frequency ({}) both only shift the \
-                 output, together by {:.3} ms, so the delay is at most that. A sweep, or a start from rest \
-                 that a first-order lag describes, would tell them apart.",
+                "The delay cannot be distinguished from loop width: at one steady frequency ({}) both only \
+                 shift the output, together by {:.3} ms, so the delay is at most that. A sweep, or a start \
+                 from rest that a first-order lag describes, would separate them.",
                 hz(*frequency_hz),
                 1e3 * at_most_s
             )),

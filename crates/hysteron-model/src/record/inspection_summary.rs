@@ -1,4 +1,4 @@
-//! An inspection as data: every key names its unit, null where the record does not tell.
+//! An inspection as data: every key names its unit, null where the record does not determine it.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use crate::finding::Finding;
 /// Results of the inspection of one record.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InspectionSummary {
-    /// The record's file, or its name where it comes from none.
+    /// The record's file, or its name if it has none.
     pub record: String,
     /// Number of samples.
     pub samples: usize,
@@ -132,21 +132,21 @@ pub enum DelaySummary {
         /// Highest frequency used \[Hz\].
         high_hz: f64,
     },
-    /// One frequency does not tell delay from loop width.
+    /// One frequency does not distinguish delay from loop width.
     OneFrequency {
         /// The frequency \[Hz\].
         frequency_hz: f64,
         /// Delay if the loop had no width \[s\].
         at_most_s: f64,
     },
-    /// The record does not tell.
+    /// The record does not determine it.
     Nothing,
 }
 
 /// A finding about a record.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InspectionFinding {
-    /// Whether it stands in the way of a good model.
+    /// True if it is a warning.
     pub warning: bool,
     /// The finding.
     #[serde(flatten)]

@@ -6,7 +6,7 @@ use super::{Channel, Record, RecordError, TimeBase};
 const SAME_GRID_PERIODS: f64 = 1e-6;
 
 impl Record {
-    /// The records one behind the other, with the columns of the first. Pieces of one grid are uniform again;
+    /// The records one after the other, with the columns of the first. Pieces of one grid are uniform again;
     /// a pause or another rate makes the time base non-uniform. The mask is that of the records, all valid
     /// where a record has none.
     ///
@@ -96,7 +96,7 @@ fn joined_time(name: &str, records: &[Record]) -> Result<TimeBase, RecordError> 
     if times.is_empty() { Ok(TimeBase::Unknown) } else { TimeBase::from_times(name, times) }
 }
 
-/// The grid that all records lie on, one behind the other without a pause.
+/// The grid that all records lie on, one after the other without a pause.
 fn one_grid(records: &[Record]) -> Option<TimeBase> {
     let (mut samples, mut jitter, mut grid) = (0, 0.0_f64, None);
     for record in records {

@@ -19,7 +19,7 @@ impl Keyed {
         self
     }
 
-    /// These entries and those of an object; a value that is none adds nothing.
+    /// These entries and those of an object; a value that is not an object adds nothing.
     #[must_use]
     pub fn with_all(mut self, object: &impl Serialize) -> Self {
         let entries = to_raw_value(object).and_then(|text| serde_json::from_str::<Self>(text.get()));
@@ -33,7 +33,7 @@ impl Keyed {
         self.with(key_in(key, symbol), value)
     }
 
-    /// Value of an entry; one that is not there reads as null.
+    /// Value of an entry; a missing one reads as null.
     ///
     /// # Errors
     /// The value is of another type, or the entry is missing and null is not allowed.

@@ -1,13 +1,13 @@
-//! Geometry of the loop of output over input: how wide, which way round, a butterfly or not.
+//! Geometry of the loop of output over input: opening, sense, and whether it is a butterfly.
 
 use super::turning_points::{range_of, turning_points};
 
-/// Which way the loop is run through with the input to the right and the output upwards.
+/// Sense of the loop with the input to the right and the output upwards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LoopSense {
-    /// Coming down the output lies above: with a positive gain the output lags, as in every piezo stack.
+    /// The descending branch lies above: with a positive gain the output lags, as in every piezo stack.
     CounterClockwise,
-    /// Coming down the output lies below: with a positive gain the output leads.
+    /// The descending branch lies below: with a positive gain the output leads.
     Clockwise,
 }
 
@@ -23,14 +23,14 @@ pub struct LoopShape {
     pub opening: f64,
     /// |`opening`| in % of `stroke`.
     pub opening_percent: f64,
-    /// Which way round; `None` where the opening is below 0.1 % of the stroke.
+    /// Sense of the loop; `None` where the opening is below 0.1 % of the stroke.
     pub sense: Option<LoopSense>,
     /// Slope of the straight line from the lowest to the highest input: sign of the gain.
     pub gain: f64,
-    /// Whether the output turns about twice as often as the input: two minima a period, as a ferroelectric
+    /// True if the output turns about twice as often as the input: two minima a period, as a ferroelectric
     /// driven through polarisation reversal has.
     pub butterfly: bool,
-    /// The record holds one loop alone, which ends where it began and is taken to repeat.
+    /// The record holds one loop alone, which ends where it began and is assumed to repeat.
     pub taken_to_repeat: bool,
 }
 
@@ -120,7 +120,7 @@ fn shape_of(
     })
 }
 
-/// Whether the output turns at least 1.6 times as often as the input, counting moves above 20 % of the
+/// True if the output turns at least 1.6 times as often as the input, counting moves above 20 % of the
 /// input's range and 10 % of the stroke (one wing of a butterfly that does not quite switch is that small).
 fn is_butterfly(u: &[f64], y: &[f64], span: f64, stroke: f64) -> bool {
     let input = turning_points(u, 0.2 * span).len() as f64;

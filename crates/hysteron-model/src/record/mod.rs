@@ -4,12 +4,12 @@
 //! in its units, as [`InputOutput`]. Preparation returns new records: [`Record::cut`], [`Record::joined`],
 //! [`Record::with_channel_scaled`], [`Record::with_trend_removed`], [`Record::resampled`], and several of
 //! these in turn [`Prepare`]; [`InputOutput::cropped`], [`InputOutput::decimated`],
-//! [`InputOutput::with_offset_removed`], [`InputOutput::with_drift_removed`]. What a record holds is found by
-//! [`find_periods`], [`noise_floor`], [`linear_drift`], [`find_delay`], [`loop_shape`], [`excitation_kind`],
-//! and all at once, with the reasons in plain words, by [`inspect`].
+//! [`InputOutput::with_offset_removed`], [`InputOutput::with_drift_removed`]. Properties of a record are
+//! found by [`find_periods`], [`noise_floor`], [`linear_drift`], [`find_delay`], [`loop_shape`],
+//! [`excitation_kind`], and all at once, with the reasons in plain words, by [`inspect`].
 //!
-//! A time base is asked for the time of a sample ([`TimeBase::time_s`]) or for its rate, where it has one;
-//! only here is it known what kinds there are, so that segments of different rates are one kind more.
+//! A time base gives the time of a sample ([`TimeBase::time_s`]) and its rate, where it has one; its kinds
+//! are known only here, so that segments of different rates could be one more kind.
 
 mod channel;
 mod crop;
@@ -133,7 +133,7 @@ pub enum TimeBase {
         /// given).
         jitter_samples: f64,
     },
-    /// One time stamp \[s\] a sample, increasing but not uniform: fine for a static fit, refused for
+    /// One time stamp \[s\] per sample, increasing but not uniform: fine for a static fit, refused for
     /// dynamics.
     NonUniform {
         /// Time stamps \[s\].
@@ -193,7 +193,7 @@ impl Record {
         self.channels.first().map_or(0, |c| c.samples.len())
     }
 
-    /// Whether there is no sample.
+    /// True if there is no sample.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -283,17 +283,17 @@ impl InputOutput {
         self.u.len()
     }
 
-    /// Whether there is no sample.
+    /// True if there is no sample.
     pub fn is_empty(&self) -> bool {
         self.u.is_empty()
     }
 
-    /// Path of the record's file, or its name where it comes from none.
+    /// Path of the record's file, or its name if it has none.
     pub fn label(&self) -> &str {
         self.source.as_ref().map_or(&self.name, |s| &s.path)
     }
 
-    /// Whether sample `k` is valid; nothing beyond the mask is.
+    /// True if sample `k` is valid; nothing beyond the mask is.
     pub fn is_valid(&self, k: usize) -> bool {
         self.valid.as_ref().is_none_or(|mask| mask.get(k) == Some(&true))
     }

@@ -18,7 +18,7 @@ pub enum NoiseMethod {
     /// From successive periods: rms of (y_(m+1) − y_m, its straight-line trend removed) / √2. Whatever
     /// repeats, and any slow drift, cancels.
     PeriodRepeats {
-        /// Differences of two periods it rests on.
+        /// Pairs of periods used.
         pairs: usize,
     },
     /// From fourth differences y_(k−2) − 4y_(k−1) + 6y_k − 4y_(k+1) + y_(k+2), median of the absolute value /
@@ -28,7 +28,7 @@ pub enum NoiseMethod {
     Quantisation,
 }
 
-/// Estimates the noise floor of the output: from period repeats where two settled periods are there, else
+/// Estimates the noise floor of the output: from period repeats where there are two settled periods, else
 /// from fourth differences. `None` below five samples.
 pub fn noise_floor(data: &InputOutput, periods: Option<&Periods>) -> Option<NoiseFloor> {
     if let Some(periods) = periods

@@ -114,8 +114,8 @@ pub(crate) fn period_of(x: &[f64]) -> Option<(f64, f64)> {
     if !period.is_finite() || period < 1.0 {
         return None;
     }
-    // The peak of the m-th multiple is m times as sharp a ruler.
-    // A periodic signal repeats to the end: the least similarity counts.
+    // The peak of the m-th multiple gives the period m times as precisely. A periodic signal repeats to the
+    // end: the least similarity counts.
     let (mut multiple, mut least) = (2, height);
     while multiple as f64 * period + 2.5 <= longest as f64 {
         let near = (multiple as f64 * period).round() as usize;
@@ -131,7 +131,7 @@ pub(crate) fn period_of(x: &[f64]) -> Option<(f64, f64)> {
         multiple *= 2;
     }
     let whole = period.round();
-    // Within a tenth of a sample over the whole record a whole period is the simpler truth.
+    // Within a tenth of a sample over the whole record a whole period is preferred.
     if (period - whole).abs() * x.len() as f64 / whole < 0.1 {
         period = whole;
     }
@@ -154,7 +154,7 @@ fn self_similarity(x: &[f64]) -> Vec<f64> {
     let square = |v: &f64| ((v - mean) / largest).powi(2);
     let mut spectrum = forward.make_output_vec();
     let mut correlation = vec![0.0; length];
-    // Lengths are the plans' own, so neither transform can refuse.
+    // Lengths are the plans' own, so neither transform can fail.
     if forward.process(&mut padded, &mut spectrum).is_err() {
         return vec![0.0; n / 2 + 1];
     }
@@ -188,7 +188,7 @@ fn settling_periods(periods: &Periods, y: &[f64]) -> usize {
         })
         .collect();
     let typical = median(changes[changes.len() / 2..].to_vec());
-    // Only the first half may be called settling: a disturbance near the end is none.
+    // Only the first half may count as settling: a disturbance near the end does not.
     let half = changes.len().div_ceil(2);
     changes[..half].iter().rposition(|c| *c > 2.0 * typical).map_or(0, |m| m + 1)
 }

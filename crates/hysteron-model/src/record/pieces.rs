@@ -1,4 +1,4 @@
-//! Stretches of even sampling within time stamps.
+//! Uniformly sampled segments within time stamps.
 
 use std::ops::Range;
 

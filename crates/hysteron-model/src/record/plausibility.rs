@@ -1,4 +1,4 @@
-//! Magnitudes that no piezo actuator has: almost always a unit that the file's header gets wrong.
+//! Magnitudes implausible for a piezo actuator: almost always a wrong unit in the file's header.
 //!
 //! Limits, with room to spare on either side of what is sold: strokes of amplified stacks and benders end at
 //! about 1 to 2 mm, of tip-tilt stages at about 50 mrad; nothing is identified from a nanometre; stacks are

@@ -12,9 +12,9 @@ const HALF_WIDTH: f64 = 32.0;
 const KAISER_BETA: f64 = 9.0;
 /// Cut-off as a fraction of the lower of the two Nyquist frequencies.
 const PASSBAND: f64 = 0.92;
-/// Stamps closer together than all but this share of them are jitter, not a rate.
+/// Share of the shortest intervals between stamps that counts as jitter, not as a rate.
 const SHARE_OF_SHORT_PERIODS: f64 = 0.02;
-/// A channel of labels changes in fewer than one of so many steps.
+/// A channel of labels changes in at most one of this many steps.
 const LABEL_STEPS: usize = 100;
 /// Most samples of a resampled record, and of the grid between.
 const MAX_SAMPLES: f64 = (1u64 << 29) as f64;
@@ -52,7 +52,7 @@ impl Record {
     }
 }
 
-/// Whether the samples of a channel look like labels and not like a signal.
+/// True if the samples of a channel are labels rather than a signal.
 fn holds_labels(channel: &Channel) -> bool {
     let changes = channel.samples.windows(2).filter(|two| two[0] != two[1]).count();
     channel.unit.base().0 == Quantity::Other && changes * LABEL_STEPS < channel.samples.len()
@@ -67,16 +67,16 @@ impl InputOutput {
     /// Nyquist frequency: error below 1e-4 of the amplitude, away from the ends. A new sample is valid where
     /// its two old neighbours are.
     ///
-    /// Non-uniform samples are taken apart at their gaps ([`TimeBase::gaps`]). A part that is uniform is
-    /// treated as above. Any other is joined by straight lines (through the middle where stamps are equal),
-    /// to a multiple of the new rate that follows its closest samples, and then filtered to the new rate as
-    /// above: nothing aliases, but the lines damp what is near the Nyquist frequency of the old samples.
-    /// Samples within a gap lie on the straight line across it and are not valid.
+    /// Non-uniform samples are split at their gaps ([`TimeBase::gaps`]). A uniform part is treated as above.
+    /// Any other is interpolated linearly (through the mean where stamps are equal) to a multiple of the new
+    /// rate that resolves its closest samples, and then filtered to the new rate as above: nothing aliases,
+    /// but linear interpolation attenuates near the Nyquist frequency of the old samples. Samples within a
+    /// gap lie on the straight line across it and are not valid.
     ///
     /// # Errors
     /// [`RecordError::BadSampleRate`]; [`RecordError::NoTimes`] without a time base;
-    /// [`RecordError::TooShort`] where fewer than two samples would be left; [`RecordError::BadSetting`]
-    /// above 2²⁹ samples.
+    /// [`RecordError::TooShort`] where fewer than two samples would remain; [`RecordError::BadSetting`] above
+    /// 2²⁹ samples.
     pub fn resampled(&self, sample_rate_hz: f64) -> Result<InputOutput, RecordError> {
         let columns = [self.u.as_slice(), self.y.as_slice()];
         let Some(new) = resampled(&self.name, &self.time, self.valid.as_deref(), &columns, sample_rate_hz)?
@@ -93,7 +93,7 @@ impl InputOutput {
         })
     }
 
-    /// Every `factor`-th sample, after the low-pass that this needs (see [`InputOutput::resampled`]).
+    /// Every `factor`-th sample, after an anti-alias low-pass (see [`InputOutput::resampled`]).
     ///
     /// # Errors
     /// Those of [`InputOutput::resampled`]; [`RecordError::BadSetting`] for a factor of 0.
@@ -135,7 +135,7 @@ fn resampled(
     let (Some(start), Some(end)) = (time.time_s(0), time.time_s(n.saturating_sub(1))) else {
         return Err(RecordError::NoTimes { record: name.to_owned(), purpose: "resampling" });
     };
-    // A last sample that rounding alone puts behind the end is kept.
+    // A last sample that rounding alone puts beyond the end is kept.
     let intervals = ((end - start) * sample_rate_hz * (1.0 + 1e-12) + 1e-9).floor();
     if n < 2 || intervals < 1.0 {
         return Err(RecordError::TooShort {
@@ -219,8 +219,8 @@ impl NonUniform<'_> {
         (places, columns, in_gap)
     }
 
-    /// Filtered values of a part without gaps at the times of `grid`; `None` where straight lines are all
-    /// there is to have.
+    /// Filtered values of a part without gaps at the times of `grid`; `None` where only linear interpolation
+    /// is possible.
     fn part(&self, part: Range<usize>, grid: &[f64]) -> Option<Vec<Vec<f64>>> {
         let times = &self.times_s[part.clone()];
         let columns: Vec<&[f64]> = self.columns.iter().map(|x| &x[part.clone()]).collect();
@@ -252,7 +252,7 @@ impl NonUniform<'_> {
     }
 }
 
-/// Shortest distance of stamps that is not jitter \[s\].
+/// Shortest interval between stamps that is not jitter \[s\].
 fn shortest_period(times_s: &[f64]) -> Option<f64> {
     let mut periods: Vec<f64> =
         times_s.windows(2).map(|two| two[1] - two[0]).filter(|period| *period > 0.0).collect();
@@ -284,7 +284,7 @@ fn filtered(columns: &[&[f64]], places: &[f64], cutoff: f64) -> Vec<Vec<f64>> {
     let n = columns.iter().map(|x| x.len()).min().unwrap_or(0);
     let reach = HALF_WIDTH / cutoff;
     let mut new = vec![Vec::with_capacity(places.len()); columns.len()];
-    // The kernel of a place between two samples holds for every place so far behind a sample.
+    // The kernel depends only on the distance of a place from the sample before it.
     let (mut behind, mut lowest, mut kernel) = (f64::NAN, 0.0, Vec::new());
     for &place in places {
         if place - place.floor() != behind {
@@ -309,10 +309,10 @@ fn filtered(columns: &[&[f64]], places: &[f64], cutoff: f64) -> Vec<Vec<f64>> {
     new
 }
 
-/// A low-pass ahead of taking every `factor`-th sample: a Kaiser-windowed sinc that reaches `reach` new
-/// samples to either side, an odd number of values with the sum 1. What lies above half the new rate is
-/// stopped to 5e-5; the pass band, kept to 5e-5 (both from a reach of 16 on), ends as far below as the reach
-/// allows, at 0.5 − 2.87/reach of the new rate.
+/// Anti-alias low-pass for decimation by `factor`: a Kaiser-windowed sinc that reaches `reach` new samples to
+/// either side, an odd number of values with the sum 1. The stop band above half the new rate is attenuated
+/// to 5e-5; the pass band, flat to 5e-5 (both from a reach of 16 on), ends at 0.5 − 2.87/reach of the new
+/// rate.
 #[doc(hidden)]
 pub fn low_pass(factor: usize, reach: usize) -> Vec<f64> {
     // Kaiser's rule for the width of the transition, A = 90 dB: (A − 7.95)/14.36 over the length.
@@ -326,7 +326,7 @@ pub fn low_pass(factor: usize, reach: usize) -> Vec<f64> {
     kernel
 }
 
-/// Value between samples on a straight line.
+/// Value between samples by linear interpolation.
 fn by_line(x: &[f64], place: f64) -> f64 {
     let k = (place.floor() as usize).min(x.len().saturating_sub(2));
     let t = place - k as f64;

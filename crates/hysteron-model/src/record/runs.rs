@@ -7,8 +7,8 @@ use super::{InputOutput, RecordError, TimeBase};
 /// Consecutive records as one: the device was not reset between them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasurementRun {
-    /// All samples, on their common clock. Between the parts the drive is unknown and goes along a straight
-    /// line; nothing is scored there, since there are no samples.
+    /// All samples, on their common clock. Between the parts the drive is unknown and taken as linear;
+    /// nothing is scored there, since there are no samples.
     pub data: InputOutput,
     /// The parts, in order.
     pub parts: Vec<RunPart>,
@@ -83,8 +83,8 @@ impl MeasurementRun {
 }
 
 impl MeasurementRun {
-    /// The first part, and the drive of the first sample of the next one where there is one, which does not
-    /// count: it says how long the pause between parts is.
+    /// The first part, with the drive of the first sample of the next one, if any, which is not valid: it
+    /// gives the length of the pause between parts.
     pub fn beginning(&self) -> InputOutput {
         let Some(RunPart { samples, data }) = self.parts.first() else { return self.data.clone() };
         match self.data.cropped(0..samples.end + 1) {
@@ -97,8 +97,8 @@ impl MeasurementRun {
     }
 }
 
-/// Whether records follow each other on one clock, as parts of one run do: each begins after the one before
-/// ends, by no more than the two last.
+/// True if records follow each other on one clock, as parts of one run do: each begins after the one before
+/// ends, by no more than their joint duration.
 pub fn follow_each_other(records: &[&InputOutput]) -> bool {
     let extents: Option<Vec<(f64, f64)>> = records.iter().map(|r| r.time.extent_s(r.len())).collect();
     extents.is_some_and(|extents| {

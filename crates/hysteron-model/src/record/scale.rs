@@ -79,7 +79,7 @@ impl Scale {
     /// The record with the channel scaled.
     ///
     /// # Errors
-    /// [`RecordError::ScaleUnit`] for a unit that has nothing to do with the factor's; those of
+    /// [`RecordError::ScaleUnit`] for a unit of another quantity than the factor's; those of
     /// [`Record::with_channel_scaled`].
     pub fn apply(&self, record: &Record) -> Result<Record, RecordError> {
         let mut factor = self.factor;

@@ -1,5 +1,5 @@
-//! Segments of a record: its stretches of even sampling, wide motion and rest at a level apart, what the
-//! drive does in each, and what the output answers.
+//! Segments of a record: uniformly sampled stretches, separated into wide motion and rest at a level, with
+//! the drive and the response of the output in each.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -24,15 +24,15 @@ const LEVEL: f64 = 0.02;
 /// Fewest samples of a rest at a level that is a separate segment, and its least share of those at one rate.
 const REST_SAMPLES: usize = 40;
 const REST_SHARE: f64 = 0.2;
-/// Frequencies on either side of a sine at which its scatter is sought, in lines of the whole periods, and
+/// Frequencies on either side of a sine at which its scatter is estimated, in lines of the whole periods, and
 /// fewest of them.
 const NEIGHBOURS: usize = 6;
 const FEWEST_NEIGHBOURS: usize = 2;
-/// Lines from which on the window leaves nothing of a sine, and little of a drift beside its straight line.
+/// Lines beyond which the window suppresses a sine, and most of a drift besides its linear trend.
 const SINE_LINES: f64 = 2.0;
 const DRIFT_LINES: f64 = 3.0;
 
-/// A stretch of even sampling and one regime of the drive.
+/// A uniformly sampled stretch with one regime of the drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Segment {
     /// Samples of the record.
@@ -53,8 +53,8 @@ pub struct Segment {
     pub gain: Option<f64>,
     /// Phase there \[°\].
     pub phase_deg: Option<f64>,
-    /// Standard error of the gain by what the output does beside the sine, at neighbouring frequencies
-    /// \[output unit per input unit\]; `None` where harmonics and drift leave too few of them.
+    /// Standard error of the gain from the output beside the sine, at neighbouring frequencies \[output unit
+    /// per input unit\]; `None` where harmonics and drift leave too few of them.
     #[serde(default)]
     pub gain_std_error: Option<f64>,
     /// Standard error of the phase, likewise \[°\].
@@ -65,8 +65,8 @@ pub struct Segment {
 }
 
 impl InputOutput {
-    /// The record in stretches of even sampling, each a record with a uniform time base: the record itself
-    /// where its own base is uniform or unknown. Stamps that belong to none are left out.
+    /// The uniformly sampled stretches of the record, each a record with a uniform time base: the record
+    /// itself where its base is uniform or unknown. Stamps that belong to none are left out.
     pub fn in_segments(&self) -> Vec<InputOutput> {
         let mut segments: Vec<InputOutput> = self.parts().into_iter().map(|(_, part)| part).collect();
         if segments.is_empty() {
@@ -108,7 +108,7 @@ impl InputOutput {
         parts
     }
 
-    /// Drive and response of the output in each stretch of even sampling; empty where there is one only.
+    /// Drive and response of the output in each uniformly sampled stretch; empty where there is only one.
     pub fn segments(&self) -> Vec<Segment> {
         let range = span(&self.u);
         let parts = self.parts();
@@ -167,7 +167,7 @@ fn rests(u: &[f64], most: f64, mut found: impl FnMut(Range<usize>)) {
     }
 }
 
-/// The samples of a piece, long rests at a level apart from what is before and after them.
+/// The samples of a piece, with long rests at a level separated from what is before and after.
 fn regimes(u: &[f64], samples: Range<usize>, most: f64) -> Vec<Range<usize>> {
     let mut longest = 0..0;
     rests(&u[samples.clone()], most, |rest| {
@@ -233,8 +233,8 @@ fn without_drift(y: &[f64], frequency: f64) -> Vec<f64> {
     y.iter().enumerate().map(|(k, y)| y - slope * k as f64).collect()
 }
 
-/// Standard error of the real and of the imaginary part of a `response`: what the output does beside it at
-/// neighbouring frequencies, where the window leaves nothing of the sine, away from drift and harmonics.
+/// Standard error of the real and of the imaginary part of a `response`: from the output at neighbouring
+/// frequencies, where the window suppresses the sine, away from drift and harmonics.
 fn response_error(u: &[f64], y: &[f64], frequency: f64, response: Complex<f64>) -> Option<f64> {
     let count = whole_periods(u.len().min(y.len()), frequency)?;
     let (u, y) = (&u[..count], without_drift(&y[..count], frequency));

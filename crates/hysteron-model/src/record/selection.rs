@@ -1,4 +1,4 @@
-//! Which channel is the input, which the output.
+//! Selection of the input and output channels.
 
 use crate::advice::{Advice, ColumnRole};
 use crate::{Finding, FindingKind};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Channel, InputOutput, Quantity, Record, RecordError, TimeBase, Unit};
 
-/// Which channels to take, by bare name (`u`) or header (`u_V`); `None`: by the rules of [`Record::select`].
+/// Channels to use, by bare name (`u`) or header (`u_V`); `None`: by the rules of [`Record::select`].
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ChannelChoice {
@@ -23,7 +23,7 @@ pub struct Selection {
     pub input: usize,
     /// Index of the output channel.
     pub output: usize,
-    /// Choices made automatically, and oddities about them.
+    /// Choices made automatically, and doubts about them.
     pub notes: Vec<Finding>,
 }
 
@@ -50,7 +50,7 @@ impl Signal {
     }
 }
 
-/// A drive to simulate, with what was measured beside it.
+/// A drive to simulate, with the output measured with it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Driven {
     /// The drive.
@@ -115,13 +115,13 @@ impl Record {
     /// Decides which channel is the input and which the output.
     ///
     /// A named channel is taken (exactly as written; else ignoring case). Otherwise, for the input, the first
-    /// rule that names somebody decides: (1) the channel `u`; (2) channels `u…` (`u1`, `u_cmd`); (3) `input`,
-    /// `voltage`, `drive`, `command`; (4) channels in a unit of voltage. For the output likewise: `y`; `y…`;
-    /// `output`, `displacement`, `position`, `stroke`; channels in a unit of length or angle. Where a rule
-    /// names several, a command is preferred to its measurement for the input (`u_cmd` to `u_meas`, said in
-    /// the notes; the measured one may be chosen), a measurement for the output; else it is an error. Where
-    /// no rule names anybody and there are exactly two channels, the first is the input and the second the
-    /// output (noted).
+    /// rule that a channel meets decides: (1) the channel `u`; (2) channels `u…` (`u1`, `u_cmd`); (3)
+    /// `input`, `voltage`, `drive`, `command`; (4) channels in a unit of voltage. For the output likewise:
+    /// `y`; `y…`; `output`, `displacement`, `position`, `stroke`; channels in a unit of length or angle.
+    /// Where several channels meet a rule, a command is preferred to its measurement for the input (`u_cmd`
+    /// to `u_meas`, stated in the notes; the measured one may be chosen), a measurement for the output; else
+    /// it is an error. Where no channel meets a rule and there are exactly two, the first is the input and
+    /// the second the output (noted).
     ///
     /// # Errors
     /// [`RecordError::NoSuchChannel`], [`RecordError::AmbiguousChannel`], [`RecordError::NoCandidate`],
@@ -157,7 +157,7 @@ impl Record {
         Ok(Selection { input, output, notes })
     }
 
-    /// Whether names and units say which channel is the input and which the output, each by a rule of
+    /// True if names and units determine which channel is the input and which the output, each by a rule of
     /// [`Record::select`].
     pub fn names_input_and_output(&self) -> bool {
         let mut notes = Vec::new();
@@ -235,7 +235,7 @@ impl Record {
         Ok(Signal { samples, unit, name: channel.name.clone(), time: self.time.clone(), notes })
     }
 
-    /// Index of the input channel, as [`Record::drive`] takes it, of a record that need not be sound yet.
+    /// Index of the input channel, by the rules of [`Record::drive`], of a record not yet checked.
     pub(super) fn input_position(&self, asked: Option<&str>) -> Result<usize, RecordError> {
         self.position_alone(asked, Role::Input, &mut Vec::new())
     }

@@ -1,4 +1,4 @@
-//! Marks that a converter leaves on a signal: its step, and samples at the end of its range.
+//! Effects of a converter on a signal: its quantisation step, and clipped samples.
 
 use super::turning_points::range_of;
 
@@ -27,7 +27,7 @@ pub fn quantisation_step(samples: &[f64]) -> Option<f64> {
     (on_grid as f64 >= 0.95 * gaps.len() as f64).then_some(step)
 }
 
-/// Samples at the ends of a signal's range that look cut off.
+/// Samples at the ends of a signal's range that appear clipped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Clipping {
     /// Samples held at the smallest value.
@@ -45,14 +45,14 @@ impl Clipping {
 
 /// Counts samples in runs of at least four equal values at an end of the range that the signal enters and
 /// leaves steeply: half a run's length outside the run it is more than 12 quantisation steps away. (A rounded
-/// top read through a converter is only 3 steps away there.) Runs longer than `longest_run` are taken for
-/// intended rests.
+/// top read through a converter is only 3 steps away there.) Runs longer than `longest_run` count as intended
+/// rests.
 pub fn clipping(samples: &[f64], longest_run: usize) -> Clipping {
     let (low, high) = range_of(samples);
     if high <= low {
         return Clipping::default();
     }
-    // Worked out at the first run, which most signals do not have.
+    // Computed at the first run only; most signals have none.
     let mut step = None;
     let mut held = |end: f64| {
         let (mut total, mut k) = (0, 0);

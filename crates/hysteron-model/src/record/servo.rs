@@ -1,33 +1,33 @@
-//! Whether a record was taken under servo: the output then follows the reference, and the drive carries the
-//! hysteresis.
+//! Detection of records taken in closed loop (servo): the output then follows the reference, and the
+//! hysteresis is in the drive.
 
 use super::InputOutput;
 use super::turning_points::{span, turning_points};
 
-/// Moves of this share of the stroke and more are looked at, without such a share at either end of each.
+/// Moves of at least this share of the stroke are evaluated, without such a share at either end of each.
 const WIDE: f64 = 0.5;
 const ENDS: f64 = 0.1;
 /// Fewest samples of a move.
 const FEWEST: usize = 50;
-/// An output that runs along straight lines to this share of a move, and a drive that does not to that, is a
-/// servo's.
+/// Departure from a straight line, as a share of a move, below which the output and above which the drive
+/// indicate a servo.
 const STRAIGHT: f64 = 0.002;
 const BENT: f64 = 0.005;
-/// … and that is so many times less straight.
+/// Least ratio of the drive's departure to the output's.
 const TIMES: f64 = 5.0;
 
 /// Straightness of the moves of a record: rms departure from a straight line in time over the size of the
 /// move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Servo {
-    /// Of the output.
+    /// Straightness of the output.
     pub output: f64,
-    /// Of the drive.
+    /// Straightness of the drive.
     pub input: f64,
 }
 
-/// The straightness of the moves of a record whose output is driven along straight lines by a drive that is
-/// bent; `None` for others, and for records without time or wide moves.
+/// The straightness of the moves of a record whose output moves linearly under a curved drive; `None` for
+/// others, and for records without time or wide moves.
 pub fn servo(data: &InputOutput) -> Option<Servo> {
     let valid = |k: usize| data.is_valid(k);
     let kept: Vec<usize> = (0..data.len()).filter(|&k| valid(k)).collect();

@@ -1,4 +1,4 @@
-//! A jump of the drive out of rest: the one place where a slow record shows dead time and lag.
+//! A jump of the drive out of rest: the only part of a slow record that shows dead time and lag.
 
 use super::turning_points::range_of;
 use super::{InputOutput, Periods};
@@ -16,7 +16,7 @@ pub struct StartUp {
     pub lag_s: f64,
     /// Rms of the fit in % of the output's move in it.
     pub misfit_percent: f64,
-    /// Whether the rest itself is in the record; if not, the drive is taken to have jumped at the first
+    /// True if the rest itself is in the record; if not, the drive is assumed to have jumped at the first
     /// sample.
     pub rest_recorded: bool,
 }
@@ -26,7 +26,7 @@ const REST_SAMPLES: usize = 20;
 /// Sub-steps of one sample in the fit.
 const SUB_STEPS: usize = 10;
 
-/// Looks for a start out of rest and fits y = a + b (L u) + c (L step) behind a dead time, with L a
+/// Searches for a start out of rest and fits y = a + b (L u) + c (L step) after a dead time, with L a
 /// first-order lag: over the first samples, up to 25 or the drive's first turn, so that hysteresis stays on
 /// one branch. A start is either a jump of the drive by at least 20 % of its range after 20 samples of rest,
 /// or a record whose first output lies outside the range of its settled periods by more than 1 % of the
@@ -53,7 +53,7 @@ pub fn fit_start_up(data: &InputOutput, periods: Option<&Periods>) -> Option<Sta
             fits.push((branch.misfit(y, delay_steps), delay_steps as f64 / SUB_STEPS as f64, lag_samples));
         }
     }
-    // Of equals the shortest delay.
+    // The shortest delay among equals.
     let best = fits.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)))?;
     let misfit_percent = 100.0 * best.0 / (high - low);
     if misfit_percent.is_nan() || misfit_percent >= 10.0 {
@@ -84,8 +84,8 @@ fn start_index(data: &InputOutput, periods: Option<&Periods>) -> Option<(usize, 
     (outside > 0.01 * (y_high - y_low)).then_some((0, false))
 }
 
-/// The drive's first branch at every sub-step, what a lag makes of it and of a step, and room for their
-/// delayed samples.
+/// The drive's first branch at every sub-step, its response and that of a step through a lag, and buffers for
+/// their delayed samples.
 struct Branch {
     fine: Vec<f64>,
     fine_lagged: Vec<f64>,

@@ -1,24 +1,24 @@
-//! Frequencies at which a drive swings, whatever its time base and its amplitudes.
+//! Oscillation frequencies of a drive, for any time base and amplitude.
 
 use super::turning_points::{shortest_swing, span, turning_points};
 use super::{TimeBase, UniformSegment};
 
-/// Reversals that count within a piece: of this share of the piece's range.
+/// Smallest reversal counted within a piece, as a share of the piece's range.
 const OWN_SHARE: f64 = 0.3;
-/// A piece whose drive moves by less than this share of that of the record holds it.
+/// Share of the record's range below which the drive of a piece counts as held.
 const HELD: f64 = 1e-3;
-/// Reversals of the whole record that count: of this share of its range.
+/// Smallest reversal counted over the whole record, as a share of its range.
 const WIDE: f64 = 0.1;
 /// Fewest reversals of an oscillation.
 const FEWEST_REVERSALS: usize = 3;
 
-/// Lowest and highest frequency at which a drive swings.
+/// Lowest and highest oscillation frequency of a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Swings {
     /// One over twice the longest time between wide reversals, or than the record where there are none
     /// \[Hz\].
     pub slowest_hz: f64,
-    /// Of the fastest piece, small swings included \[Hz\].
+    /// Frequency of the fastest piece, small swings included \[Hz\].
     pub fastest_hz: f64,
 }
 

@@ -1,12 +1,12 @@
-//! When samples were taken: recognising a uniform grid in a column of time stamps.
+//! Time bases: recognising a uniform grid in a column of time stamps.
 
 use super::{RecordError, TimeBase};
 
 /// Largest deviation from the least-squares grid, in sample periods, up to which time stamps count as
 /// uniform.
 ///
-/// A tenth of a sample is what a stamp rounded to a fifth of the period makes. A missing sample moves its
-/// neighbours by about half a period and is never accepted.
+/// Rounding stamps to a fifth of the period gives a tenth of a sample. A missing sample shifts its neighbours
+/// by about half a period and is never accepted.
 pub const UNIFORM_TOLERANCE_SAMPLES: f64 = 0.1;
 /// [`UNIFORM_TOLERANCE_SAMPLES`] for a part of a record whose stamps are uneven as a whole.
 const PART_TOLERANCE_SAMPLES: f64 = 0.01;
@@ -39,9 +39,9 @@ impl TimeBase {
         Self::from_times_within(UNIFORM_TOLERANCE_SAMPLES, record, times_s)
     }
 
-    /// Time base of a part of uneven stamps: a grid where the part is one but for the rounding of stamps,
-    /// [`PART_TOLERANCE_SAMPLES`]; else the very stamps, which a few neighbours that lie nearly evenly by
-    /// chance keep as well.
+    /// Time base of a part of uneven stamps: a grid where the part is uniform up to the rounding of stamps,
+    /// [`PART_TOLERANCE_SAMPLES`]; else the original stamps, also for a few neighbours that are nearly even
+    /// by chance.
     ///
     /// # Errors
     /// Those of [`TimeBase::from_times`].

@@ -1,11 +1,11 @@
-//! Times of the samples of a drive, as a simulation needs them.
+//! Times of the samples of a drive, for a simulation.
 
 use super::TimeBase;
 
-/// When samples were taken, borrowed from wherever it is known: a rate, a [`TimeBase`], or nothing.
+/// Times of samples, borrowed: a rate, the stamps of a [`TimeBase`], or unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Timing<'a> {
-    /// Their order alone is known.
+    /// Only their order is known.
     Unknown,
     /// At this rate \[Hz\].
     Rate(f64),

@@ -12,8 +12,8 @@ pub struct LinearDrift {
 }
 
 /// Drift of the output: least-squares line through the means of the settled periods (each mean free of the
-/// motion), or, without periods, through all valid samples (there a motion that does not repeat passes for
-/// drift: use with care).
+/// motion), or, without periods, through all valid samples (where a motion that does not repeat is mistaken
+/// for drift: use with care).
 ///
 /// # Errors
 /// [`RecordError::NotUniform`]; [`RecordError::TooShort`] with fewer than three settled periods, or samples.
@@ -56,7 +56,7 @@ pub fn linear_drift(data: &InputOutput, periods: Option<&Periods>) -> Result<Lin
 }
 
 impl InputOutput {
-    /// The record with this offset taken from the output.
+    /// The record with this offset subtracted from the output.
     pub fn with_offset_removed(&self, offset: f64) -> InputOutput {
         let mut changed = self.clone();
         for y in &mut changed.y {
@@ -65,7 +65,7 @@ impl InputOutput {
         changed
     }
 
-    /// The record with the drift taken from the output: y_k − drift · (t_k − t_0).
+    /// The record with the drift subtracted from the output: y_k − drift · (t_k − t_0).
     ///
     /// # Errors
     /// [`RecordError::NotUniform`] where there are no times at all.

@@ -1,4 +1,4 @@
-//! Where a signal turns: reversals larger than a threshold.
+//! Turning points of a signal: reversals larger than a threshold.
 
 /// One reversal of a signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -7,13 +7,13 @@ pub struct TurningPoint {
     pub index: usize,
     /// Value there.
     pub value: f64,
-    /// Whether it is a maximum.
+    /// True if it is a maximum.
     pub is_maximum: bool,
 }
 
-/// Shortest time between two reversals \[samples\] that are more than a tenth of the range apart, but for a
-/// tenth of them, which a start or an end may cut short; with one reversal the longer way to or from it (half
-/// of a single period), without any the whole length. At least 1.
+/// Shortest time between two reversals \[samples\] that are more than a tenth of the range apart, ignoring
+/// the shortest tenth, which a start or an end may cut short; with one reversal the longer time to or from it
+/// (half of a single period), without any the whole length. At least 1.
 pub fn shortest_swing(samples: &[f64]) -> usize {
     let (low, high) = range_of(samples);
     let turns = turning_points(samples, 0.1 * (high - low));
@@ -26,7 +26,7 @@ pub fn shortest_swing(samples: &[f64]) -> usize {
 }
 
 /// Extrema between which the signal moves by more than `threshold`, in order, alternating maximum and
-/// minimum; the two ends are none.
+/// minimum; the two ends do not count.
 ///
 /// Noise below the threshold makes no turning point (a dead band, as in rainflow counting).
 pub fn turning_points(samples: &[f64], threshold: f64) -> Vec<TurningPoint> {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// Physical quantity a unit measures, as far as the library cares.
+/// Physical quantity of a unit, as far as the library distinguishes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
     /// Time, base unit s.
@@ -36,12 +36,12 @@ impl Unit {
         &self.0
     }
 
-    /// The unit behind a number, with a space before it (` µm`); nothing where there is none.
+    /// The unit after a number, with a space before it (` µm`); nothing where there is none.
     pub fn spaced(&self) -> String {
         if self.0.is_empty() { String::new() } else { format!(" {self}") }
     }
 
-    /// Whether a header's suffix may be read as this unit: one that [`Unit::base`] converts, another usual
+    /// True if a header's suffix may be read as this unit: one that [`Unit::base`] converts, another usual
     /// one, never converted (`A`, `mA`, `T`, `N`, `Hz`, `kg`, `inch`, …), or a quotient of two (`A_per_m`).
     pub fn is_known(&self) -> bool {
         match self.0.split_once("_per_") {

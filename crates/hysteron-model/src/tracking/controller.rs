@@ -49,9 +49,9 @@ pub enum ControllerFamily {
     Line,
     /// Inverse with preview of the reference.
     Preview,
-    /// Inverse, the reference predicted.
+    /// Inverse with prediction of the reference.
     Predicted,
-    /// Inverse, neither.
+    /// Inverse without preview or prediction.
     Causal,
 }
 
@@ -70,10 +70,10 @@ impl ControllerFamily {
     }
 }
 
-/// Knowledge of the reference that the controllers have: preview and prediction.
+/// Preview and prediction of the reference that the controllers use.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReferenceKnowledge {
-    /// Samples known ahead; `None`: as many as the inverse makes use of.
+    /// Preview in samples; `None`: as many as the inverse uses.
     pub preview: Option<usize>,
     /// Highest frequency that is predicted \[Hz\].
     pub predict_to_hz: f64,
@@ -123,10 +123,10 @@ impl Controller {
     /// One-line description.
     pub fn summary(self) -> &'static str {
         match self {
-            Self::Uncompensated => "Straight line through the loop, no compensation",
-            Self::Pi => "Straight line and PI",
-            Self::FractionalPi => "Straight line and fractional PI^λ",
-            Self::NotchIntegral => "Straight line and an integral behind a notch on the resonance",
+            Self::Uncompensated => "Linear gain, no hysteresis compensation",
+            Self::Pi => "Linear gain and PI",
+            Self::FractionalPi => "Linear gain and fractional PI^λ",
+            Self::NotchIntegral => "Linear gain and an integral controller behind a notch on the resonance",
             Self::Feedforward => "Inverse of the model with preview of the reference",
             Self::Predicted => "Inverse, the reference predicted from its past",
             Self::Causal => "Inverse without preview or prediction",
@@ -178,7 +178,7 @@ impl Controller {
         }
     }
 
-    /// Strategy to follow a reference of which so much is known.
+    /// Tracking strategy for this knowledge of the reference.
     pub fn strategy(self, known: &ReferenceKnowledge) -> Strategy {
         let inverse = |preview, prediction| {
             let bandwidth_hz = known.bandwidth_hz;

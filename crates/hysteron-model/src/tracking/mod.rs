@@ -1,8 +1,8 @@
 //! A reference followed by several controllers on one plant, each with its error, bandwidths, margins and
 //! adaptation.
 //!
-//! [`track`] makes every controller ready from the model ([`crate::control`]), plays it on the plant, scores
-//! its tracking error and measures its bandwidth with sines.
+//! [`track`] designs every controller from the model ([`crate::control`]), plays it on the plant, scores its
+//! tracking error and measures its bandwidth with sines.
 
 mod controller;
 mod options;
@@ -52,7 +52,7 @@ pub struct Tracking {
     pub reach: Vec<Reach>,
     /// Every controller.
     pub runs: Vec<ControllerRun>,
-    /// Controllers that could not be made or played, where all were asked for.
+    /// Controllers that could not be designed or played, where all were requested.
     pub left_out: Vec<(Controller, ControlError)>,
     /// Unit of the drive.
     pub input: Unit,
@@ -73,8 +73,8 @@ pub struct PlantDescription {
 /// uniformly sampled.
 ///
 /// # Errors
-/// [`ControlError`]: a reference or options that leave nothing to play; a controller that was asked for and
-/// cannot be made or played (where all are asked for, it is left out instead, unless none remains).
+/// [`ControlError`]: a reference or options that leave nothing to play; a requested controller that cannot be
+/// designed or played (where all are requested, it is left out instead, unless none remains).
 pub fn track(
     model: &Body<ModelFile, hammerstein::Model>,
     reference: &Signal,
@@ -121,8 +121,8 @@ pub fn track(
     })
 }
 
-/// The sound ones. Where all controllers were asked for the others are left out, unless none remains; else
-/// the first error.
+/// The successful ones. Where all controllers were requested, failed ones are left out, unless none remains;
+/// else the first error.
 fn sorted_out<T>(
     outcomes: Vec<(Controller, Result<T, ControlError>)>,
     all: bool,

@@ -1,4 +1,4 @@
-//! Options of a reference that is followed, with their defaults from model and reference.
+//! Options of tracking a reference, with their defaults from model and reference.
 
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -24,11 +24,11 @@ const SINES: [f64; 2] = [1e-4, 0.1];
 pub struct TrackOptions {
     /// Controllers to play; empty: all.
     pub controllers: Vec<Controller>,
-    /// Samples of the reference known ahead; `None`: as many as the inverse makes use of.
+    /// Preview of the reference in samples; `None`: as many as the inverse uses.
     pub preview: Option<usize>,
     /// Highest frequency that is predicted \[Hz\]; `None`: that of the fastest swing of the reference.
     pub predict_to_hz: Option<f64>,
-    /// Highest frequency that the inverse follows \[Hz\]; `None`: a twentieth of the sample rate.
+    /// Tracking bandwidth of the inverse \[Hz\]; `None`: a twentieth of the sample rate.
     pub bandwidth_hz: Option<f64>,
     /// Least and largest drive; `None`: the range in which the model was identified.
     pub range: Option<[f64; 2]>,
@@ -91,7 +91,7 @@ impl TrackOptions {
         ReferenceKnowledge { preview: self.preview, predict_to_hz, bandwidth_hz: self.bandwidth_hz }
     }
 
-    /// Samples between what is skipped at the beginning and, at the end, the preview that is not there.
+    /// Samples between those skipped at the beginning and, at the end, the missing preview.
     pub(super) fn scored(
         &self,
         loops: &[(Controller, Loop)],
@@ -108,7 +108,7 @@ impl TrackOptions {
         Ok(skipped..end)
     }
 
-    /// Sines about the middle of the reference and as large as it; none where it does not move.
+    /// Sines about the middle of the reference with its amplitude; none for a constant reference.
     pub(super) fn sines(
         &self,
         reference: &[f64],

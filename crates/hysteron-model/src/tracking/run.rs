@@ -1,4 +1,4 @@
-//! Run of one controller on the plant, with its score and what became of sines.
+//! Run of one controller on the plant, with its score and response to sines.
 
 use std::ops::Range;
 
@@ -8,9 +8,9 @@ use crate::control::{
 
 use super::Controller;
 
-/// An error in per cent of the stroke at which a stage is not held.
+/// Error in per cent of the stroke above which the stage does not follow the reference.
 const RUN_AWAY: f64 = 100.0;
-/// Excess of one bandwidth over another that is worth a remark.
+/// Ratio of two bandwidths above which they are reported as different.
 const DIFFERENT: f64 = 1.1;
 
 /// Run of one controller.
@@ -18,7 +18,7 @@ const DIFFERENT: f64 = 1.1;
 pub struct ControllerRun {
     /// Controller.
     pub controller: Controller,
-    /// Loop made ready from the model.
+    /// Loop designed from the model.
     pub made: Loop,
     /// Drive and displacement.
     pub played: Played,
@@ -26,7 +26,7 @@ pub struct ControllerRun {
     pub score: TrackingScore,
     /// Response to sines; `None` where the reference does not move.
     pub followed: Option<Followed>,
-    /// Adaptive feedforward, where the controller has some.
+    /// Adaptive feedforward, if the controller has one.
     pub adaptation: Option<Adaptation>,
 }
 
@@ -35,9 +35,9 @@ pub struct ControllerRun {
 pub struct Adaptation {
     /// Filter with its step.
     pub filter: AdaptiveFilter,
-    /// Rms of what the best constant weights would have left, in per cent of the stroke.
+    /// Residual rms with the best constant weights, in per cent of the stroke.
     pub best_percent: f64,
-    /// By how much the stage differs in phase from the model, at most \[degrees\], and where \[Hz\].
+    /// Largest phase difference between stage and model \[degrees\], and its frequency \[Hz\].
     pub phase_error: Option<(f64, f64)>,
 }
 
@@ -84,19 +84,19 @@ impl Rehearsal<'_> {
 }
 
 impl ControllerRun {
-    /// Whether the stage does not stay with the reference: an error larger than its whole stroke.
+    /// True if the stage fails to follow the reference: an error larger than its whole stroke.
     pub fn runs_away(&self) -> bool {
         self.score.max_percent > RUN_AWAY
     }
 
-    /// By formula \[Hz\] and as played: −3 dB, 1 % error.
+    /// Bandwidths, computed \[Hz\] and measured: −3 dB, 1 % error.
     pub fn bandwidths(&self) -> Option<[(f64, Edge); 2]> {
         let (formula, played) = (&self.made.bandwidth, self.followed.as_ref()?);
         Some([(formula.minus_3_db_hz, played.minus_3_db), (formula.one_percent_hz, played.one_percent)])
     }
 }
 
-/// Whether a bandwidth by formula \[Hz\] and one that was played are more than a tenth apart.
+/// True if a computed \[Hz\] and a measured bandwidth differ by more than a tenth.
 pub fn differ(formula: f64, played: Edge) -> bool {
     match played {
         Edge::At(f) => (f / formula).max(formula / f) > DIFFERENT,

@@ -50,11 +50,11 @@ pub struct ControllerSummary {
     pub max: Option<f64>,
     /// Mean error.
     pub mean: Option<f64>,
-    /// The first in per cent of the stroke of the reference.
+    /// Rms error in per cent of the stroke of the reference.
     pub rms_percent_of_stroke: Option<f64>,
-    /// The largest in per cent of the stroke of the reference.
+    /// Largest error in per cent of the stroke of the reference.
     pub max_percent_of_stroke: Option<f64>,
-    /// The stage does not stay with the reference.
+    /// The stage fails to follow the reference.
     pub runs_away: bool,
     /// Least drive.
     pub drive_low: Option<f64>,
@@ -67,23 +67,23 @@ pub struct ControllerSummary {
 /// Limits, bandwidths, margins and adaptation of a loop.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LoopAnswer {
-    /// Samples that the range held back.
+    /// Samples limited by the range.
     pub samples_at_range: usize,
-    /// Samples that the largest rate held back.
+    /// Samples limited by the slew rate.
     pub samples_at_slew: usize,
-    /// Bandwidth by formula, −3 dB \[Hz\].
+    /// Computed bandwidth, −3 dB \[Hz\].
     pub minus_3_db_formula_hz: Option<f64>,
-    /// Bandwidth as played, −3 dB \[Hz\]; `None` where it lies beyond the sines.
+    /// Measured bandwidth, −3 dB \[Hz\]; `None` where it lies beyond the sines.
     pub minus_3_db_played_hz: Option<f64>,
-    /// Bandwidth by formula, an error of 1 % \[Hz\].
+    /// Computed bandwidth, an error of 1 % \[Hz\].
     pub one_percent_error_formula_hz: Option<f64>,
-    /// Bandwidth as played, an error of 1 % \[Hz\]; `None` where it lies beyond the sines.
+    /// Measured bandwidth, an error of 1 % \[Hz\]; `None` where it lies beyond the sines.
     pub one_percent_error_played_hz: Option<f64>,
-    /// Formula and play are more than a tenth apart.
+    /// Computed and measured bandwidth differ by more than a tenth.
     pub bandwidths_differ: Option<bool>,
     /// Response to each sine.
     pub sines: Vec<SineSummary>,
-    /// Law of the feedback; `None` where there is none, as the margins.
+    /// Law of the feedback; `None` without feedback, as the margins.
     pub law: Option<String>,
     /// Factor by which the gain may change.
     pub gain_margin: Option<f64>,
@@ -93,7 +93,7 @@ pub struct LoopAnswer {
     pub modulus_margin: Option<f64>,
     /// Highest frequency at which |L| = 1 \[Hz\].
     pub crossover_hz: Option<f64>,
-    /// Adaptive feedforward, where the controller has some.
+    /// Adaptive feedforward, if the controller has one.
     pub adaptation: Option<AdaptationSummary>,
 }
 
@@ -108,7 +108,7 @@ pub struct SineSummary {
     pub gain: Option<f64>,
     /// Its phase \[degrees\].
     pub phase_deg: Option<f64>,
-    /// Samples that range or slew held back.
+    /// Samples limited by range or slew rate.
     pub samples_held_back: usize,
 }
 
@@ -119,21 +119,21 @@ pub struct AdaptationSummary {
     pub weights: usize,
     /// Samples from one weight to the next.
     pub stride_samples: usize,
-    /// Share of the error that a step takes off.
+    /// Step size: share of the error removed per step.
     pub step: Option<f64>,
-    /// The share beyond which the weights swing.
+    /// Step size above which the weights oscillate.
     pub step_limit: Option<f64>,
-    /// Where it is least \[Hz\].
+    /// Frequency of this limit \[Hz\].
     pub step_limit_at_hz: Option<f64>,
     /// Limit over step.
     pub step_margin: Option<f64>,
-    /// By how much the stage differs in phase from the model, at most \[degrees\].
+    /// Largest phase difference between stage and model \[degrees\].
     pub phase_error_deg: Option<f64>,
-    /// Where it does \[Hz\].
+    /// Its frequency \[Hz\].
     pub phase_error_at_hz: Option<f64>,
     /// Margin of the phase error to 90 degrees \[degrees\].
     pub phase_margin_deg: Option<f64>,
-    /// Rms that the best constant weights would have left, in per cent of the stroke.
+    /// Residual rms with the best constant weights, in per cent of the stroke.
     pub best_weights_rms_percent_of_stroke: Option<f64>,
 }
 

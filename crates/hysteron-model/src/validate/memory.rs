@@ -1,13 +1,13 @@
-//! The hysteresis memory that a device brought into a record, estimated from the record.
+//! Initial hysteresis memory of a device, estimated from the record.
 
 use super::{OffsetTreatment, ScoreError, Scoring, mean, root_mean_square, scored_samples};
 use crate::hammerstein::Model;
 use crate::record::{InputOutput, range_of};
 use crate::start::Start;
 
-/// Memories looked at before the best of them is refined: the error need not have one minimum only.
+/// Memories tried before the best is refined: the error may have several minima.
 const COARSE: usize = 9;
-/// The memory is found to this share of its range.
+/// Precision of the memory, as a share of its range.
 const PRECISION: f64 = 1e-5;
 
 /// The start at rest at u(0) with the memory from which `model` explains the record best (smallest RMSE), its
@@ -32,7 +32,7 @@ pub(super) fn best_memory(
         Err(_) => f64::INFINITY,
     };
     let start = remembering(minimum(rmse, least, most));
-    // A memory that cannot be simulated is not the one.
+    // A memory that cannot be simulated is discarded.
     let Ok(simulated) = model.simulate(&record.u, &record.time, &start) else { return Ok(None) };
     Ok(Some((error_of(record, &simulated, &scored, scoring.offset), start, simulated)))
 }

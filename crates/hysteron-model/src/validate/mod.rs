@@ -1,8 +1,8 @@
 //! Metrics and residual tests, defined once.
 //!
 //! [`score`] compares a measured record with a simulated output, sample by sample, and returns [`Scores`];
-//! [`definitions`] is the table that reports print beside the numbers, so that no score stands bare.
-//! Everything is meant for *simulation* (infinite horizon), not one-step prediction.
+//! [`definitions`] is the table of definitions that reports print with the scores. Everything is meant for
+//! *simulation* (infinite horizon), not one-step prediction.
 
 mod loop_width;
 mod memory;
@@ -23,8 +23,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Scoring {
-    /// Seconds at the start of the record that are simulated but not scored \[s\], ≥ 0. `None`: none, but
-    /// what a model without dynamics cannot follow ([`unfollowed_start`]), where a [`Model`](crate::Model) is
+    /// Seconds at the start of the record that are simulated but not scored \[s\], ≥ 0. `None`: only the part
+    /// that a model without dynamics cannot follow ([`unfollowed_start`]), where a [`Model`](crate::Model) is
     /// scored.
     pub skip_s: Option<f64>,
     /// Treatment of the constant difference between the record and the simulation.
@@ -38,14 +38,14 @@ pub enum OffsetTreatment {
     /// The sensor's zero is unknown: the mean residual over the scored samples is added to the simulation.
     #[default]
     Estimated,
-    /// The simulation is compared as it is; the offset in the model counts.
+    /// The simulation is compared unchanged; the offset in the model counts.
     Fixed,
 }
 
 /// Agreement of a simulation ŷ with a record y over the scored samples; definitions in `docs/metrics.md`.
 ///
 /// e = y − ŷ − offset. A ratio is `None` where its denominator is zero (a constant record) and where the
-/// record does not hold what it needs; no field is ever NaN or infinite. Output quantities are in the
+/// record does not contain the data needed; no field is ever NaN or infinite. Output quantities are in the
 /// record's output unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scores {
@@ -56,7 +56,7 @@ pub struct Scores {
     /// Constant added to the simulation before the comparison, on top of the model's own offset; 0 where
     /// fixed.
     pub offset: f64,
-    /// Whether `offset` was estimated from this record.
+    /// True if `offset` was estimated from this record.
     pub offset_estimated: bool,
     /// max y − min y.
     pub stroke: f64,
@@ -82,7 +82,7 @@ pub struct Scores {
     pub input_correlation: Option<CorrelationTest>,
 }
 
-/// Why a record could not be scored.
+/// Error of scoring a record.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScoreError {
@@ -94,7 +94,7 @@ pub enum ScoreError {
         /// Samples of the simulation.
         simulated: usize,
     },
-    /// Too little is left to score.
+    /// Too few samples remain to be scored.
     #[error(
         "only {scored} of {total} samples are left to score ({masked} not valid, the rest skipped); need at \
          least {need}"
@@ -109,7 +109,7 @@ pub enum ScoreError {
         /// Samples needed.
         need: usize,
     },
-    /// The time to skip is not a time.
+    /// The time to skip is invalid.
     #[error("the time to skip must be a finite number of seconds, not negative; found {skip_s}")]
     InvalidSkip {
         /// The value.
@@ -118,7 +118,7 @@ pub enum ScoreError {
     /// Seconds cannot be skipped without a time base.
     #[error("cannot skip {skip_s} s: the record has neither a time column nor a sample rate")]
     SkipNeedsTime {
-        /// Seconds asked for.
+        /// Seconds requested.
         skip_s: f64,
     },
     /// A sample is NaN or infinite.
@@ -150,8 +150,8 @@ const NEED_SAMPLES: usize = 2;
 /// Scores the simulation `simulated` (same unit and length as the record's output) against `record`.
 ///
 /// # Errors
-/// [`ScoreError`] if lengths differ, a scored sample is not finite, or fewer than two samples are left to
-/// score.
+/// [`ScoreError`] if lengths differ, a scored sample is not finite, or fewer than two samples remain to be
+/// scored.
 pub fn score(record: &InputOutput, simulated: &[f64], scoring: &Scoring) -> Result<Scores, ScoreError> {
     let Compared { scored, y, mut e } = compared(record, simulated, scoring.skip_s.unwrap_or(0.0))?;
     let (total, samples) = (record.y.len(), y.len());
@@ -207,11 +207,11 @@ pub fn mean_residual(record: &InputOutput, simulated: &[f64]) -> Result<f64, Sco
 
 /// Scored samples of a record.
 struct Compared {
-    /// Which samples.
+    /// Mask of the scored samples.
     scored: Vec<bool>,
-    /// Measured output there.
+    /// Measured output at the scored samples.
     y: Vec<f64>,
-    /// … less the simulated one.
+    /// Measured minus simulated output at the scored samples.
     e: Vec<f64>,
 }
 
@@ -270,7 +270,7 @@ impl Scores {
 pub struct Definition {
     /// Key in JSON and field of [`Scores`].
     pub key: &'static str,
-    /// Name as a reader knows it.
+    /// Name for readers.
     pub name: &'static str,
     /// Unit; `output` stands for the unit of the record's output.
     pub unit: &'static str,
@@ -340,14 +340,14 @@ pub fn definitions() -> &'static [Definition] {
             "input_correlation",
             "residual–input correlation",
             "1",
-            "correlation of e with the input at lags −25 … 25; 99 % within ±2.576/√N where nothing of the \
-             input is left in a white e",
+            "correlation of e with the input at lags −25 … 25; 99 % within ±2.576/√N for a white e \
+             independent of the input",
         ),
     ];
     TABLE
 }
 
-/// Which samples count: after the skipped seconds, and valid.
+/// Mask of the samples that count: after the skipped seconds, and valid.
 ///
 /// # Errors
 /// [`ScoreError`] if the time to skip is not a time, or the record has no time base.

@@ -1,4 +1,4 @@
-//! Residual tests: is anything left in the residual that a model could explain?
+//! Residual tests: whiteness of the residual and its independence of the input.
 //!
 //! L. Ljung, *System Identification: Theory for the User*, 2nd ed., Prentice Hall 1999, §16.6.
 
@@ -53,18 +53,18 @@ impl Correlogram {
 
 /// Autocorrelation r_k = Σ e_t e_{t−k} / Σ e_t² of the residual at lags 1 … 25, over pairs of scored samples.
 ///
-/// A residual that is noise alone stays within the bound at 99 % of the lags. `None` where the residual
-/// vanishes or fewer than 50 samples are scored.
+/// A white residual stays within the bound at 99 % of the lags. `None` where the residual vanishes or fewer
+/// than 50 samples are scored.
 pub fn residual_whiteness(e: &[f64], scored: &[bool]) -> Option<Correlogram> {
     correlogram(e, e, scored, 1)
 }
 
 /// Correlation r_k = Σ (u_{t−k} − ū) e_t / √(Σ (u_t − ū)² Σ e_t²) of the residual with past (k ≥ 0) and
-/// coming (k < 0) input, lags −25 … 25, over pairs of scored samples.
+/// future (k < 0) input, lags −25 … 25, over pairs of scored samples.
 ///
-/// Positive lags outside the bound: dynamics or hysteresis the model does not describe; negative ones:
-/// feedback, or a delay in the model that is too long. The bound holds where the residual is white. `None`
-/// where the residual or the input's variation vanishes or fewer than 50 samples are scored.
+/// Positive lags outside the bound indicate unmodelled dynamics or hysteresis; negative ones feedback, or too
+/// long a delay in the model. The bound holds where the residual is white. `None` where the residual or the
+/// input's variation vanishes or fewer than 50 samples are scored.
 pub fn residual_input_correlation(e: &[f64], u: &[f64], scored: &[bool]) -> Option<Correlogram> {
     let n = scored.iter().filter(|&&s| s).count();
     let mean = u.iter().zip(scored).filter(|(_, s)| **s).map(|(u, _)| u).sum::<f64>() / n as f64;

@@ -9,13 +9,12 @@ use crate::start::Start;
 /// Ends that differ by less than this share of the range close a loop.
 const CLOSED: f64 = 0.03;
 
-/// Share of its range that a drive goes through in a cycle, and by which it may miss at its end where it
-/// began.
+/// Share of its range that a drive covers in a cycle, and largest distance of its end from its beginning.
 const CYCLE: f64 = 0.7;
 const BACK: f64 = 0.06;
 
-/// The start a record can be thought to have had: at rest at its first sample, at rest at zero (drive off),
-/// settled on its own period where it repeats from the beginning or is one closed loop.
+/// Possible starts of a record: at rest at its first sample, at rest at zero (drive off), settled on its own
+/// period where it repeats from the beginning or is one closed loop.
 pub fn possible_starts(record: &InputOutput, range_v: Option<(f64, f64)>) -> Vec<Start> {
     let mut starts = Vec::new();
     if let Some(&first) = record.u.first() {
@@ -33,8 +32,8 @@ pub fn possible_starts(record: &InputOutput, range_v: Option<(f64, f64)>) -> Vec
     starts
 }
 
-/// End of the range over which a device was driven before, where the record stays within it: what that left
-/// behind shows as a level until the record goes as far. The end farther from where it begins.
+/// End of the range over which a device was driven before, where the record stays within it: that memory acts
+/// as an offset until the record reaches as far. The end farther from where it begins.
 fn wider(record: &InputOutput, range_v: Option<(f64, f64)>) -> Option<f64> {
     let ((low, high), first) = (range_v?, *record.u.first()?);
     let own = range_of(&record.u);
@@ -42,12 +41,12 @@ fn wider(record: &InputOutput, range_v: Option<(f64, f64)>) -> Option<f64> {
     (farther > own.1 || farther < own.0).then_some(farther)
 }
 
-/// Samples of the first cycle of a drive on uneven stamps: those before it is back where it began, most of
-/// its range behind it. `None` where it does not come back.
+/// Samples of the first cycle of a drive on uneven stamps: those until it returns to where it began, after
+/// most of its range. `None` where it does not come back.
 pub fn first_cycle(record: &InputOutput) -> Option<usize> {
     let TimeBase::NonUniform { times_s } = &record.time else { return None };
     let end = cycle(&record.u)?;
-    // Before a pause the drive need not come all the way: the cycle ends there, pause and all.
+    // Before a pause the drive need not return completely: the cycle ends there, pause included.
     let step = |k: usize| Some(times_s.get(k + 1)? - times_s.get(k)?);
     let paused = step(end).zip(end.checked_sub(1).and_then(step)).is_none_or(|(a, b)| a > GAP_PERIODS * b);
     Some(if paused { (end + 1).min(times_s.len()) } else { end })
@@ -92,7 +91,7 @@ pub fn settling_samples(u: &[f64], shortest_swing: usize) -> usize {
     (shortest_swing / 2).min(u.len() / 4)
 }
 
-/// Whether a signal ends where it began, to 3 % of its range.
+/// True if a signal ends where it began, to 3 % of its range.
 fn closes(x: &[f64]) -> bool {
     let (low, high) = range_of(x);
     match (x.first(), x.last()) {
@@ -103,10 +102,10 @@ fn closes(x: &[f64]) -> bool {
 
 /// The start among `preferred` and [`possible_starts`] from which `model` explains the record best (smallest
 /// RMSE), and the simulation from it. A record's initial state is unknown like its sensor's zero: this is its
-/// estimate, one choice of at most four, and the preferred one unless another is better by more than 1 %.
-/// Where the device rested at u(0) with a memory of earlier motion that explains the record better than all
-/// of them by more than 1 %, that start is taken, with the estimated memory z ([`Start::Remembering`]).
-/// `range_v`: smallest and largest voltage of the records that the model comes from.
+/// estimate, one of at most four, the preferred one unless another is better by more than 1 %. Where the
+/// device rested at u(0) with a memory of earlier motion that explains the record better than all of them by
+/// more than 1 %, that start is taken, with the estimated memory z ([`Start::Remembering`]). `range_v`:
+/// smallest and largest voltage of the records that the model comes from.
 ///
 /// # Errors
 /// [`ScoreError`] where the model cannot be simulated from the preferred start, or the record cannot be
@@ -123,7 +122,7 @@ pub fn choose_start(
     let mut best = (score(record, &simulated, scoring)?.rmse, preferred, simulated);
     let given = best.0;
     for start in possible_starts(record, range_v).into_iter().filter(|s| *s != preferred) {
-        // A start that cannot be simulated is not the one.
+        // A start that cannot be simulated is discarded.
         let Ok(simulated) = model.simulate(&record.u, &record.time, &start) else { continue };
         let rmse = score(record, &simulated, scoring)?.rmse;
         if rmse < best.0.min(BETTER * given) {

@@ -77,7 +77,7 @@ fn several_active_bounds_of_a_linear_fit_are_those_of_the_kkt_conditions() {
         true
     };
     let problem = Residuals { bounds: cube(4, 0.0, 1.0), count: 4, residuals };
-    // The cost, 10, says little about the free components: go on until they no longer move.
+    // The cost, 10, is insensitive to the free components: iterate until they no longer change.
     let options = LeastSquaresOptions { cost_tolerance: 0.0, ..LeastSquaresOptions::default() };
     let outcome = fit_with(options, &problem, &[0.5; 4]);
     assert_eq!((outcome.best[0], outcome.best[2]), (1.0, 0.0));
@@ -109,7 +109,7 @@ fn fewer_residuals_than_parameters_are_fitted() {
 
 #[test]
 fn fit_walks_along_the_edge_of_an_infeasible_region() {
-    // The way straight to (0.8, 0.8) leads through a disc that cannot be simulated.
+    // The straight path to (0.8, 0.8) crosses a disc that cannot be simulated.
     let residuals = |x: &[f64], out: &mut [f64]| {
         out.copy_from_slice(&[x[0] - 0.8, x[1] - 0.8]);
         (x[0] - 0.5).hypot(x[1] - 0.45) > 0.05
@@ -153,7 +153,7 @@ fn central_differences_come_closer_to_the_minimum_than_tolerances_ask() {
 
 #[test]
 fn a_fit_is_hopeless_only_if_its_pace_cannot_bring_it_down_to_the_best() {
-    // A fall of 0.1 in ten iterations, ninety left: 1.0 is the lowest it would come to.
+    // A decrease of 0.1 in ten iterations, ninety left: 1.0 is the lowest reachable cost.
     let creeping = || {
         let mut fit = LocalFit::new(&[0.5], 2.0, 0);
         (fit.iterations, fit.cost) = (10, 1.9);
@@ -167,7 +167,7 @@ fn a_fit_is_hopeless_only_if_its_pace_cannot_bring_it_down_to_the_best() {
     assert!(!fit.is_hopeless(100, 0.0), "judged every ten iterations");
     fit.iterations = 20;
     assert!(fit.is_hopeless(100, 1.0), "a fall of 0.1 since the start, judged at 20");
-    // The pace is that of the last ten iterations, not of all.
+    // The rate is that of the last ten iterations, not of all.
     (fit.iterations, fit.cost) = (30, 1.2);
     assert!(!fit.is_hopeless(100, 0.1));
 }

@@ -20,7 +20,7 @@ fn population_methods() -> [Algorithm; 5] {
 
 fn all_algorithms() -> Vec<Algorithm> {
     let mut all = population_methods().to_vec();
-    // A limit so low that the scout fires, so that its state is tested too.
+    // A limit low enough to trigger the scout, so that its state is tested too.
     all.push(Algorithm::DeAbc(DeAbcOptions { limit: Some(3), ..DeAbcOptions::default() }));
     all.push(Algorithm::LeastSquares(LeastSquaresOptions {
         agreement: None,
@@ -60,7 +60,7 @@ fn sphere_is_minimised_by_every_population_method() {
 #[test]
 fn rosenbrock_is_minimised_by_every_algorithm_with_enough_generations() {
     for algorithm in all_algorithms() {
-        // A bee colony moves one parameter at a time: in a curved valley it creeps.
+        // A bee colony changes one parameter at a time: it is slow in a curved valley.
         let target = if let Algorithm::Abc(_) = algorithm { 0.05 } else { 1e-3 };
         let settings = Settings { generations: 1000, target: Some(target), ..Settings::default() };
         let outcome = minimize(&curved(), &algorithm, &settings, &mut Unobserved, None).unwrap();
@@ -128,7 +128,7 @@ fn resumed_run_ends_with_the_bits_of_an_uninterrupted_one() {
     for algorithm in all_algorithms() {
         let settings = Settings { generations: 20, ..Settings::default() };
         let settings = match algorithm {
-            // The first start is feasible: a run cancelled before anything was has nothing to keep.
+            // The first start is feasible: a run cancelled before any feasible point has no result.
             Algorithm::LeastSquares(_) => {
                 Settings { budget: Some(150), starts: vec![vec![0.1, 0.6]], ..settings }
             }
@@ -147,7 +147,7 @@ fn resumed_run_ends_with_the_bits_of_an_uninterrupted_one() {
                 minimize(&problem, &algorithm, &settings, &mut Unobserved, Some(checkpoint)).unwrap();
             assert_eq!(resumed, straight, "{} resumed at {at}", algorithm.name());
         }
-        // A run that has ended by itself has nothing left to do.
+        // A finished run does nothing further.
         let again =
             minimize(&problem, &algorithm, &settings, &mut Unobserved, Some(straight.checkpoint.clone()))
                 .unwrap();
@@ -242,7 +242,7 @@ fn budget_is_met_exactly_even_inside_a_generation() {
             assert_eq!(outcome.stopped, StopReason::Budget, "{}", algorithm.name());
             assert_eq!(outcome.evaluations, counter.into_inner(), "{} counts", algorithm.name());
             assert_eq!(calls, outcome.history.len());
-            // Least squares does not begin a Jacobian that it could not finish.
+            // Least squares does not begin a Jacobian beyond its budget.
             let unused = if let Algorithm::LeastSquares(_) = algorithm { 1 } else { 0 };
             assert!((budget - unused..=budget).contains(&outcome.evaluations), "{}", algorithm.name());
         }
@@ -380,7 +380,7 @@ fn checkpoint_of_another_run_is_refused() {
     let other_data = Residuals { residuals: other_data, ..curved() };
     let error = resume(&other_data, &de, &settings);
     assert!(matches!(error, OptimizeError::CheckpointCost { .. }), "{error}");
-    // The number of threads is no part of a run.
+    // The number of threads is not part of a run.
     let threads = Settings { threads: Some(2), ..Settings::default() };
     assert!(minimize(&curved(), &de, &threads, &mut Unobserved, Some(checkpoint.clone())).is_ok());
 }
@@ -400,7 +400,7 @@ fn damaged_checkpoint_is_refused_without_a_panic() {
             for damage in [Vec::new(), vec![serde_json::json!(7.5); 40]] {
                 let mut json = json.clone();
                 *json.pointer_mut(path).unwrap().as_array_mut().unwrap() = damage;
-                // Either it is no checkpoint any more (a list of whole numbers), or it is refused.
+                // It either is no longer a checkpoint (a list of integers) or is rejected.
                 if let Ok(damaged) = serde_json::from_value::<Checkpoint>(json) {
                     let error = minimize(&curved(), &algorithm, &settings, &mut Unobserved, Some(damaged))
                         .unwrap_err();

@@ -276,7 +276,7 @@ fn draw_bars(
     out.push_str("</g>");
 }
 
-/// A bar: filled, and crossed by lines that differ with the colour, so that it can be told in grey.
+/// A bar: filled, and crossed by lines that differ with the colour, to be distinguished in grey.
 fn push_bar(out: &mut String, r: Rect, style: Style) {
     let [x, y, w, h] = [r.x, r.y, r.w, r.h].map(number);
     put!(

@@ -1,4 +1,4 @@
-//! Where everything stands: ranges of the axes, frames, legends. Nothing may overlap the data.
+//! Layout of a figure: ranges of the axes, frames, legends. Nothing may overlap the data.
 
 use super::text::{fit, width};
 use super::ticks::{SMALLEST_SPAN, Ticks, ticks};
@@ -234,7 +234,7 @@ fn place_axis(
     (PlacedAxis { scale: axis.scale, low, high, ticks: marks, limit, title, categorical }, any)
 }
 
-/// The range that holds the data of every panel, where all of them have the x axis in common.
+/// The range of the data of all panels, where they share the x axis.
 fn shared_range(figure: &Figure) -> Option<(f64, f64)> {
     let scale = figure.panels.first()?.x.scale;
     if !figure.linked_x || figure.panels.iter().any(|p| p.x.scale != scale || !p.x.categories.is_empty()) {
@@ -304,7 +304,7 @@ pub(crate) fn layout(figure: &Figure) -> Layout {
     }
 
     let lists: Vec<_> = figure.panels.iter().map(entries).collect();
-    // One legend above all, where it explains every panel.
+    // One legend above all, where it holds for every panel.
     let explains = |list: &Vec<(String, Sample)>| list.iter().all(|entry| lists[0].contains(entry));
     let shared = lists.len() > 1 && lists[1..].iter().all(explains);
     let x_range = shared_range(figure);

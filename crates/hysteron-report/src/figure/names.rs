@@ -36,7 +36,7 @@ fn overlap(a: &Rect, b: &Rect) -> f64 {
     along(a.x, a.w, b.x, b.w) * along(a.y, a.h, b.y, b.h)
 }
 
-/// Where the box of a name `w` px wide stands, seen from a point.
+/// Box of a name `w` px wide, relative to its point.
 fn beside((x, y): (f64, f64), w: f64, distance: f64, (dx, dy): (f64, f64)) -> Rect {
     let (px, py) = (x + dx * distance, y + dy * distance);
     let left = if dx > 0.3 {

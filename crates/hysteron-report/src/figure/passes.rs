@@ -9,13 +9,13 @@ use super::breaks::{finite, push_break, trim_break};
 /// A pass that lies within this many cells of those before is left out: lines closer than that run into each
 /// other, and what is drawn below them could not be seen.
 const APART: f64 = 4.0;
-/// Points that a step between two samples is looked at, at most, to see which cells it crosses.
+/// Most points at which a step between two samples is checked for the cells it crosses.
 const MOST_BETWEEN: usize = 16;
 
 /// The curve cut where `x` turns back by more than `cell`. On a raster of [`APART`] cells, a pass all of
 /// whose squares are those that earlier passes crossed or neighbours of theirs is left out; the others keep
 /// what is more than half a cell off the straight lines between the points kept. The points at `extremes` are
-/// kept. Gives up, with what it has, beyond `most` points.
+/// kept. Stops early beyond `most` points.
 pub(super) fn by_passes(
     points: &[(f64, f64)],
     cell: f64,
@@ -104,9 +104,9 @@ fn squares(pass: &[(f64, f64)], side: f64) -> HashSet<(i64, i64)> {
     crossed
 }
 
-/// Indices of the points of a pass that its drawing needs: ends, `forced`, and by Ramer's and by Douglas and
-/// Peucker's rule (doi:10.1016/S0146-664X(72)80017-0, doi:10.3138/FM57-6770-U75U-7727) what is more than half
-/// a `cell` off, of the first, lowest, highest and last point of each column of half a cell.
+/// Indices of the points of a pass that its drawing needs: ends, `forced`, and a Ramer–Douglas–Peucker
+/// simplification (doi:10.1016/S0146-664X(72)80017-0, doi:10.3138/FM57-6770-U75U-7727) to half a `cell` of
+/// the first, lowest, highest and last point of each column of half a cell.
 fn simplified(
     points: &[(f64, f64)],
     pass: &RangeInclusive<usize>,

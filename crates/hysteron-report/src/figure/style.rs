@@ -162,8 +162,8 @@ impl Style {
         Self { width_px: 1.0, ..Self::line(Colour::Vermillion) }
     }
 
-    /// The `index`-th of several equals: colour, dash and marker shape all differ, so that the curves stay
-    /// apart without colour. Repeats after 24.
+    /// The `index`-th of several equals: colour, dash and marker shape all differ, so that the curves are
+    /// distinct without colour. Repeats after 24.
     pub fn nth(index: usize) -> Self {
         const COLOURS: [Colour; 6] =
             [Colour::Blue, Colour::Vermillion, Colour::Green, Colour::Orange, Colour::Purple, Colour::Sky];

@@ -93,7 +93,8 @@ fn legend_entry(out: &mut String, entry: &LegendEntry) {
     put!(out, "<text class=\"t\" x=\"{x}\" y=\"{y}\">{label}</text>");
 }
 
-/// The attribute by which the script knows an axis: scale, limits, label exponent, tick limit, labels shown.
+/// The attribute that describes an axis to the script: scale, limits, label exponent, tick limit, labels
+/// shown.
 fn axis_data(axis: &PlacedAxis, labels: bool) -> String {
     let scale = if axis.scale == Scale::Log { "log" } else { "lin" };
     let (low, high, e, limit) = (axis.low, axis.high, axis.ticks.exponent, axis.limit);

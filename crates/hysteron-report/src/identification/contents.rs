@@ -246,7 +246,8 @@ fn left_out(found: &Identification) -> Vec<usize> {
     found.records.iter().map(of).collect()
 }
 
-/// Why the search's own RMSE is not the score: the fit allowed for creep, which the model does not have.
+/// Note on why the search's own RMSE is not the score: weighted records, or creep that the model does not
+/// have.
 fn convergence_note(found: &Identification, unit: &str) -> String {
     let (Some(search), Some(record)) = (found.searches.first(), found.records.first()) else {
         return String::new();
@@ -264,13 +265,13 @@ fn convergence_note(found: &Identification, unit: &str) -> String {
     format!(
         "The search ends at {} {unit} where the score is {} {unit}: the fit allows for a slow creep of each \
          quasi-static record so that it does not distort the loop; the model has no creep, and the score \
-         counts what it leaves.",
+         includes it.",
         significant(search.outcome.cost, 3),
         significant(record.scores.rmse, 3)
     )
 }
 
-/// The identified structure and those next to it.
+/// The identified structure and its neighbours.
 fn structures(others: &Result<Neighbours, IdentifyError>) -> Vec<StructureRow> {
     let Ok(others) = others else { return Vec::new() };
     let lowest = others.entries.iter().map(|e| e.bic).fold(f64::INFINITY, f64::min);
@@ -292,8 +293,8 @@ fn about_structures(found: &Identification, others: &Result<Neighbours, Identify
              oversampled; shaded: the one identified. The polynomial is a cubic where no degree is named. \
              RMSE over all samples, on the data of the fit: a richer structure always has a lower one. BIC \
              counts parameters against it, over the {:.0} independent samples (of {}) that the residuals are \
-             worth; differences below 10 mean little. What a structure predicts is told by records that it \
-             was not fitted to: hysteron compare {}.",
+             worth; differences below 10 mean little. Predictive accuracy is measured on held-out records: \
+             hysteron compare {}.",
             others.independent_samples,
             others.samples,
             found
@@ -304,14 +305,13 @@ fn about_structures(found: &Identification, others: &Result<Neighbours, Identify
                 .join(" ")
         ),
         Err(IdentifyError::CannotRank { because, measure }) => {
-            format!("Not compared: {because}. To tell structures apart measure {measure}.")
+            format!("Not compared: {because}. To distinguish structures, measure {measure}.")
         }
         Err(error) => format!("Not compared: {error}."),
     }
 }
 
-/// Half the widths of the bands: by the fit, else out of the model file. `None` where nothing is known of
-/// them.
+/// Half the widths of the bands, by the fit or else by the model file. `None` where they are unknown.
 fn band(fit: &RecordFit, file: &ModelFile) -> Option<BandWidths> {
     let of_file = || {
         let band = PredictionBand::of_file(file, &fit.data.u, &fit.data.time, &fit.start).ok()?;

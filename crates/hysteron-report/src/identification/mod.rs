@@ -1,4 +1,4 @@
-//! The report of an identification: what was measured, what was found, how good it is, how to repeat it.
+//! The report of an identification: data, model, accuracy and how to repeat it.
 //!
 //! [`report`] makes the page from the result. [`IdentificationReportData`] is what it shows, laid out by
 //! [`identification_report`].
@@ -21,7 +21,7 @@ use hysteron_model::model_file::ModelFile;
 use hysteron_numeric::number::fixed;
 
 /// The report of an identification, whose model's data are `file`: model, errors, scores, measured against
-/// simulated, findings, how to repeat it. `others`: structures next to the identified one, where they were
+/// simulated, findings, how to repeat it. `others`: neighbours of the identified structure, where they were
 /// compared.
 pub fn report(
     model_name: &str,
@@ -41,7 +41,7 @@ pub struct IdentificationReportData {
     pub summary: String,
     /// Whether the records come from a simulated bench; said in every figure.
     pub simulated: bool,
-    /// The few numbers that sum the result up (RMSE, % of stroke, loop opening …).
+    /// Key figures of the result (RMSE, % of stroke, loop opening …).
     pub highlights: Vec<Highlight>,
     /// Warnings in plain words, shown first.
     pub warnings: Vec<String>,
@@ -81,7 +81,7 @@ pub struct IdentificationReportData {
     pub correlations: Vec<Correlation>,
     /// Polynomial degrees tried; empty where the degree was given.
     pub degrees: Vec<DegreeRow>,
-    /// Structures next to the identified one; empty where they were not compared.
+    /// Neighbours of the identified structure; empty where they were not compared.
     pub structures: Vec<StructureRow>,
     /// Method behind these numbers, or the reason why there are none; may be empty.
     pub structures_note: String,
@@ -191,7 +191,7 @@ pub fn identification_report(data: &IdentificationReportData) -> Page {
 }
 
 fn scores(data: &IdentificationReportData) -> Section {
-    let mut section = Section::new("How good it is");
+    let mut section = Section::new("Accuracy");
     if !data.scores.is_empty() {
         let unit = data.scores.first().map(|s| s.unit.clone()).unwrap_or_default();
         let one_unit = data.scores.iter().all(|s| s.unit == unit);
@@ -232,7 +232,7 @@ fn scores(data: &IdentificationReportData) -> Section {
         section = section.block(table);
     }
     if !data.limits.is_empty() {
-        section = section.block(Block::Heading("What these records cannot tell".into()));
+        section = section.block(Block::Heading("Not determined by these records".into()));
         section = section.block(Block::List(data.limits.clone()));
     }
     section
@@ -309,7 +309,7 @@ fn model(data: &IdentificationReportData) -> Section {
     section.block(structures(data))
 }
 
-/// Structures next to the identified one, that one shaded.
+/// The identified structure, shaded, and its neighbours.
 fn structures(data: &IdentificationReportData) -> Table {
     let mut table = Table::new([
         Column::text("structure"),
@@ -346,7 +346,7 @@ fn degrees(data: &IdentificationReportData) -> Table {
 fn correlation(c: &Correlation) -> Figure {
     correlation_matrix(format!("Correlation of the parameters: {}", c.step), &c.names, &c.matrix).captioned(format!(
         "Correlation of the estimates of the step '{}'; condition number {}. Parameters with a correlation \
-         near ±1 can hardly be told apart by these records: only their combination is determined.",
+         near ±1 are hardly distinguishable: these records determine only their combination.",
         c.step,
         significant(c.condition_number, 3)
     ))
@@ -391,7 +391,7 @@ fn mark_frequency(figure: &mut Figure, at_hz: f64) {
 }
 
 fn search(data: &IdentificationReportData) -> Section {
-    let mut section = Section::new("How the search went");
+    let mut section = Section::new("Convergence of the search");
     if !data.convergence.is_empty() {
         let x_label = if data.convergence_x_label.is_empty() {
             "generation"
@@ -424,7 +424,7 @@ fn search(data: &IdentificationReportData) -> Section {
 }
 
 fn data_section(data: &IdentificationReportData) -> Section {
-    let mut section = Section::new("What was done to the data");
+    let mut section = Section::new("Data treatment");
     if !data.preparation.is_empty() {
         section = section.block(Block::List(data.preparation.clone()));
     }
@@ -432,7 +432,7 @@ fn data_section(data: &IdentificationReportData) -> Section {
 }
 
 fn repeat(data: &IdentificationReportData) -> Section {
-    let mut section = Section::new("How to repeat it");
+    let mut section = Section::new("Reproduction");
     if !data.commands.is_empty() {
         section = section.block(Block::Code(data.commands.join("\n")));
     }

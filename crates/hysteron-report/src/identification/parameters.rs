@@ -16,7 +16,7 @@ fn record_of_memory<'a>(name: &str, found: &'a Identification) -> Option<&'a str
 fn parameter_row(p: &Parameter, found: &Identification, file: &ModelFile) -> ParameterRow {
     let memory = record_of_memory(&p.name, found).map(|record| match found.model.hysteresis {
         Hysteresis::BoucWen(_) => format!("hysteretic part z at the first sample of {record}"),
-        _ => format!("where the device was virgin before it moved to the first sample of {record}"),
+        _ => format!("input of the demagnetised state before the first sample of {record}"),
     });
     let (symbol, meaning) = symbol_and_meaning(p, found);
     ParameterRow {
@@ -107,13 +107,13 @@ pub(super) fn rows(found: &Identification, file: &ModelFile) -> Vec<ParameterRow
     for fit in &found.records {
         let (symbol, meaning, value, unit) = match fit.start {
             Start::Rest { voltage_v } => {
-                ("u₀", "input at which the device had rested", voltage_v, fit.data.u_unit.to_string())
+                ("u₀", "input at rest before the record", voltage_v, fit.data.u_unit.to_string())
             }
             // The memory is among the fitted parameters.
             Start::Remembering { .. } | Start::AsIdentified => continue,
             Start::Settled { period_samples, .. } => {
                 let samples = period_samples.unwrap_or(fit.data.len());
-                ("N", "period on which the device had settled", samples as f64, "samples".into())
+                ("N", "period of the steady state", samples as f64, "samples".into())
             }
         };
         rows.push(ParameterRow {

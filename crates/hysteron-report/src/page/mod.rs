@@ -122,7 +122,7 @@ pub enum NoteKind {
     Warning,
 }
 
-/// One of the few numbers that sum a page up.
+/// One of the key figures of a page.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Highlight {
     /// Name of the quantity.
@@ -156,7 +156,7 @@ pub enum Block {
     },
     /// A list of short statements.
     List(Vec<String>),
-    /// The few numbers that matter.
+    /// The key figures.
     Highlights(Vec<Highlight>),
     /// Names and values, one pair a line.
     KeyValues(Vec<(String, String)>),

@@ -42,7 +42,7 @@ impl Column {
 pub struct Cell {
     /// Text, or a formatted number.
     pub text: String,
-    /// Set in bold: the best of its kind, or what the text speaks of.
+    /// Set in bold: the best of its kind, or the subject of the text.
     pub strong: bool,
     /// Set in grey: printed elsewhere, or not comparable.
     pub quiet: bool,

@@ -1,4 +1,4 @@
-//! A reference followed by several controllers: page, tables and words.
+//! Tracking of a reference by several controllers: page, tables and words.
 
 mod page;
 mod tables;

@@ -11,9 +11,10 @@ use crate::page::{Block, Page, Section};
 /// Curves of a figure at most.
 const CURVES: usize = 6;
 
-/// Page of a reference followed; `maker`: who made it, and by which command.
+/// Page of a tracking result; `maker`: who made it, and by which command.
 pub fn page(found: &Tracking, maker: &Maker) -> Page {
-    let mut result = Section::new("What each controller leaves").block(Block::paragraph(introduction(found)));
+    let mut result =
+        Section::new("Tracking error of each controller").block(Block::paragraph(introduction(found)));
     if let Some(sheet) = errors(found) {
         result = result.block(sheet.for_page());
     }
@@ -25,7 +26,7 @@ pub fn page(found: &Tracking, maker: &Maker) -> Page {
     if let Some(sheet) = bandwidths(found) {
         let words = Block::paragraph(of_bandwidths(found));
         page = page.section(
-            Section::new("How far up").block(words).block(sheet.for_page()).block(over_frequency(found)),
+            Section::new("Bandwidth").block(words).block(sheet.for_page()).block(over_frequency(found)),
         );
     }
     if let Some(sheet) = margins(found) {
@@ -34,14 +35,14 @@ pub fn page(found: &Tracking, maker: &Maker) -> Page {
     }
     if let Some(sheet) = adaptations(found) {
         let words = Block::paragraph(OF_ADAPTATIONS);
-        page = page.section(Section::new("Weights that adapt").block(words).block(sheet.for_page()));
+        page = page.section(Section::new("Adaptive weights").block(words).block(sheet.for_page()));
     }
     if let Some(sheet) = reaches(found) {
-        let section = Section::new("What the amplifier leaves");
+        let section = Section::new("Bandwidth limit of the amplifier");
         page = page.section(section.block(sheet.for_page()).block(reach(found)));
     }
     if let Some(command) = &maker.command {
-        page = page.section(Section::new("How it was made").block(Block::code(command)));
+        page = page.section(Section::new("Provenance").block(Block::code(command)));
     }
     page.footer_line(&maker.program)
 }
@@ -100,9 +101,8 @@ fn over_frequency(found: &Tracking) -> Figure {
         figure = figure.panel(panel);
     }
     figure.captioned(
-        "Sines as large as the reference that were played: what is left, rms in per cent of the stroke, \
-         noise and harmonics included. ● where it rises above 1 %, ■ where less than 1/√2 of the sine is \
-         left. Simulated.",
+        "Simulated sines of the reference's amplitude: rms error in per cent of the stroke, noise and \
+         harmonics included. ● where it exceeds 1 %, ■ where the sine falls below 1/√2 of its amplitude.",
     )
 }
 
@@ -141,7 +141,7 @@ fn motion(found: &Tracking) -> Figure {
         .captioned("The reference with the first and the last controller of the table, simulated.")
 }
 
-/// Error over time of the controllers that leave least, and of the first.
+/// Error over time of the controllers with the smallest errors, and of the first.
 fn left_over(found: &Tracking) -> Figure {
     let unit = found.output.to_string();
     let mut order: Vec<usize> = (0..found.runs.len()).collect();
@@ -161,8 +161,8 @@ fn left_over(found: &Tracking) -> Figure {
         figure = figure.panel(panel);
     }
     figure.captioned(
-        "Reference less displacement, mean taken off: the first controller and those that leave least. Each \
-        panel has its own scale.",
+        "Reference minus displacement, mean removed: the first controller and those with the smallest \
+         errors. Each panel has its own scale.",
     )
 }
 
@@ -176,7 +176,6 @@ fn reach(found: &Tracking) -> Figure {
         Style::nth(0),
     ));
     Figure::new("Bandwidth against amplitude").panel(panel).captioned(
-        "Highest frequency of a sine that the largest rate of the drive does not hold back, by formula from \
-         the model.",
+        "Highest frequency of a sine within the slew limit of the drive, by formula from the model.",
     )
 }

@@ -54,7 +54,7 @@ pub fn errors(found: &Tracking) -> Option<TextTable> {
         ("largest", "% of stroke".to_owned()),
         ("lowest drive", input.clone()),
         ("highest drive", input),
-        ("held back", "samples".to_owned()),
+        ("at a limit", "samples".to_owned()),
     ];
     let row = |run: &ControllerRun| {
         let (low, high) = range_of(&run.played.drive);
@@ -73,15 +73,15 @@ pub fn errors(found: &Tracking) -> Option<TextTable> {
     TextTable::new(1, columns).filled(found.runs.iter().map(row))
 }
 
-/// Bandwidths of each controller: by formula, and by sines that were played.
+/// Bandwidths of each controller, by formula and by simulated sines.
 pub fn bandwidths(found: &Tracking) -> Option<TextTable> {
     let hz = || "Hz".to_owned();
     let columns = [
         ("controller", String::new()),
         ("−3 dB, formula", hz()),
-        ("−3 dB, played", hz()),
+        ("−3 dB, simulated", hz()),
         ("1 % error, formula", hz()),
-        ("1 % error, played", hz()),
+        ("1 % error, simulated", hz()),
         ("more than 10 % apart", String::new()),
     ];
     let edge = |edge: Edge| match edge {
@@ -139,7 +139,7 @@ pub fn adaptations(found: &Tracking) -> Option<TextTable> {
         ("phase, stage to model", "°".to_owned()),
         ("there, at", "Hz".to_owned()),
         ("margin to 90°", "°".to_owned()),
-        ("left, rms", "% of stroke".to_owned()),
+        ("error, rms", "% of stroke".to_owned()),
         ("best weights", "% of stroke".to_owned()),
     ];
     let row = |run: &ControllerRun| {
@@ -159,7 +159,7 @@ pub fn adaptations(found: &Tracking) -> Option<TextTable> {
     TextTable::new(1, columns).filled(found.runs.iter().filter_map(row))
 }
 
-/// Highest frequency of a sine that the largest rate of the drive allows, by amplitude.
+/// Highest frequency of a sine within the slew limit of the drive, by amplitude.
 pub fn reaches(found: &Tracking) -> Option<TextTable> {
     let columns = [
         ("amplitude of a sine", found.output.to_string()),

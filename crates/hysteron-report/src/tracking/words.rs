@@ -9,7 +9,7 @@ use crate::number::significant;
 pub fn introduction(found: &Tracking) -> String {
     let [from, to] = [found.scored.start, found.scored.end].map(|k| k as f64 / found.sample_rate_hz);
     let to = if found.scored.end < found.reference.len() {
-        format!(" to {} s, behind which not all is there that is to be known ahead,", significant(to, 4))
+        format!(" to {} s, up to which the preview of the reference is complete,", significant(to, 4))
     } else {
         String::from(" on,")
     };
@@ -21,7 +21,7 @@ pub fn introduction(found: &Tracking) -> String {
     let [low, high] = found.settings.range_v;
     format!(
         "Simulated: {} follows {} at {} Hz, driven from {} to {} {}{slew}. Errors are those of the \
-         displacement from {} s{to} their mean taken off.",
+         displacement from {} s{to} their mean removed.",
         found.plant.words,
         found.name,
         short(found.sample_rate_hz),
@@ -32,21 +32,21 @@ pub fn introduction(found: &Tracking) -> String {
     )
 }
 
-/// Controllers that do not hold the stage.
+/// Controllers whose error exceeds the whole stroke.
 pub fn of_runaways(found: &Tracking) -> Option<String> {
     let names: Vec<&str> =
         found.runs.iter().filter(|run| run.runs_away()).map(|run| run.controller.words()).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "Do not use: {}. The error exceeds the whole stroke: the stage is not held. Where there is \
-             feedback its loop oscillates, because the stage is not the model that the margins are of: \
+            "Do not use: {}. The error exceeds the whole stroke: the stage does not follow. Feedback loops \
+             oscillate, because the stage differs from the model that the margins are computed from: \
              identify the model up to higher frequencies, or ask for more margin.",
             names.join("; ")
         )
     })
 }
 
-/// Definition of the bandwidths, and whether formula and played sines agree.
+/// Definition of the bandwidths, and agreement of formula and simulated sines.
 pub fn of_bandwidths(found: &Tracking) -> String {
     let Some(sines) = &found.sines else { return String::new() };
     let apart = found.runs.iter().filter_map(|run| run.bandwidths());
@@ -55,8 +55,8 @@ pub fn of_bandwidths(found: &Tracking) -> String {
         "Formula and sines agree within a tenth.".to_owned()
     } else {
         format!(
-            "For {apart} of {} controllers they are more than a tenth apart (last column): trust what was \
-             played.",
+            "For {apart} of {} controllers they differ by more than a tenth (last column): rely on the \
+             simulated sines.",
             found.runs.len()
         )
     };
@@ -66,12 +66,13 @@ pub fn of_bandwidths(found: &Tracking) -> String {
     });
     let limited = match limited.count() {
         0 => String::new(),
-        count => format!(" Range or rate of the drive held back sines of {count} controllers."),
+        count => format!(" Range or slew rate of the drive limited the sines of {count} controllers."),
     };
     format!(
-        "Bandwidths: up to where 1/√2 of a sine is left (−3 dB), and up to where its error stays below 1 % \
-         of its stroke, rms. By formula of the model, taken for linear and true; and of sines from {} to {} \
-         Hz that were played, {} {} about {} {}, hysteresis, limits and noise included. {verdict}{limited}",
+        "Bandwidths: up to where a sine keeps 1/√2 of its amplitude (−3 dB), and up to where its rms error \
+         stays below 1 % of its stroke. By formula of the model, assumed linear and exact; and by simulated \
+         sines from {} to {} Hz, {} {} about {} {}, hysteresis, limits and noise included. \
+         {verdict}{limited}",
         significant(sines.range_hz[0], 3),
         significant(sines.range_hz[1], 3),
         significant(sines.amplitude, 3),
@@ -82,7 +83,7 @@ pub fn of_bandwidths(found: &Tracking) -> String {
 }
 
 /// Introduction of the table of adaptations.
-pub const OF_ADAPTATIONS: &str = "Weights that adapt: the step, and the largest at which a level or a sine \
-    up to the highest frequency, alone, leaves them stable if the model is true; by how much the stage \
-    differs from the model in phase (the inverse alone, sines), which must stay below 90° for any step; what \
-    is left of the reference, and what the best constant weights would have left.";
+pub const OF_ADAPTATIONS: &str = "Adaptive weights: step size and stability limit for a constant or a single \
+    sine up to the highest frequency, for an exact model; largest phase difference between stage and model \
+    (the inverse alone, sines), which must stay below 90° for any step; error, and that of the best constant \
+    weights.";

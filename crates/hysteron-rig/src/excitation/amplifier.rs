@@ -19,13 +19,13 @@ pub struct AmplifierLimits {
     /// Largest output current \[A\]; needs `capacitance_f`.
     #[serde(default)]
     pub current_a: Option<f64>,
-    /// Capacitance of the actuator \[F\], seen by the voltage of the waveform.
+    /// Capacitance of the actuator \[F\], referred to the voltage of the waveform.
     #[serde(default)]
     pub capacitance_f: Option<f64>,
 }
 
 impl Default for AmplifierLimits {
-    /// Beyond every amplifier: nothing is limited.
+    /// No limits.
     fn default() -> Self {
         Self {
             low_v: -BEYOND_EVERY_AMPLIFIER_V,
@@ -42,12 +42,12 @@ const BEYOND_EVERY_AMPLIFIER_V: f64 = 1e12;
 const ROUNDING: f64 = 1e-12;
 
 impl AmplifierLimits {
-    /// Checks every sample and every step of a waveform; the step from 0 V (rest) to the first sample is the
-    /// experimenter's and is not checked.
+    /// Checks every sample and every step of a waveform; the step from 0 V (rest) to the first sample is left
+    /// to the experimenter and not checked.
     ///
     /// # Errors
-    /// [`RigError::Voltage`], [`RigError::Slew`] or [`RigError::Current`] at the first sample that
-    /// offends; [`RigError::Limit`] where the limits themselves make no sense.
+    /// [`RigError::Voltage`], [`RigError::Slew`] or [`RigError::Current`] at the first sample that violates a
+    /// limit; [`RigError::Limit`] for invalid limits.
     pub fn check(&self, excitation: &Excitation) -> Result<(), RigError> {
         self.validate()?;
         let fs = excitation.sample_rate_hz;

@@ -1,4 +1,4 @@
-//! Properties of every waveform, whatever its kind.
+//! Properties common to all waveforms.
 
 use proptest::prelude::*;
 

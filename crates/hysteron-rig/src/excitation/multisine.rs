@@ -11,16 +11,16 @@ use serde::{Deserialize, Serialize};
 use super::Shape;
 use super::random::{fill_range, generator, synthesise, uniform};
 
-/// Which multiples of 1/period a multisine excites inside its band.
+/// Multiples of 1/period that a multisine excites inside its band.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Lines {
     /// All of them.
     #[default]
     Full,
-    /// Odd multiples: even-order distortion shows at the even ones.
+    /// Odd multiples: even-order distortion appears at the even ones.
     Odd,
-    /// Odd multiples but one, chosen at random, of every `group`: odd-order distortion shows at those left
+    /// Odd multiples but one, chosen at random, of every `group`: odd-order distortion appears at those left
     /// out (Pintelon and Schoukens 2012, doi:10.1002/9781118287422, §4.3).
     OddWithDetection {
         /// Consecutive odd multiples of which one is left out, at least 2 (3 or 4 are usual).
@@ -36,8 +36,8 @@ pub enum Phases {
     Random,
     /// −π i(i − 1)/K for the i-th of K lines (Schroeder 1970, doi:10.1109/TIT.1970.1054411).
     Schroeder,
-    /// Lowest crest factor that repeated clipping finds from Schroeder's phases and from random ones
-    /// (Van der Ouderaa, Schoukens and Renneboog 1988, doi:10.1109/19.7446).
+    /// Lowest crest factor found by repeated clipping from Schroeder's phases and from random ones (Van der
+    /// Ouderaa, Schoukens and Renneboog 1988, doi:10.1109/19.7446).
     #[default]
     Optimised,
 }
@@ -55,10 +55,10 @@ pub(super) struct Request {
 /// Clipping rounds from one start; fewer for very long signals, so that rounds × samples stays below `WORK`.
 const ROUNDS: usize = 1000;
 const WORK: usize = 100_000_000;
-/// Where the peaks are clipped in the first and in the last round, as parts of the largest value.
+/// Clipping level in the first and in the last round, as fractions of the largest value.
 const FIRST_CLIP: f64 = 0.5;
 const LAST_CLIP: f64 = 0.99;
-/// Samples per period of the highest line while peaks are looked for.
+/// Samples per period of the highest line in the search for peaks.
 const FINENESS: usize = 8;
 
 pub(super) fn multisine(request: &Request, fs: f64, seed: u64) -> Shape {
@@ -103,7 +103,7 @@ fn choose_lines(request: &Request, rng: &mut Xoshiro256PlusPlus) -> (Vec<usize>,
             let odd: Vec<usize> = band.filter(|l| l % 2 == 1).collect();
             let (mut excited, mut left_out) = (Vec::new(), Vec::new());
             for chunk in odd.chunks(group as usize) {
-                // An incomplete last group is excited whole.
+                // An incomplete last group is excited entirely.
                 let out = if chunk.len() == group as usize {
                     (uniform(rng) * f64::from(group)) as usize
                 } else {
@@ -156,7 +156,7 @@ impl<'a> Clipper<'a> {
         Clipper { excited, forward, inverse, spectrum, signal }
     }
 
-    /// Best phases met on the way from `phases`, and their peak-to-peak value.
+    /// Best phases of the iteration from `phases`, and their peak-to-peak value.
     fn improve(&mut self, mut phases: Vec<f64>) -> (Vec<f64>, f64) {
         let mut best = (phases.clone(), f64::INFINITY);
         let rounds = (WORK / self.signal.len()).clamp(50, ROUNDS);
@@ -170,7 +170,7 @@ impl<'a> Clipper<'a> {
             for x in &mut self.signal {
                 *x = x.clamp(-limit, limit);
             }
-            // The lengths fit by construction; a refusal would leave the phases as they are.
+            // The lengths fit by construction; an error would leave the phases unchanged.
             if self.forward.process(&mut self.signal, &mut self.spectrum).is_err() {
                 break;
             }
@@ -181,7 +181,7 @@ impl<'a> Clipper<'a> {
         best
     }
 
-    /// Fills the signal and returns its extremes.
+    /// Synthesises the signal and returns its extremes.
     fn play(&mut self, phases: &[f64]) -> (f64, f64) {
         self.spectrum.fill(Complex64::ZERO);
         for (&line, &phase) in self.excited.iter().zip(phases) {

@@ -8,7 +8,7 @@ use rustfft::num_complex::Complex64;
 
 use super::{SAMPLE_ROUNDING, Shape};
 
-/// Generator of a seed's waveforms. The long jump keeps it clear of other streams of the same seed.
+/// Generator of a seed's waveforms. The long jump separates it from other streams of the same seed.
 pub(super) fn generator(seed: u64) -> Xoshiro256PlusPlus {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
     rng.long_jump();
@@ -38,7 +38,7 @@ pub(super) fn synthesise(mut spectrum: Vec<Complex64>, n: usize) -> Vec<f64> {
     values
 }
 
-/// Moves and scales values so that they fill 0 … 1; a constant becomes ½.
+/// Shifts and scales values to fill 0 … 1; a constant becomes ½.
 pub(super) fn fill_range(values: &mut [f64]) {
     let (low, high) =
         values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)));

@@ -1,8 +1,8 @@
-//! A drive waveform, ready to be played.
+//! A generated drive waveform.
 
 use hysteron_model::record::{Channel, Record, TimeBase, Unit};
 
-/// A drive waveform: what a DAC has to play, and how to read what comes back.
+/// A drive waveform for a DAC, with the numbers needed to evaluate the response.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Excitation {
     /// Short name, fit for a file name (`sweep`, `multisine`, …).
@@ -22,15 +22,15 @@ pub struct Excitation {
     /// Frequencies \[Hz\] of the lines of a multisine or a sum of sines; empty for other waveforms.
     pub excited_hz: Vec<f64>,
     /// Odd multiples of 1/period \[Hz\] in a multisine's band that are not excited: odd-order distortion and
-    /// noise show there.
+    /// noise appear there.
     pub odd_detection_hz: Vec<f64>,
     /// Even multiples of 1/period \[Hz\] in the band that are not excited: even-order distortion and noise
-    /// show there.
+    /// appear there.
     pub even_detection_hz: Vec<f64>,
 }
 
 impl Excitation {
-    /// A drive of which nothing is known but its samples \[V\] at `sample_rate_hz`.
+    /// A drive given only by its samples \[V\] at `sample_rate_hz`.
     pub fn of_samples(name: String, description: String, samples_v: Vec<f64>, sample_rate_hz: f64) -> Self {
         Self {
             name,
@@ -60,7 +60,7 @@ impl Excitation {
     }
 
     /// Crest factor of the waveform proper about its mid-range: half the peak-to-peak value over the standard
-    /// deviation (√2 for a sine); 0 where nothing moves.
+    /// deviation (√2 for a sine); 0 for a constant.
     pub fn crest_factor(&self) -> f64 {
         let end = self.samples_v.len().saturating_sub(self.lead_out_samples);
         let proper = self.samples_v.get(self.lead_in_samples..end).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Sines and slow loops: the waveforms that show the hysteresis block.
+//! Sines and slow loops, the waveforms for the hysteresis block.
 
 use std::f64::consts::TAU;
 

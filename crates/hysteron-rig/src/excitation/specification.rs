@@ -6,7 +6,7 @@ use super::check::Check;
 use super::{Excitation, Waveform};
 use crate::RigError;
 
-/// A drive waveform as asked for; see [`ExcitationSpec::generate`].
+/// Specification of a drive waveform; see [`ExcitationSpec::generate`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ExcitationSpec {
@@ -25,7 +25,7 @@ pub struct ExcitationSpec {
     /// Duration \[s\] of a raised-cosine lead-out from the last sample to 0 V; 0: none.
     #[serde(default)]
     pub soft_end_s: f64,
-    /// Seed of whatever is random.
+    /// Seed of all random numbers.
     #[serde(default)]
     pub seed: u64,
     /// The waveform proper.

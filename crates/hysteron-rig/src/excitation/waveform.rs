@@ -1,4 +1,4 @@
-//! The kinds of waveform and what each may be asked for.
+//! The kinds of waveform and their parameters.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,7 @@ use super::sweep::SweepLaw;
 use super::{Shape, multisine, paths, random, slow, sweep, whole_samples};
 use crate::RigError;
 
-/// The waveform between lead-in and lead-out. Amplitudes are parts of the range `high_v − low_v`.
+/// The waveform between lead-in and lead-out. Amplitudes are fractions of the range `high_v − low_v`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 #[non_exhaustive]
@@ -21,7 +21,7 @@ pub enum Waveform {
         /// Number of periods, not necessarily whole.
         periods: f64,
     },
-    /// Sum of sines, moved and scaled to fill the range.
+    /// Sum of sines, shifted and scaled to fill the range.
     Sines {
         /// The sines.
         tones: Vec<Tone>,
@@ -44,7 +44,7 @@ pub enum Waveform {
     ReversalCurves {
         /// Number of curves.
         curves: u32,
-        /// Time one ramp over the whole range takes \[s\].
+        /// Duration of a ramp over the whole range \[s\].
         ramp_s: f64,
     },
     /// Equal steps up to `high_v` and down again, each held: shows creep.
@@ -66,23 +66,23 @@ pub enum Waveform {
     /// Fast axis of a raster scan: constant speed up, constant speed back, parabolic turnarounds, from
     /// `low_v`.
     Raster {
-        /// Lines a second \[Hz\].
+        /// Line rate \[Hz\].
         line_hz: f64,
         /// Number of lines.
         lines: u32,
-        /// Part of a line spent on the way back, between 0 and 1; ½ is a triangle.
+        /// Fraction of a line spent on the return, between 0 and 1; ½ is a triangle.
         return_fraction: f64,
-        /// Part of a line spent in each turnaround, at most the shorter of the two ways.
+        /// Fraction of a line spent in each turnaround, at most the shorter of forward and return.
         turnaround_fraction: f64,
     },
-    /// Preconditioning (demagnetising): a sine about mid-range whose amplitude decays from half the range,
-    /// u = mid − range/2·ratio^(ft)·cos 2πft. Wipes out the past; ends at mid-range.
+    /// Preconditioning (demagnetising): a sine about mid-range whose amplitude decays from half the range, u
+    /// = mid − range/2·ratio^(ft)·cos 2πft. Wipes out the memory; ends at mid-range.
     Decaying {
         /// Frequency \[Hz\].
         frequency_hz: f64,
         /// Cycles.
         cycles: f64,
-        /// Amplitude of each cycle over that of the one before, between 0 and 1.
+        /// Ratio of the amplitudes of successive cycles, between 0 and 1.
         ratio: f64,
     },
     /// u = low + range·(1 − cos φ(t))/2 with instantaneous frequency φ'/2π going from `start_hz` to `end_hz`.
@@ -97,7 +97,7 @@ pub enum Waveform {
         /// Duration \[s\].
         duration_s: f64,
     },
-    /// Equal amplitudes at multiples of 1/period, nothing anywhere else (but the mean), moved and scaled to
+    /// Equal amplitudes at multiples of 1/period and none elsewhere (except the mean), shifted and scaled to
     /// fill the range.
     Multisine {
         /// Lowest frequency \[Hz\].

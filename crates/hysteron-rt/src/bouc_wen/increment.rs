@@ -1,14 +1,14 @@
-//! The change of z in a move, in a fixed number of operations and without the cancellation of z(u + Δu) −
+//! Increment of z over a move, in a bounded number of operations, without the cancellation of z(u + Δu) −
 //! z(u).
 
 use super::{BoucWen, Law, linear};
 use crate::real::Real;
 use crate::series::{Tangent, relaxation, tangent};
 
-/// Sub-steps of a move at least and at most where n is neither 1 nor 2.
+/// Fewest and most sub-steps of a move for n other than 1 and 2.
 const LEAST_SUB_STEPS: u8 = 2;
 const MOST_SUB_STEPS: u8 = 32;
-/// A sub-step sets out to go no further than this share of the saturation, or of z beyond it.
+/// Intended limit of a sub-step, as a fraction of the saturation, or of |z| beyond it.
 const SHARE: f64 = 0.125;
 
 impl<T: Real> BoucWen<T> {
@@ -16,15 +16,15 @@ impl<T: Real> BoucWen<T> {
     ///
     /// n = 1 and 2: exact, as [`Self::advance`]. Other n: sub-steps of an exponential Rosenbrock method of
     /// order 3 (exprb32: M. Hochbruck, A. Ostermann, J. Schweitzer, *SIAM J. Numer. Anal.* 47 (2009) 786–803,
-    /// doi:10.1137/080717717), two of them, more where one would take z further than an eighth of its
-    /// saturation, 32 at most; |z| held within its saturation. Error of one move, as a share of the
+    /// doi:10.1137/080717717), at least two, more where one would change z by over an eighth of its
+    /// saturation, at most 32; |z| is clamped to its saturation. Error of one move relative to the
     /// saturation, n from 1.2 to 3, γ ≥ 0, for moves of 0.003 and 0.03 of the voltage over which z saturates,
     /// and for any longer one: below 1e-10, 1e-6 and 1e-3 away from z = 0, where |z|ⁿ is not smooth; below
     /// 2e-7, 2e-5 and 1.2e-3 anywhere. Where z moves inwards faster than outwards (β − γ five times β + γ):
-    /// 1e-8, 5e-5 and 1e-3, and 2e-7, 5e-5 and 4e-3 (`tests/model.rs`). A move that saturates ends right.
+    /// 1e-8, 5e-5 and 1e-3, and 2e-7, 5e-5 and 4e-3 (`tests/model.rs`). Moves into saturation end correctly.
     ///
-    /// For a move much smaller than that voltage the result is small against z: add it with compensation, and
-    /// z keeps the accuracy of the move.
+    /// For a move much smaller than that voltage the increment is small against z: compensated summation
+    /// keeps its accuracy.
     #[inline]
     pub fn increment(&self, z: T, du: T) -> T {
         match self.law {
@@ -55,7 +55,7 @@ impl<T: Real> BoucWen<T> {
         self.exact_increment(z, du)
     }
 
-    /// By way of [`Self::advance`]: moves through 0, and those without a result.
+    /// By [`Self::advance`], for moves through z = 0 and those without a finite result.
     #[inline(never)]
     fn exact_increment(&self, z: T, du: T) -> T {
         match self.advance(z, du) {
@@ -75,7 +75,7 @@ impl<T: Real> BoucWen<T> {
         let outwards = if self.alpha < zero { self.beta - self.gamma } else { self.beta + self.gamma };
         let saturation = (self.alpha.abs() / outwards).powf(one / self.n);
         let inwards = if self.alpha < zero { self.beta + self.gamma } else { self.beta - self.gamma };
-        // Outside the bounded class nothing holds z.
+        // Outside the bounded class z has no bound.
         let bound = if outwards > zero && inwards >= zero {
             if z.abs() > saturation { z.abs() } else { saturation }
         } else {

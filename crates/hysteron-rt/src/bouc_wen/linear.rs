@@ -20,8 +20,8 @@ pub(super) fn advance<S: Scalar>(alpha: S, beta: S, gamma: S, z: S, du: S) -> S 
     from_zero([alpha, beta, gamma], rise, d - log_distance(kappa, -(z / rise)))
 }
 
-/// z a way `rest` behind 0, which it leaves with κ = β + γ sign α; it reaches 0 after d₀ = ln(1 + κr)/κ, r =
-/// −z/(sα).
+/// z at the distance `rest` after its zero crossing, with κ = β + γ sign α there; the crossing is at d₀ =
+/// ln(1 + κr)/κ, r = −z/(sα).
 #[inline]
 fn from_zero<S: Scalar>([alpha, beta, gamma]: [S; 3], rise: S, rest: S) -> S {
     let zero = S::Real::of(0.0);
@@ -39,8 +39,7 @@ pub(super) fn increment<S: Scalar>(alpha: S, beta: S, gamma: S, z: S, du: S) -> 
     let (rise, turn, d) = if du.value() < zero { (-alpha, -gamma, -du) } else { (alpha, gamma, du) };
     let lead = if z.value() == zero { rise.value() } else { z.value() };
     let along = |kappa: S| (rise - kappa * z) * relaxation(kappa, d).1;
-    // Two branches, not a choice of κ: the exponential then waits for the voltage alone, not for the z of
-    // the sample before.
+    // Two branches, not a choice of κ: the exponential then depends on the voltage alone, not on z.
     let change = if lead < zero { along(beta - turn) } else { along(beta + turn) };
     let end = z.value() + change.value();
     if (end < zero && z.value() > zero) || (end > zero && z.value() < zero) {
@@ -50,13 +49,12 @@ pub(super) fn increment<S: Scalar>(alpha: S, beta: S, gamma: S, z: S, du: S) -> 
     change
 }
 
-/// z and its derivatives along the voltages `u`, starting from `z` at `u_last`; `sink` is handed each
-/// sample's. The partials are those with respect to β, γ and then any others, which z alone carries; without
-/// partials (P = 0) it is the plain simulation.
+/// z and its derivatives along the voltages `u`, starting from `z` at `u_last`; `sink` receives each
+/// sample's. The partials are ∂/∂β, ∂/∂γ, then any others, carried by z alone; P = 0 is the plain simulation.
 ///
-/// Same arithmetic as [`advance`], arranged so that only one multiplication and one addition a sample depend
-/// on the sample before: the sign of z is taken to stay, and the sample redone by [`advance`] where it did
-/// not. With z⁺ = z e^(−κd) + sα r(κ), r = (1 − e^(−κd))/κ, each derivative is z⁺' = e^(−κd) z' + κ' (sα
+/// The arithmetic is that of [`advance`], arranged so that only one multiplication and one addition a sample
+/// depend on the sample before: z is assumed to keep its sign, and [`advance`] recomputes a sample where it
+/// does not. With z⁺ = z e^(−κd) + sα r(κ), r = (1 − e^(−κd))/κ, each derivative is z⁺' = e^(−κd) z' + κ' (sα
 /// r'(κ) − d e^(−κd) z), κ' = 1 for β, ±1 for γ: one exponential for all of them.
 #[inline(always)]
 pub(super) fn run<T: Real, const P: usize>(

@@ -46,7 +46,7 @@ fn law_of<T: Real>(n: T) -> Law {
     }
 }
 
-/// Where the operator stands.
+/// State of the operator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoucWenState<T> {
     /// Present voltage \[V\].
@@ -135,9 +135,9 @@ impl<T: Real> BoucWen<T> {
         self.finite(advance(self.law, [self.alpha, self.beta, self.gamma, self.n], z, du)?, z)
     }
 
-    /// [`Self::advance`] with forward sensitivities: `z.partials` are ∂z/∂β, ∂z/∂γ and then any others that z
-    /// comes with (its own start value, say). Exact closed forms for n = 1 and 2. In the unit-α form the
-    /// first two are the ∂ζ/∂β', ∂ζ/∂γ' that a fit needs.
+    /// [`Self::advance`] with forward sensitivities: `z.partials` are ∂z/∂β, ∂z/∂γ, then any others carried
+    /// by z (for its initial value, say). Exact closed forms for n = 1 and 2. In the unit-α form the first
+    /// two are the ∂ζ/∂β', ∂ζ/∂γ' that a fit needs.
     ///
     /// # Errors
     /// Those of [`Self::step`].
@@ -149,8 +149,8 @@ impl<T: Real> BoucWen<T> {
         self.finite(advance(self.law, self.duals(false), z, du)?, z)
     }
 
-    /// [`Self::advance`] with forward sensitivities: `z.partials` are ∂z/∂β, ∂z/∂γ, ∂z/∂n and then any others
-    /// that z comes with. ∂z/∂n has no closed form, so that every n goes through the series.
+    /// [`Self::advance`] with forward sensitivities: `z.partials` are ∂z/∂β, ∂z/∂γ, ∂z/∂n, then any others
+    /// carried by z. ∂z/∂n has no closed form: every n uses the series.
     ///
     /// # Errors
     /// Those of [`Self::step`].
@@ -179,8 +179,8 @@ impl<T: Real> BoucWen<T> {
         unit.finite(advance(unit.law, [constant(1.0), beta, gamma, S::constant(n)], zeta, du)?, zeta)
     }
 
-    /// z along the voltages `u` into `out` (same length), from `state`, which ends at the last sample: what
-    /// [`Self::step`] gives sample by sample, faster for n = 1.
+    /// z along the voltages `u` into `out` (same length), from `state`, which ends at the last sample: equal
+    /// to [`Self::step`] sample by sample, faster for n = 1.
     ///
     /// # Errors
     /// [`SimulateError`]: lengths that differ, or the sample and the [`StepError`] it failed with; `out` is
@@ -236,11 +236,12 @@ impl<T: Real> BoucWen<T> {
     }
 
     /// z with derivatives as in [`Self::advance_with_shape`] along the voltages `u`, from z at the voltage of
-    /// `start`; `sink` is handed each sample's in turn. Returns the last. For n = 1 all derivatives share one
+    /// `start`; `sink` receives each sample's in turn. Returns the last. For n = 1 all derivatives share one
     /// exponential.
     ///
     /// # Errors
-    /// The sample and the [`StepError`] it failed with; what `sink` was handed from that sample on is void.
+    /// The sample and the [`StepError`] it failed with; values passed to `sink` from that sample on are
+    /// invalid.
     pub fn simulate_with_shape<const P: usize>(
         &self,
         start: (T, Dual<T, P>),
@@ -252,7 +253,7 @@ impl<T: Real> BoucWen<T> {
             return follow(start, u, advance, sink);
         }
         let end = linear::run((self.alpha, self.beta, self.gamma), start, u, &mut sink);
-        // Once a number is not finite it stays so; going through again then finds where.
+        // A non-finite number persists to the end; a second pass then finds its sample.
         if end.magnitude().is_finite() {
             return Ok(end);
         }
@@ -274,14 +275,14 @@ impl<T: Real> BoucWen<T> {
         follow(start, u, |z, du| self.advance_with_sensitivities(z, du), sink)
     }
 
-    /// (α, β, γ, n) as parameters 0 and 1, and 2 where n is one.
+    /// (α, β, γ, n) as duals: β is parameter 0, γ 1, and n 2 where `exponent` is set.
     #[inline(always)]
     fn duals<const P: usize>(&self, exponent: bool) -> [Dual<T, P>; 4] {
         let n = if exponent { Dual::variable(self.n, 2) } else { Dual::constant(self.n) };
         [Dual::constant(self.alpha), Dual::variable(self.beta, 0), Dual::variable(self.gamma, 1), n]
     }
 
-    /// `end` where every number in it is finite.
+    /// `end`, if its value and derivatives are finite.
     #[inline(always)]
     fn finite<S: Scalar<Real = T>>(&self, end: S, start: S) -> Result<S, StepError<T>> {
         if end.magnitude().is_finite() {

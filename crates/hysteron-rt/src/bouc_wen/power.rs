@@ -31,7 +31,7 @@ pub(super) fn leg<S: Scalar>(a: S, kappa: S, n: S, w: S, h: S) -> Result<Leg<S>,
         if w.value() <= zero && a.value() <= zero {
             return Ok(Leg::End(w));
         }
-        // A start at 0 with derivatives is a start that many derivatives earlier or later.
+        // At w = 0 the derivatives of w shift the start by w/a.
         let (p, elapsed) =
             if w.value() > zero { (w.powf(n), None) } else { (S::constant(zero), Some(w / a)) };
         let pull = kappa * p;
@@ -89,7 +89,7 @@ struct Origin<S> {
 }
 
 impl<S: Scalar> Origin<S> {
-    /// A leg towards 0 (a < 0) is one away from it in reversed direction.
+    /// A leg towards 0 (a < 0) is one away from it, traversed backwards.
     fn new(a: S, kappa: S, n: S) -> Self {
         let away = a.value() > S::Real::of(0.0);
         Origin { b: absolute(a), k: if away { kappa } else { -kappa }, n }
@@ -126,7 +126,7 @@ impl<S: Scalar> Origin<S> {
             let p = w.powf(self.n);
             let correction = (self.distance(w, p) - h) * (self.b - self.k * p);
             w = w - correction;
-            // One more round after the value has settled: the derivatives follow it by one.
+            // One more iteration after the value has converged: the derivatives lag by one.
             if settled {
                 break;
             }

@@ -38,8 +38,8 @@ impl<S: Scalar> BranchLaw<S> for Duhem<S> {
 }
 
 impl<S: Scalar> Duhem<S> {
-    /// Of the change −yⱼ (1 − e^(−b|Δ|)) + Δ Σₖ (j over k) u₀ʲ⁻ᵏ Δᵏ mₖ(b|Δ|) of so many states: what does not
-    /// depend on them, and the share that they lose.
+    /// For the change −yⱼ (1 − e^(−b|Δ|)) + Δ Σₖ (j over k) u₀ʲ⁻ᵏ Δᵏ mₖ(b|Δ|) of the states: its part
+    /// independent of them, and the factor 1 − e^(−b|Δ|).
     #[inline(always)]
     pub fn relaxation(&self, states: usize, from: S, to: S) -> ([S; MOST_MOMENTS], S) {
         let by = to - from;

@@ -7,12 +7,12 @@ use crate::real::{Real, Scalar};
 use crate::series::signed;
 
 law_numbers! {
-    /// Quasi-static Jiles–Atherton: one state, the irreversible part p; what is put out is the magnetisation
-    /// m = p + c (m_an − p), m_an = coth(h/a) − a/h, h = u + α m, dp/dh = s (m_an − p)/k where s (m_an − p) >
-    /// 0, otherwise 0 (D. C. Jiles, D. L. Atherton 1986, doi:10.1016/0304-8853(86)90066-1). Exact to 1e-12
-    /// for moves of up to [`MOST_PANELS`] − 2 times the smaller of a and k and twice α; longer ones are
-    /// divided into [`MOST_PANELS`] parts whatever their length, eight Gauss points each, four
-    /// for ways of up to a tenth of the smaller of a and k.
+    /// Quasi-static Jiles–Atherton: one state, the irreversible part p; the output is the magnetisation m =
+    /// p + c (m_an − p), m_an = coth(h/a) − a/h, h = u + α m, dp/dh = s (m_an − p)/k where s (m_an − p) > 0,
+    /// otherwise 0 (D. C. Jiles, D. L. Atherton 1986, doi:10.1016/0304-8853(86)90066-1). Exact to 1e-12 for
+    /// moves of up to [`MOST_PANELS`] − 2 times the smaller of a and k and twice α; longer ones are divided
+    /// into [`MOST_PANELS`] panels whatever their length, eight Gauss points each, four for panels of up to a
+    /// tenth of the smaller of a and k.
     JilesAtherton {
         /// a > 0.
         anhysteretic,
@@ -40,7 +40,7 @@ impl<S: Scalar> BranchLaw<S> for JilesAtherton<S> {
         number("Jiles–Atherton coupling α", alpha, couples, "at least 0 and less than 3a")
     }
 
-    /// On the anhysteretic curve, which is m where c = 1.
+    /// The demagnetised state lies on the anhysteretic curve, which is m where c = 1.
     #[inline]
     fn virgin(&self, u: S) -> S {
         let [zero, one] = [0.0, 1.0].map(|x| S::constant(S::Real::of(x)));
@@ -60,11 +60,11 @@ impl<S: Scalar> BranchLaw<S> for JilesAtherton<S> {
     }
 }
 
-/// Parts of a move at most.
+/// Most panels of a move.
 pub const MOST_PANELS: u16 = 32;
 
-/// The four Gauss–Legendre points on \[0, 1\] with their weights, enough for a way of a tenth of the smaller
-/// of a and k.
+/// The four Gauss–Legendre points on \[0, 1\] with their weights, enough for a panel of a tenth of the
+/// smaller of a and k.
 const FOUR: [(f64, f64); 4] = [
     (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
     (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
@@ -97,7 +97,7 @@ impl<S: Scalar> JilesAtherton<S> {
         p + self.reversibility * (self.m_an(field) - p)
     }
 
-    /// h at the voltage u while p stays; Newton's method begins `near` it.
+    /// h at the voltage u for constant p; Newton's method starts from `near`.
     #[inline]
     pub fn field(&self, u: S, p: S, near: S::Real) -> S {
         let one = S::Real::of(1.0);
@@ -129,7 +129,7 @@ impl<S: Scalar> JilesAtherton<S> {
         }
     }
 
-    /// [`Self::relaxed`] by these points.
+    /// [`Self::relaxed`] by quadrature at these points.
     #[inline]
     fn relaxed_by<const N: usize>(
         &self,
@@ -149,8 +149,8 @@ impl<S: Scalar> JilesAtherton<S> {
         x * sum
     }
 
-    /// Δp, m_an at the end and the way of the voltage for a `way` of the field from `field`, where m_an is
-    /// `start`.
+    /// Δp, final m_an and change of the voltage for a change of the field by `way` from `field`, where m_an
+    /// is `start`.
     #[inline(always)]
     fn gone(&self, [field, p, start, way]: [S; 4], down: bool) -> [S; 3] {
         let c = self.reversibility;
@@ -167,8 +167,8 @@ impl<S: Scalar> JilesAtherton<S> {
         if a < k { a } else { k }
     }
 
-    /// Δp and the field at the end of a monotone move from `field`, in at most about `most_panels` parts no
-    /// longer than the smaller of a and k, or in so many equal ones.
+    /// Δp and final field of a monotone move from `field`, in at most about `most_panels` panels as long as
+    /// the smaller of a and k, or in so many equal, longer ones.
     #[inline]
     pub fn magnetise(&self, p: S, field: S, (from, to): (S, S), most_panels: u16) -> Option<(S, S)> {
         let [zero, one, half] = [0.0, 1.0, 0.5].map(S::Real::of);
@@ -177,7 +177,7 @@ impl<S: Scalar> JilesAtherton<S> {
         let sign = signed(one, down);
         let drawn = |field: S, p: S| sign * (law.m_an(field.value()) - p.value());
         let mut field = field;
-        // Voltage still to go.
+        // Remaining voltage.
         let mut left = signed(to - from, down);
         if drawn(field, p) < zero {
             // Frozen until m_an = p, where m = p as well.
@@ -195,7 +195,7 @@ impl<S: Scalar> JilesAtherton<S> {
             field = S::implicit(root, || meets(root).1, |h| self.m_an(h) - p);
             left = signed(to - (field - self.coupling * p), down);
         }
-        // h moves as far as u and twice α at most.
+        // |Δh| ≤ |Δu| + 2α.
         let part =
             (left.value().abs() + S::Real::of(2.0) * law.coupling) / S::Real::of(f64::from(most_panels));
         let panel = if part > self.shortest() { part } else { self.shortest() };
@@ -208,7 +208,7 @@ impl<S: Scalar> JilesAtherton<S> {
                 let pulled = (m_an - own - moved) * sign / law.pinning;
                 frozen - law.coupling * (one - law.reversibility) * pulled
             };
-            // Voltage gone after a way of the field, less that wanted, and its slope.
+            // Voltage change for a change of the field, less the remaining voltage, and its slope.
             let excess = |way: S::Real| {
                 let [moved, m_an, voltage] = law.gone([from, own, start.value(), way], down);
                 let there = (m_an, slope_at((from + sign * way) / law.anhysteretic, m_an) / law.anhysteretic);
@@ -248,7 +248,7 @@ impl<T: Real> JilesAtherton<T> {
 }
 
 /// Langevin's function L(x) = coth x − 1/x; by its continued fraction x/(3 + x²/(5 + x²/(7 + …))) where that
-/// settles soon.
+/// converges fast.
 #[inline]
 fn langevin<S: Scalar>(x: S) -> S {
     let of = S::Real::of;

@@ -1,23 +1,23 @@
-//! The interface of a law of one branch, and the two macros that write what every law has in common.
+//! Interface of a branch law, and the two macros that generate the code common to all laws.
 
 use crate::ParameterError;
 use crate::real::{Real, Scalar};
 
 /// The law of a branch: states y, weights w, v = Σ wⱼ yⱼ; s = sign Δu.
 ///
-/// Its C fragment defines `branch_change`, and `branch_output` and `branch_virgin` where the law does not
-/// keep the provided methods of these names; its numbers are `SHAPE[0]`, `SHAPE[1]`, … there, in the order of
+/// Its C fragment defines `branch_change`, and `branch_output` and `branch_virgin` where the law overrides
+/// the provided methods of these names; its parameters there are `SHAPE[0]`, `SHAPE[1]`, …, in the order of
 /// the fields. It may call `relaxation`, `log_distance`, `moments`, `rising_root` and the `increment` of a
 /// Bouc–Wen operator with n = 1.
 pub trait BranchLaw<S: Scalar> {
     /// The law in C99.
     const C: &'static str;
-    /// Most states.
+    /// Maximum number of states.
     const MOST_STATES: usize = 1;
-    /// Whether sound numbers keep the states bounded under a bounded drive.
+    /// Whether valid parameters keep the states bounded under a bounded drive.
     const IS_BOUNDED: bool = true;
 
-    /// Checks the numbers.
+    /// Checks the parameters.
     ///
     /// # Errors
     /// [`ParameterError`] with the first number that is not finite or out of its range.
@@ -49,7 +49,7 @@ pub trait BranchLaw<S: Scalar> {
     }
 }
 
-/// Checks one number.
+/// Checks one parameter.
 #[inline(always)]
 pub(super) fn number<T: Real>(
     name: &'static str,
@@ -60,22 +60,22 @@ pub(super) fn number<T: Real>(
     if is_sound { Ok(()) } else { Err(ParameterError::Number { name, value, must }) }
 }
 
-/// Checks that a number is finite.
+/// Checks that a parameter is finite.
 pub(super) fn finite<T: Real>(name: &'static str, value: T) -> Result<(), ParameterError<T>> {
     number(name, value, value.is_finite(), "finite")
 }
 
-/// Checks that a number is finite and above 0.
+/// Checks that a parameter is finite and above 0.
 pub(super) fn positive<T: Real>(name: &'static str, value: T) -> Result<(), ParameterError<T>> {
     number(name, value, value.is_finite() && value > T::of(0.0), "positive and finite")
 }
 
-/// Checks that a number is finite and not below 0.
+/// Checks that a parameter is finite and not below 0.
 pub(super) fn not_negative<T: Real>(name: &'static str, value: T) -> Result<(), ParameterError<T>> {
     number(name, value, value.is_finite() && value >= T::of(0.0), "finite and not negative")
 }
 
-/// The numbers of a law, in one type of numbers.
+/// Defines a law by its parameters, generic in the number type.
 macro_rules! law_numbers {
     ($(#[$about:meta])* $law:ident { $($(#[$meaning:meta])* $number:ident),+ $(,)? }) => {
         $(#[$about])*
@@ -85,10 +85,10 @@ macro_rules! law_numbers {
         }
 
         impl<S: Scalar> $law<S> {
-            /// Names of the numbers.
+            /// Names of the parameters.
             pub const NUMBERS: &'static [&'static str] = &[$(stringify!($number)),+];
 
-            /// The law with these numbers, in the order of the fields; NaN for one that is missing.
+            /// The law with these parameters, in the order of the fields; NaN for a missing one.
             #[inline(always)]
             pub fn of(numbers: &[S]) -> Self {
                 let mut numbers = numbers.iter();
@@ -98,12 +98,12 @@ macro_rules! law_numbers {
         }
 
         impl<T: Copy> $law<T> {
-            /// These numbers in another type.
+            /// The law with its parameters mapped.
             pub(super) fn map<U>(self, of: impl Fn(T) -> U) -> $law<U> {
                 $law { $($number: of(self.$number)),+ }
             }
 
-            /// Hands out every number with its name.
+            /// Calls `each` with every parameter and its name.
             pub(super) fn for_each_number(&self, mut each: impl FnMut(&'static str, T)) {
                 $(each(stringify!($number), self.$number);)+
             }
@@ -112,7 +112,7 @@ macro_rules! law_numbers {
 }
 pub(super) use law_numbers;
 
-/// The laws of one branch as one type.
+/// Defines the enum of all branch laws.
 macro_rules! branch_laws {
     ($($file:ident::$law:ident),+ $(,)?) => {
         $(pub use $file::$law;)+
@@ -130,12 +130,12 @@ macro_rules! branch_laws {
         })+
 
         impl<T: Copy> Branch<T> {
-            /// The law with other numbers, or with these in another type.
+            /// The law with its parameters mapped, e.g. to another number type.
             pub fn map<U>(self, of: impl Fn(T) -> U) -> Branch<U> {
                 match self { $(Self::$law(law) => Branch::$law(law.map(of)),)+ }
             }
 
-            /// Hands out every number of the law with its name, in the order of its fields.
+            /// Calls `each` with every parameter and its name, in the order of the fields.
             pub fn for_each_number(&self, each: impl FnMut(&'static str, T)) {
                 match self { $(Self::$law(law) => law.for_each_number(each),)+ }
             }
@@ -147,13 +147,13 @@ macro_rules! branch_laws {
         }
 
         impl<T: Real> Branch<T> {
-            /// The law in C99, to be filled in: `R(x)` is a number, `F(f)` a function of `<math.h>`, `SHAPE`
-            /// the numbers of the law.
+            /// C99 template of the law: `R(x)` is a number, `F(f)` a function of `<math.h>`, `SHAPE` the
+            /// parameters of the law.
             pub fn c_fragment(&self) -> &'static str {
                 match self { $(Self::$law(_) => <$law<T> as BranchLaw<T>>::C,)+ }
             }
 
-            /// Whether the numbers are finite and in order, and the law has so many states.
+            /// Whether the parameters are valid and the law supports this number of states.
             pub(crate) fn is_sound(&self, states: usize) -> bool {
                 match self {
                     $(Self::$law(law) => {

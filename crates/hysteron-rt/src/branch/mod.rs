@@ -1,5 +1,5 @@
-//! Operators whose states follow a differential equation along each branch. A law is a file and its C
-//! fragment beside it, a `mod` line, and a line in the list.
+//! Operators whose states follow a differential equation along each branch. A new law needs a file with its C
+//! fragment beside it, a `mod` line and a line in the list.
 
 mod dahl;
 mod duhem;
@@ -34,7 +34,7 @@ impl<T: Real> Branch<T> {
         weights.iter().fold(T::of(0.0), |sum, weight| sum + *weight * self.output(state, u))
     }
 
-    /// Σ wⱼ yⱼ after a monotone move from `from` to `to`; nothing is moved.
+    /// Σ wⱼ yⱼ after a monotone move from `from` to `to`; no state changes.
     #[inline]
     pub(crate) fn look(&self, weights: &[T], memory: &[IncrementMemory<T>], from: T, to: T) -> T {
         let increments = self.increments_of(memory, from, to);

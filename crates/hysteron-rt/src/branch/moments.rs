@@ -2,16 +2,16 @@
 
 use crate::real::{Real, Scalar};
 
-/// Most moments, and states.
+/// Maximum number of moments and of states.
 pub const MOST_MOMENTS: usize = 10;
-/// Beyond this x the recurrence upwards loses less than two digits over all moments.
+/// Beyond this x the forward recurrence loses less than two digits over all moments.
 const LARGE: f64 = 30.0;
 /// Terms of the series at most; below [`LARGE`] a hundred are enough.
 const TERMS: u8 = 200;
 
 /// mₖ(x) = ∫₀¹ θᵏ e^(−x(1−θ)) dθ, x ≥ 0, for k < `count`; their derivatives are mₖ₊₁ − mₖ.
 ///
-/// e^(−x) Σᵢ xⁱ/(i! (i + k + 1)) has positive terms only; far out, mₖ = (1 − k mₖ₋₁)/x.
+/// e^(−x) Σᵢ xⁱ/(i! (i + k + 1)) has positive terms only; for large x, mₖ = (1 − k mₖ₋₁)/x.
 #[inline]
 pub(super) fn moments<S: Scalar>(x: S, count: usize) -> [S; MOST_MOMENTS] {
     let of = |x: f64| S::Real::of(x);
@@ -36,7 +36,7 @@ pub(super) fn moments<S: Scalar>(x: S, count: usize) -> [S; MOST_MOMENTS] {
     m
 }
 
-/// The moments where the series settles soon.
+/// The moments by the series, for x at which it converges fast.
 #[inline]
 fn series<T: Real>(x: T, count: usize) -> [T; MOST_MOMENTS + 1] {
     let of = T::of;
@@ -89,7 +89,7 @@ mod tests {
         for x in [0.0, 1e-3, 0.3, 7.0, 29.9, 30.1, 80.0] {
             let (double, single) = (moments(x, 10), moments(x as f32, 10));
             for (k, (a, b)) in double.iter().zip(single).enumerate() {
-                // Upwards the recurrence loses up to two digits.
+                // The forward recurrence loses up to two digits.
                 let lost = if x > 30.0 { 100.0 } else { 8.0 };
                 assert!(
                     (a - f64::from(b)).abs() < lost * f64::from(f32::EPSILON) * a,

@@ -78,7 +78,7 @@ impl<S: Scalar> NonSymmetricBoucWen<S> {
     }
 }
 
-/// Δy after a way t at the rate κ, from u.
+/// Δy over the distance t from u at the rate κ.
 #[inline(always)]
 fn along<S: Scalar>([delta, kappa, u, y]: [S; 4], s: S::Real, t: S) -> S {
     let [m_0, m_1, ..] = moments(kappa * t, 2);

@@ -1,11 +1,11 @@
-//! Where a rising function passes 0.
+//! Root of an increasing function.
 
 use crate::real::Real;
 
-/// Evaluations at most: a step of Newton's method that leaves the bracket is replaced by a halving.
+/// Most evaluations: a Newton step that leaves the bracket is replaced by bisection.
 const MOST: u8 = 80;
 
-/// The zero of a function that rises from `low` to `high`, given with its slope.
+/// Root of a function that increases from `low` to `high`; `f` gives value and slope.
 #[inline]
 pub(super) fn rising_root<T: Real>(f: impl Fn(T) -> (T, T), mut low: T, mut high: T, start: T) -> T {
     let zero = T::of(0.0);

@@ -28,8 +28,7 @@ impl<S: Scalar> BranchLaw<S> for Takacs<S> {
         not_negative("coercive voltage of Takács' loop", self.coercive.value())
     }
 
-    /// s (1 − s y) (1 − e^(−2|Δu|/width)) (1 + tanh z)/2, z at its
-    /// end.
+    /// s (1 − s y) (1 − e^(−2|Δu|/width)) (1 + tanh z)/2, z at the end.
     #[inline]
     fn increment(&self, y: S, from: S, to: S) -> S {
         let Self { centre, width, coercive } = *self;
@@ -41,7 +40,7 @@ impl<S: Scalar> BranchLaw<S> for Takacs<S> {
         signed(change, down)
     }
 
-    /// Where ever smaller loops about `u` end, as steep upwards as downwards.
+    /// Demagnetised state: limit of ever smaller loops about `u`, with equal slopes upwards and downwards.
     #[inline]
     fn virgin(&self, u: S) -> S {
         let Self { centre, width, coercive } = *self;
@@ -74,7 +73,7 @@ mod tests {
 
     const LAW: Takacs<f64> = Takacs { centre: 0.7, width: 1.3, coercive: 0.4 };
 
-    /// Change of y along a branch as it is written down.
+    /// Change of y along a branch by its definition.
     fn branch(law: Takacs<f64>, y: f64, from: f64, to: f64) -> f64 {
         let s = if to < from { -1.0 } else { 1.0 };
         let below = |u: f64| 1.0 - libm::tanh((s * (u - law.centre) - law.coercive) / law.width);

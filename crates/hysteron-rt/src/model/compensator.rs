@@ -3,14 +3,14 @@
 use super::{Hysteresis, LANES, Linear, MOST_TAPS, ModelError};
 use crate::real::Real;
 
-/// The linear part of a compensator: which output v of the hysteresis makes the dynamics follow, from where
-/// they stand and what is known of the reference,
+/// The linear part of a compensator: the hysteresis output v with which the dynamics follow the reference,
+/// from their state and the known samples of the reference,
 ///
 /// v = v₁ + Σ recentₗ (v₁₊ₗ − v₁) + Σ kₙ (xₙ − v₁) + Σ fⱼ (rⱼ − y₁),
 ///
 /// v₁, v₂, … the last outputs, xₙ the states of the [`Sections`](super::Sections), rⱼ the reference, the
-/// newest first, y₁ the displacement at which v₁ would settle. Everything counts from v₁, so that a reference
-/// at rest is met exactly whatever the rounding of the gains.
+/// newest first, y₁ the steady-state displacement for v₁. All terms vanish at rest, so that a constant
+/// reference is reached exactly whatever the rounding of the gains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Law<'a, T> {
     /// Gains on v₂ − v₁, v₃ − v₁, …: at most [`MOST_TAPS`].
@@ -36,7 +36,7 @@ pub struct Limits<T> {
 }
 
 impl<T: Real> Limits<T> {
-    /// Whether there is a range, and a step that its voltages can make.
+    /// Whether the range is not empty and its voltages resolve the step.
     pub(super) fn are_sound(&self) -> bool {
         let width = self.high - self.low;
         let largest = if self.high.abs() > self.low.abs() { self.high.abs() } else { self.low.abs() };
@@ -72,19 +72,17 @@ pub struct Drive<T> {
 
 /// The inverse of a model, sample by sample: reference in, voltage out.
 ///
-/// The reference enters [`Law::reference`] samples ahead as far as it is previewed; what is not known yet is
-/// predicted by the gains. The voltage is the one to which one monotone move gives the wanted output of the
-/// hysteresis ([`Hysteresis::reach`]); where a limit holds it back, the states go on from what is really put
-/// out, so that nothing winds up.
+/// The reference enters ([`Law::reference`]) as far ahead as it is previewed; beyond that the gains predict
+/// it. The voltage is the one at which one monotone move reaches the desired hysteresis output
+/// ([`Hysteresis::reach`]); at a limit the states follow the voltage really applied (anti-windup).
 ///
-/// Coefficients and memory are the caller's; nothing is allocated, nothing panics, the cost of a step is
-/// bounded.
+/// Coefficients and memory are borrowed; no allocation, no panic, bounded cost of a step.
 #[derive(Debug)]
 pub struct Compensator<'a, T> {
     hysteresis: Hysteresis<'a, T>,
     dynamics: Linear<'a, T>,
     law: Law<'a, T>,
-    /// The reference, a ring: `at` is where the newest goes next.
+    /// Ring buffer of the reference; `at` is its next write position.
     ring: &'a mut [T],
     at: usize,
     /// Its newest value.
@@ -93,16 +91,16 @@ pub struct Compensator<'a, T> {
     offset: T,
     /// DC gain of taps and sections.
     gain: T,
-    /// Output of the hysteresis, and a guess of its slope.
+    /// Output of the hysteresis, and an estimate of its slope.
     output: T,
     slope: T,
     displacement: T,
 }
 
 impl<'a, T: Real> Compensator<'a, T> {
-    /// The compensator, at rest and virgin at the voltage of the range that is next to 0. `ring` holds as
-    /// many numbers as the law has gains on the reference. The dynamics are those of the model without the
-    /// whole samples of its delay (no [`SectionsMemory::delay`]), for voltages that are held between samples.
+    /// The compensator, at rest and virgin at the voltage of the range closest to 0. `ring` holds as many
+    /// numbers as the law has gains on the reference. The dynamics are those of the model under zero-order
+    /// hold, without the whole samples of its delay (no [`SectionsMemory::delay`]).
     ///
     /// [`SectionsMemory::delay`]: super::SectionsMemory::delay
     ///
@@ -171,8 +169,8 @@ impl<'a, T: Real> Compensator<'a, T> {
         Ok(compensator)
     }
 
-    /// Puts the model at rest, its hysteresis virgin, at `voltage` (moved into the range), and the reference
-    /// where that is; the displacement there. It has been so for ever.
+    /// Resets to steady state, hysteresis virgin, at `voltage` (clamped to the range), with the reference at
+    /// the displacement there, which is returned.
     ///
     /// # Errors
     /// [`ModelError::NotFinite`]; the compensator is then as it was.
@@ -200,23 +198,22 @@ impl<'a, T: Real> Compensator<'a, T> {
         self.dynamics.rest_at(self.output);
         self.displacement = self.offset + self.dynamics.output_at_rest();
         self.stand_at(self.displacement);
-        // The slope from rest, for the first guess.
+        // Slope at rest, the first estimate.
         let away = T::of(1e-3) * (self.limits.high - self.limits.low);
         let rise = (self.hysteresis.look(voltage + away) - self.output) / away;
         self.slope = if rise > T::of(0.0) && rise.is_finite() { rise } else { T::of(1.0) };
         outcome.map(|_| self.displacement)
     }
 
-    /// The reference has been here for ever.
+    /// Sets all past references to `displacement`.
     fn stand_at(&mut self, displacement: T) {
         self.ring.fill(displacement);
         self.reference = displacement;
         self.at = 0;
     }
 
-    /// Chooses the offset so that the displacement, at rest where it was put, is `displacement`: switched on,
-    /// or on again in mid-stroke, it starts without a jump. To be called after [`Self::rest_at`] or
-    /// [`Self::rest_after`].
+    /// Chooses the offset so that the steady-state displacement is the measured `displacement`: bumpless
+    /// start, in mid-stroke too. To be called after [`Self::rest_at`] or [`Self::rest_after`].
     ///
     /// # Errors
     /// [`ModelError::Start`]; the compensator is then as it was.
@@ -231,8 +228,8 @@ impl<'a, T: Real> Compensator<'a, T> {
         Ok(())
     }
 
-    /// Takes the newest of the reference without moving: what is known ahead when the first step is made.
-    /// Whether it was finite; the one before is taken again where it is not.
+    /// Appends a reference sample without a step, to fill the preview before the first one. Returns whether
+    /// it is finite; if not, the previous sample is repeated.
     #[inline]
     pub fn know(&mut self, reference: T) -> bool {
         let sound = reference.is_finite();
@@ -247,8 +244,8 @@ impl<'a, T: Real> Compensator<'a, T> {
         sound
     }
 
-    /// The voltage for the next period. `reference` is the newest that is known: as many samples ahead as the
-    /// law was made for.
+    /// The voltage for the next period. `reference` is the newest known sample, ahead by the preview of the
+    /// law.
     #[inline]
     pub fn step(&mut self, reference: T) -> Drive<T> {
         self.step_against(reference, T::of(0.0))
@@ -262,7 +259,7 @@ impl<'a, T: Real> Compensator<'a, T> {
         let sound = self.know(reference);
         let disturbance = if disturbance.is_finite() { disturbance } else { T::of(0.0) };
         let wanted = self.wanted(disturbance);
-        // Of a reference of the size of the largest number the law makes infinity, or nothing.
+        // A reference near the largest number overflows the law to infinity or NaN.
         let sound = sound && wanted.is_finite();
         let wanted = if wanted.is_finite() { wanted } else { self.output };
         let (limits, voltage) = (self.limits, self.hysteresis.voltage());
@@ -319,18 +316,17 @@ impl<'a, T: Real> Compensator<'a, T> {
         rest + (newest + sum)
     }
 
-    /// Displacement of the model now, or, of a model that is late by whole samples, that many samples from
-    /// now.
+    /// Displacement of the model now; of a model with whole samples of delay, that many samples from now.
     pub fn displacement(&self) -> T {
         self.displacement
     }
 
-    /// Output of the hysteresis at the voltage put out last.
+    /// Output of the hysteresis at the last voltage.
     pub fn output(&self) -> T {
         self.output
     }
 
-    /// The voltage put out last.
+    /// The last voltage.
     pub fn voltage(&self) -> T {
         self.hysteresis.voltage()
     }

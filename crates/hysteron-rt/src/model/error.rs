@@ -3,11 +3,11 @@
 use core::error::Error;
 use core::fmt::{Debug, Display, Formatter, Result};
 
-/// Numbers a streaming model cannot be built with, or a step without a result.
+/// Invalid numbers of a streaming model, or a step without a result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ModelError<T> {
-    /// Memory that does not fit: one number, or group, for each of the coefficients'.
+    /// Memory of the wrong length: required is one number or group for each coefficient or group.
     Memory {
         /// Required number.
         expected: usize,
@@ -23,12 +23,12 @@ pub enum ModelError<T> {
     Coefficient,
     /// The voltage is infinite or not a number.
     NotFinite,
-    /// The hysteresis block's output leaves the range that dynamics can be fed with (inadmissible parameters,
-    /// or a voltage out of all reason).
+    /// The hysteresis block's output exceeds the input range of the dynamics (inadmissible parameters, or an
+    /// excessive voltage).
     Overflow,
-    /// Limits that leave no room: low below high, both finite, a step above 0.
+    /// Invalid limits: required are low below high, both finite, and a step above 0.
     Limits,
-    /// The displacement to start at is infinite or not a number.
+    /// The initial displacement is infinite or not a number.
     Start {
         /// That displacement.
         displacement: T,

@@ -1,4 +1,4 @@
-//! Feedback beside feedforward: what the measured error adds to the reference.
+//! Feedback beside feedforward: correction of the reference by the measured error.
 
 use super::operator::in_range;
 use super::{Limited, Limits, Linear, ModelError};
@@ -6,12 +6,12 @@ use crate::increment::accumulate;
 use crate::model::Drive;
 use crate::real::Real;
 
-/// c = k e + i Σ e + H e: proportional, integral and linear dynamics in parallel, which holds PI, PI^λ (the
+/// c = k e + i Σ e + H e: proportional, integral and linear dynamics in parallel, which covers PI, PI^λ (the
 /// fractional integral as real poles) and an integral with a notch (its partial fractions: integral and pair
 /// of poles).
 ///
-/// While the drive is held back, what has memory takes in only errors that lead away from the limit, so that
-/// nothing winds up. An error that is infinite, above [`Real::LARGEST`] or not a number is left out.
+/// While the drive is limited, integral and dynamics accept only errors that lead away from the limit
+/// (anti-windup). An error that is infinite, above [`Real::LARGEST`] or not a number is ignored.
 #[derive(Debug)]
 pub struct Feedback<'a, T> {
     proportional: T,
@@ -24,7 +24,7 @@ pub struct Feedback<'a, T> {
     correction: T,
 }
 
-/// To which side a drive was held back.
+/// Direction in which a drive was limited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HeldBack {
     /// It was not.
@@ -38,7 +38,7 @@ pub enum HeldBack {
 }
 
 impl HeldBack {
-    /// From a sample of the drive and the voltage before it.
+    /// Direction for a sample of the drive and the voltage before it.
     pub fn of<T: Real>(drive: Drive<T>, before: T, limits: Limits<T>) -> Self {
         match drive.limited {
             Limited::No | Limited::Reference => Self::No,
@@ -55,7 +55,7 @@ impl HeldBack {
 }
 
 impl<'a, T: Real> Feedback<'a, T> {
-    /// The controller, at rest: `integral` a sample.
+    /// The controller at rest; `integral` is the gain per sample.
     ///
     /// # Errors
     /// [`ModelError::Coefficient`] for a gain that is not finite.
@@ -75,15 +75,15 @@ impl<'a, T: Real> Feedback<'a, T> {
         })
     }
 
-    /// Forgets everything.
+    /// Resets all states to 0.
     pub fn rest(&mut self) {
         let zero = T::of(0.0);
         self.dynamics.rest_at(zero);
         (self.sum, self.carry, self.remembered, self.correction) = (zero, zero, zero, zero);
     }
 
-    /// Correction to add to the reference, from the newest error and the side to which the drive was held
-    /// back since the last one.
+    /// Correction to add to the reference, from the newest error and the direction in which the drive was
+    /// limited since the last one.
     #[inline]
     pub fn step(&mut self, error: T, held: HeldBack) -> T {
         if !in_range(error) {
@@ -105,8 +105,7 @@ impl<'a, T: Real> Feedback<'a, T> {
     }
 }
 
-/// Reference to voltage along a straight line, displacement = offset + slope · voltage, within limits: a
-/// stage without compensation.
+/// Uncompensated stage: reference to voltage by displacement = offset + slope · voltage, within limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line<T> {
     offset: T,
@@ -162,7 +161,7 @@ impl<T: Real> Line<T> {
         self.limits
     }
 
-    /// The voltage put out last.
+    /// The last voltage.
     pub fn voltage(&self) -> T {
         self.voltage
     }

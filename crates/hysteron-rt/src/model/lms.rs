@@ -1,4 +1,4 @@
-//! Feedforward that adapts: what the reference leaves behind, taken off by weights that learn.
+//! Adaptive feedforward by filtered-x LMS.
 
 use super::ModelError;
 use super::operator::in_range;
@@ -8,14 +8,13 @@ use crate::real::Real;
 ///
 /// w ← (1 − leak) w + rate · e M x'/(ε + x'ᵀ M x'),  x' = s ∗ x,
 ///
-/// s the answer of the displacement to c, e the error that was seen (D. R. Morgan, *IEEE Trans. Acoust.
-/// Speech Signal Process.* 28 (1980) 454–467, doi:10.1109/TASSP.1980.1163430). The weights are the caller's
-/// and start where they stand: 0 changes nothing.
+/// s the impulse response from c to the displacement, e the measured error (D. R. Morgan, *IEEE Trans.
+/// Acoust. Speech Signal Process.* 28 (1980) 454–467, doi:10.1109/TASSP.1980.1163430). The weights are
+/// borrowed and start from their present values; at 0 there is no correction.
 ///
-/// Samples of a slow reference are nearly alike, and with M = 1 what they differ by is learnt as much more
-/// slowly as it is smaller. M, the inverse of the covariance that x' is expected to have, makes all of it
-/// equally fast (LMS in Newton's direction: B. Widrow, S. D. Stearns, *Adaptive Signal Processing*,
-/// Prentice-Hall 1985, chapter 8).
+/// Samples of a slow reference are strongly correlated, and with M = 1 directions of small variance converge
+/// slowly. M, the inverse of the expected covariance of x', makes all directions converge equally fast
+/// (LMS–Newton: B. Widrow, S. D. Stearns, *Adaptive Signal Processing*, Prentice-Hall 1985, chapter 8).
 #[derive(Debug)]
 pub struct FilteredLms<'a, T> {
     filter: LmsFilter<'a, T>,
@@ -40,16 +39,16 @@ pub struct LmsFilter<'a, T> {
 /// State of a [`FilteredLms`].
 #[derive(Debug)]
 pub struct LmsMemory<'a, T> {
-    /// The reference, a ring of [`LmsFilter::ring`] samples.
+    /// Ring buffer of [`LmsFilter::ring`] samples of the reference.
     pub references: &'a mut [T],
-    /// The reference filtered by the secondary path, a ring of as many samples.
+    /// Ring buffer of the reference filtered by the secondary path, of the same length.
     pub filtered: &'a mut [T],
     /// M x', as many as weights.
     pub turned: &'a mut [T],
 }
 
 impl<T> LmsFilter<'_, T> {
-    /// Samples of a ring: they hold weights × stride, and the secondary path.
+    /// Length of the ring buffers, for weights × stride and for the secondary path.
     pub fn ring(&self) -> usize {
         self.weights.len().saturating_mul(self.stride.max(1)).max(self.secondary.len()).max(1)
     }
@@ -58,16 +57,16 @@ impl<T> LmsFilter<'_, T> {
 /// Step size and leakage of the weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LmsSettings<T> {
-    /// Share of the error that a step takes off, 0 < rate < 2.
+    /// Step size, the fraction of the error that a step removes, 0 < rate < 2.
     pub rate: T,
-    /// Share of the weights that a step forgets, 0 ≤ leak < 1.
+    /// Leakage of the weights in a step, 0 ≤ leak < 1.
     pub leak: T,
-    /// Least |x'|² that is divided by.
+    /// Regulariser ε > 0 of the normalisation.
     pub floor: T,
 }
 
 impl<'a, T: Real> FilteredLms<'a, T> {
-    /// The filter, its past 0.
+    /// The filter with zero history.
     ///
     /// # Errors
     /// [`ModelError::Memory`] where the lengths do not fit, [`ModelError::Coefficient`] for a number that is
@@ -118,7 +117,7 @@ impl<'a, T: Real> FilteredLms<'a, T> {
         let clean = |x: T| if x.is_finite() { x } else { zero };
         let sane = |x: T| if in_range(x) { x } else { zero };
         let (reference, error) = (sane(reference), sane(error));
-        // The error belongs to what was put out before: learn first.
+        // The error belongs to past corrections: update first.
         let seen = || strided(memory.filtered, *at, filter.stride);
         let mut power = settings.floor;
         if filter.whitening.is_empty() {

@@ -2,19 +2,19 @@
 
 use crate::real::Real;
 
-/// Joins the outputs v of a hysteresis operator so that a polygon through what comes out has the means of v.
+/// Corrects the outputs v of a hysteresis operator so that their linear interpolation has the means of v.
 ///
-/// Driven along a straight line an operator puts out a curve. By Simpson's rule the line from v₀ to v₁ leaves
-/// out the mean c = ⅔ (v_½ − ½ (v₀ + v₁)), and dynamics much slower than a sample see nothing else of it.
-/// Polygon w with w = v + c at the end of the move: over two like moves its mean is that of v. (The batch
-/// simulation adds half the c of either side, and so needs the move to come.)
+/// Over a linear move the output is curved. By Simpson's rule its mean exceeds that of the chord from v₀ to
+/// v₁ by c = ⅔ (v_½ − ½ (v₀ + v₁)), the only effect on dynamics much slower than a sample. With w = v + c at
+/// the end of each move, the interpolated w has the mean of v over two equal moves. (The batch simulation
+/// adds half the c of either side, and so needs the next move.)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Means<T> {
     last: T,
 }
 
 impl<T: Real> Means<T> {
-    /// After a rest at the output `v`.
+    /// Starts from rest at the output `v`.
     pub fn at(v: T) -> Self {
         Self { last: v }
     }

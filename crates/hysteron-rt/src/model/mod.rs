@@ -25,10 +25,10 @@ use crate::real::Real;
 
 /// displacement = offset + (H ∗ v)(t), v = hysteresis\[voltage\].
 ///
-/// Coefficients and memory are the caller's: nothing is allocated. The linear dynamics, plays and Bouc–Wen
+/// Coefficients and memory are borrowed: nothing is allocated. The linear dynamics, plays and Bouc–Wen
 /// operators with n = 1 and 2 cost the same number of operations whatever the voltage does, up to the
 /// branches of an exponential function, everything else at most a fixed number (docs/theory/realisation.md).
-/// A step cannot panic, and does not slow down in silence (states decay towards a level above the subnormal
+/// A step cannot panic, and does not slow down at rest (states decay towards a level above the subnormal
 /// numbers). Every state is advanced by compensated increments, so that poles far slower than the sample rate
 /// keep their accuracy in `f32`.
 ///
@@ -85,8 +85,7 @@ impl<'a, T: Real> Model<'a, T> {
         Ok(self)
     }
 
-    /// Puts the model at rest, and its hysteresis virgin, at `voltage`; the displacement there. It has been
-    /// so for ever.
+    /// Resets the model to steady state, its hysteresis virgin, at `voltage`; returns the displacement there.
     ///
     /// # Errors
     /// [`ModelError::NotFinite`], [`ModelError::Overflow`]; the model is then as it was.
@@ -120,7 +119,7 @@ impl<'a, T: Real> Model<'a, T> {
             return Err(ModelError::Start { displacement });
         }
         self.rest_at(voltage)?;
-        // Not by a difference to the offset before: of one that was out of all reason nothing is left.
+        // Not by a difference to the previous offset: a huge one would cancel all digits.
         let offset = displacement - self.dynamics.output_at_rest();
         if !offset.is_finite() {
             return Err(ModelError::Start { displacement });

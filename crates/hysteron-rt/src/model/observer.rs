@@ -3,8 +3,8 @@
 use super::{Model, ModelError};
 use crate::real::Real;
 
-/// Model and measurement joined: displacement = model + disturbance, the disturbance (drift, load, what
-/// creeps beyond the model) a random walk, the measurement noisy.
+/// Model and measurement combined: displacement = model + disturbance, the disturbance (drift, load,
+/// unmodelled creep) a random walk, the measurement noisy.
 ///
 /// The steady Kalman filter of a random walk is one number,
 ///
@@ -12,7 +12,7 @@ use crate::real::Real;
 /// of the noise)²
 ///
 /// (R. E. Kalman, *J. Basic Eng.* 82 (1960) 35–45, doi:10.1115/1.3662552). A measurement that is infinite or
-/// not a number is left out.
+/// not a number is ignored.
 #[derive(Debug)]
 pub struct Observer<'a, T> {
     model: Model<'a, T>,
@@ -25,7 +25,7 @@ pub struct Observer<'a, T> {
 pub struct Observed<T> {
     /// Displacement of the stage.
     pub displacement: T,
-    /// Part of it that the model does not explain.
+    /// Its deviation from the model.
     pub disturbance: T,
 }
 
@@ -48,8 +48,8 @@ impl<'a, T: Real> Observer<'a, T> {
         T::of(2.0) / (T::of(1.0) + (T::of(1.0) + T::of(4.0) / q).sqrt())
     }
 
-    /// Puts the model at rest at `voltage`, driven there from `virgin`; what is `measured` there beside it is
-    /// the disturbance.
+    /// Resets the model to steady state at `voltage`, reached from `virgin`; the disturbance is `measured`
+    /// less its displacement.
     ///
     /// # Errors
     /// Those of [`Model::rest_after`]; [`ModelError::Start`].
@@ -61,7 +61,7 @@ impl<'a, T: Real> Observer<'a, T> {
         Ok(())
     }
 
-    /// After the voltage of this period, and the displacement `measured` at its end.
+    /// Updates by the voltage of this period and the displacement `measured` at its end.
     ///
     /// # Errors
     /// Those of [`Model::step`]; the disturbance is then unchanged.

@@ -65,7 +65,7 @@ pub struct Hysteresis<'a, T> {
     polynomial: &'a [T],
     operator: Operator<'a, T>,
     voltage: T,
-    /// Virgin still: the first move is without rate.
+    /// Virgin still: the rate of the first move is unknown.
     rested: bool,
 }
 
@@ -151,8 +151,8 @@ impl<'a, T: Real> Hysteresis<'a, T> {
     ///
     /// # Errors
     /// [`ModelError::NotFinite`] for the voltage; [`ModelError::Overflow`] where |v| exceeds
-    /// [`Real::LARGEST`] (inadmissible parameters, a voltage out of all reason) or a play has no place
-    /// between its sides. The memory is then as it was.
+    /// [`Real::LARGEST`] (inadmissible parameters, an excessive voltage) or the sides of a play cross. The
+    /// memory is then unchanged.
     #[inline]
     pub fn step(&mut self, voltage: T) -> Result<T, ModelError<T>> {
         self.step_through(voltage, voltage)
@@ -213,7 +213,7 @@ impl<'a, T: Real> Hysteresis<'a, T> {
     #[inline]
     pub fn step_with_middle(&mut self, voltage: T) -> Result<(T, T), ModelError<T>> {
         let half = T::of(0.5);
-        // From the start of the move, as its end is: neither waits for the other.
+        // From the start of the move, as its end is: the two are independent.
         let place = half * self.voltage + half * voltage;
         let middle = self.look_during(place, voltage - self.voltage, half);
         if !voltage.is_finite() {
@@ -223,8 +223,8 @@ impl<'a, T: Real> Hysteresis<'a, T> {
         Ok((middle, self.step_through(place, voltage)?))
     }
 
-    /// Output after a monotone move to `voltage`, without making it. Where [`Self::step`] would fail: out of
-    /// range, or not a number.
+    /// Output after a monotone move to `voltage`; no state changes. It is out of range or NaN where
+    /// [`Self::step`] would fail.
     #[inline]
     pub fn look(&self, voltage: T) -> T {
         self.look_during(voltage, voltage - self.voltage, T::of(1.0))
@@ -256,7 +256,7 @@ impl<'a, T: Real> Hysteresis<'a, T> {
         }
     }
 
-    /// Whether plays move where the voltage stays: the last sample was faster, or they creep.
+    /// Whether plays move at constant voltage: they depend on the rate, or creep.
     #[inline(always)]
     pub(super) fn moves_at_rest(&self) -> bool {
         match &self.operator {
@@ -278,7 +278,7 @@ impl<'a, T: Real> Hysteresis<'a, T> {
     }
 }
 
-/// Whether dynamics can be fed with `v`; not so for a number that is not one.
+/// Whether `v` is within the input range of the dynamics; false for NaN.
 #[inline(always)]
 pub(super) fn in_range<T: Real>(v: T) -> bool {
     v.abs() <= T::LARGEST

@@ -4,34 +4,35 @@
 use super::Hysteresis;
 use crate::real::Real;
 
-/// Evaluations of a search at most. Most searches take four to seven; every third halves the bracket,
-/// whatever the operator does.
+/// Most evaluations of a search; four to seven are usual. Every third bisects the bracket, whatever the
+/// operator.
 pub const MOST_LOOKS: u8 = 48;
 
-/// Where a move ends.
+/// End of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reached<T> {
     /// The voltage.
     pub voltage: T,
     /// Output of the block there.
     pub output: T,
-    /// The target lies beyond the voltages allowed, or beyond where there is a place to stand: this is the
-    /// end of them.
+    /// The target lies beyond the allowed voltages, or where the sides of a play cross; this is the last
+    /// voltage before.
     pub missed: bool,
 }
 
 impl<T: Real> Hysteresis<'_, T> {
-    /// The voltage from `low` to `high`, about the present one, to which one monotone move gives `target`.
-    /// The block is not moved. `output` is what it puts out now, `slope` a guess of dv/du along the move.
+    /// The voltage between `low` and `high`, around the present one, at which one monotone move reaches
+    /// `target`. No state changes. `output` is the present output, `slope` an estimate of dv/du along the
+    /// move.
     ///
-    /// The output must rise with the voltage along the move, so that the present voltage and an end of those
-    /// allowed bracket the one sought. Secants kept within the bracket (Illinois: M. Dowell, P. Jarratt,
-    /// *BIT* 11 (1971) 168–174, doi:10.1007/BF01934364) find it, to the rounding of the output, in at most
+    /// The output must rise with the voltage along the move, so that the present voltage and one limit
+    /// bracket the solution. Secants kept within the bracket (Illinois: M. Dowell, P. Jarratt, *BIT* 11
+    /// (1971) 168–174, doi:10.1007/BF01934364) find it, to the rounding of the output, in at most
     /// [`MOST_LOOKS`] evaluations of the block.
     #[inline]
     pub fn reach(&self, output: T, target: T, [low, high]: [T; 2], slope: T) -> Reached<T> {
         let half = T::of(0.5);
-        // Plays that a fast move has left behind, or that creep, come on where the voltage stays.
+        // Rate-dependent and creeping plays move at constant voltage.
         let output = if self.moves_at_rest() { self.look(self.voltage()) } else { output };
         let at = |voltage: T| Reached { voltage, output: self.look(voltage), missed: false };
         let mut near = Reached { voltage: self.voltage(), output, missed: false };
@@ -40,7 +41,7 @@ impl<T: Real> Hysteresis<'_, T> {
         if target == output || end == near.voltage {
             return Reached { missed: target != output, ..near };
         }
-        // Where there is no place to stand it is beyond, too: the search then ends before that.
+        // A voltage at which sides of plays cross counts as beyond: the search ends before it.
         let beyond = |v: T| !(v.is_finite() && if upwards { v < target } else { v > target });
         // A step that overshoots a little, so that the search begins with a narrow bracket.
         let guess = near.voltage + T::of(1.25) * (target - output) / slope;
@@ -74,7 +75,7 @@ impl<T: Real> Hysteresis<'_, T> {
                 break;
             }
             let next = at(between);
-            // The value of an end that stays for the second time counts half.
+            // Illinois: halve the value of an end that is kept twice.
             if beyond(next.output) {
                 (far, far_excess) = (next, next.output - target);
                 if kept_near == Some(true) {

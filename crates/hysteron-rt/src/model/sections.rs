@@ -6,13 +6,13 @@ use super::ModelError;
 use crate::increment::accumulate;
 use crate::real::Real;
 
-/// Real poles updated together: a vector's worth.
+/// Real poles updated together in one SIMD vector.
 pub const LANES: usize = 4;
 /// Most taps of a block.
 pub const MOST_TAPS: usize = 8;
 
 /// [`LANES`] real poles aₙ in delta form: xₙ ← xₙ + gₙ (w − xₙ), gₙ = 1 − aₙ. Each state settles at its
-/// input, so the weights are shares of the gain at rest. A lane that is not used has gain and weight 0.
+/// input, so the weights are shares of the DC gain. An unused lane has gain and weight 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RealPoles<T> {
     /// gₙ = 1 − aₙ, 0 < gₙ < 2.
@@ -30,7 +30,7 @@ pub struct PolePair<T> {
     pub weight: [T; 2],
 }
 
-/// Present value of each number and what rounding has left of its increments.
+/// Values updated by increments, with their Kahan compensation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compensated<T, const N: usize> {
     pub(super) value: [T; N],
@@ -43,7 +43,7 @@ impl<T: Real, const N: usize> Compensated<T, N> {
         Self { value: [T::of(0.0); N], carry: [T::of(0.0); N] }
     }
 
-    /// The numbers, without what is carried.
+    /// The values, without the compensation.
     pub fn value(&self) -> [T; N] {
         self.value
     }
@@ -67,7 +67,7 @@ pub struct Sections<'a, T> {
     pub real: &'a [RealPoles<T>],
     /// Pole pairs.
     pub pairs: &'a [PolePair<T>],
-    /// Gain at rest: steady-state output over a constant input; 1 where the block creeps for ever.
+    /// Gain at rest: steady-state output over a constant input; 1 where creep has no steady state.
     pub rest_gain: T,
 }
 
@@ -87,14 +87,14 @@ pub struct SectionsMemory<'a, T> {
 pub struct Linear<'a, T> {
     sections: Sections<'a, T>,
     memory: SectionsMemory<'a, T>,
-    /// Where the ring of the delay is written next.
+    /// Next write position in the delay ring.
     at: usize,
     recent: Recent<T>,
     rest: T,
 }
 
-/// The newest inputs, delayed: [`MOST_TAPS`] and what drives the poles behind them. A ring, as moving them
-/// all up by one would have every sample wait for the stores of the sample before it.
+/// The newest inputs, delayed: [`MOST_TAPS`] and the one that drives the poles. A ring buffer: shifting them
+/// would make every sample wait for the stores of the one before.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Recent<T> {
     ring: [T; RING],
@@ -155,7 +155,7 @@ impl<'a, T: Real> Linear<'a, T> {
         Ok(block)
     }
 
-    /// Forgets everything but that its input has been `input` for ever.
+    /// Resets to steady state at the constant input `input`.
     pub fn rest_at(&mut self, input: T) {
         self.rest = input;
         self.at = 0;
@@ -165,12 +165,12 @@ impl<'a, T: Real> Linear<'a, T> {
         self.memory.pairs.fill(Compensated::zero());
     }
 
-    /// Output at rest at the input of [`Self::rest_at`].
+    /// Steady-state output for the input of [`Self::rest_at`].
     pub fn output_at_rest(&self) -> T {
         self.sections.rest_gain * self.rest
     }
 
-    /// Output after the input `w`, which must be finite. The same number of operations every time.
+    /// Output after the input `w`, which must be finite, in a constant number of operations.
     #[inline]
     pub fn step(&mut self, w: T) -> T {
         // States decay towards a level far below any signal instead of through the subnormal numbers.
@@ -190,7 +190,7 @@ impl<'a, T: Real> Linear<'a, T> {
         let drive = self.recent.before(self.sections.taps.len());
         let mut sums = [T::of(0.0); LANES];
         for (poles, state) in self.sections.real.iter().zip(self.memory.real.iter_mut()) {
-            // One operation on all lanes after the other, so that they become vectors.
+            // Each operation on all lanes at once, so that it is vectorised.
             let (x, carry) = (state.value, state.carry);
             let delta: [T; LANES] = from_fn(|i| poles.gain[i] * (drive - x[i]) + carry[i]);
             let moved: [T; LANES] = from_fn(|i| x[i] + delta[i]);

@@ -1,4 +1,4 @@
-//! A covariance in factors, P = U diag(d) Uᵀ with U unit upper triangular, and its update by one scalar
+//! Factorised covariance P = U diag(d) Uᵀ with U unit upper triangular, and its update by one scalar
 //! measurement.
 //!
 //! The factors are updated, never P: P stays symmetric and positive definite whatever the rounding, to the
@@ -15,7 +15,7 @@ pub(super) struct Covariance<T, const N: usize> {
     diagonal: [T; N],
 }
 
-/// A measurement taken in.
+/// Result of a measurement update.
 #[derive(Clone, Copy)]
 pub(super) struct Update<T, const N: usize> {
     pub(super) covariance: Covariance<T, N>,

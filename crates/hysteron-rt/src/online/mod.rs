@@ -1,5 +1,4 @@
-//! Estimators that follow a model linear in its parameters, y = φᵀθ, one sample at a time, and a monitor that
-//! says when it no longer fits.
+//! Recursive estimators of a model linear in its parameters, y = φᵀθ, and a monitor that detects misfit.
 
 mod covariance;
 mod error;
@@ -26,7 +25,7 @@ fn all_finite<T: Real>(numbers: &[T]) -> bool {
     numbers.iter().all(|number| number.is_finite())
 }
 
-/// `value`, or the bound that it has passed.
+/// `value` clamped to the bounds.
 #[inline(always)]
 fn clamp<T: Real>(value: T, (low, high): (T, T)) -> T {
     if value < low {

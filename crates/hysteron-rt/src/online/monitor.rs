@@ -1,4 +1,4 @@
-//! When a model no longer fits: cumulative sums of the log-likelihood ratio of normalised residuals.
+//! Misfit detection by cumulative sums of the log-likelihood ratio of normalised residuals.
 
 use super::{SampleError, clamp};
 use crate::ParameterError;
@@ -7,22 +7,22 @@ use crate::real::Real;
 /// Changes a monitor detects, and its false-alarm rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MonitorSettings<T> {
-    /// Shift δ > 0 of the mean to be found soonest, in standard deviations, either way; `None`: means are not
-    /// watched.
+    /// Shift δ > 0 of the mean to detect soonest, in standard deviations, of either sign; `None`: not
+    /// monitored.
     pub shift: Option<T>,
-    /// Ratio κ > 1 of standard deviations to be found soonest; `None`: the spread is not watched. What a
-    /// wrong gain leaves of a drive that goes up and down has no mean: it is found here.
+    /// Ratio κ > 1 of standard deviations to detect soonest; `None`: not monitored. It detects a wrong gain,
+    /// whose residual under an alternating drive has zero mean.
     pub spread: Option<T>,
     /// Mean number of samples from start or reset to a false alarm: at least this, above 1.
     pub run_length: T,
-    /// Fewest samples an alarm is made of: 1 alarms at a single wild sample, 3 never at fewer than 3.
+    /// Fewest samples that raise an alarm: with 1 a single outlier may.
     pub fewest: u16,
 }
 
 /// Kind of misfit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Misfit {
-    /// The residuals lie above zero: the output is greater than the model says.
+    /// The residuals lie above zero: the output exceeds the model.
     Above,
     /// The residuals lie below zero.
     Below,
@@ -41,7 +41,7 @@ pub enum Misfit {
 /// samples to a false alarm is at least L, the run length asked for: a sum that may begin at any sample
 /// crosses h with a probability of at most e^−h, whence the bound (G. Lorden, *Ann. Math. Statist.* 42 (1971)
 /// 1897–1908, Theorem 2, doi:10.1214/aoms/1177693055). The true one is longer, several times L. A change of
-/// the size looked for is found within about h/I samples in the mean, I the information of a sample: δ²/2, or
+/// the design size is detected after about h/I samples on average, I the information of a sample: δ²/2, or
 /// (κ² − 1)/2 − ln κ ([`Self::delay`]); no method with this run length is faster by more than a constant. An
 /// increment is at most h/`fewest`, which only lengthens the run length.
 ///
@@ -62,7 +62,7 @@ impl<T: Real> FitMonitor<T> {
     /// Starts with sums of zero.
     ///
     /// # Errors
-    /// [`ParameterError`]: nothing to look for, a number that is not finite or out of its range.
+    /// [`ParameterError`]: no change to detect, a number that is not finite or out of its range.
     pub fn new(settings: MonitorSettings<T>) -> Result<Self, ParameterError<T>> {
         let MonitorSettings { shift, spread, run_length, fewest } = settings;
         let (zero, one) = (T::of(0.0), T::of(1.0));
@@ -86,7 +86,7 @@ impl<T: Real> FitMonitor<T> {
         if fewest == 0 {
             return refuse("the fewest samples of an alarm", zero, "at least 1");
         }
-        // A hair above h/fewest, so that `fewest` wild samples exceed h and fewer cannot.
+        // Slightly above h/fewest, so that `fewest` outliers exceed h and fewer cannot.
         let most = threshold / T::of(f64::from(fewest)) * (one + T::of(4.0) * T::EPSILON);
         let log_spread = spread.map_or(zero, |spread| spread.ln());
         Ok(Self { settings, log_spread, threshold, most, sums: [zero; 3] })
@@ -107,8 +107,8 @@ impl<T: Real> FitMonitor<T> {
         &self.sums
     }
 
-    /// About the mean number of samples from a change of the size looked for to its alarm, h/I (leading term
-    /// for long run lengths); `None` where this change is not looked for.
+    /// Mean detection delay of a change of the design size \[samples\], h/I (leading term for long run
+    /// lengths); `None` where this change is not monitored.
     pub fn delay(&self, of: Misfit) -> Option<T> {
         let half = T::of(0.5);
         let information = match of {
@@ -120,9 +120,9 @@ impl<T: Real> FitMonitor<T> {
         information.map(|information| self.threshold / information)
     }
 
-    /// Takes in one normalised residual r ([`crate::Residual::normalised`]). The alarm lasts while a sum
-    /// exceeds h: until [`Self::reset`], or until the residuals have been small for long enough. Sums stop at
-    /// 2h.
+    /// Updates the sums by one normalised residual r ([`crate::Residual::normalised`]). The alarm lasts while
+    /// a sum exceeds h: until [`Self::reset`], or until the residuals have been small for long enough. Sums
+    /// stop at 2h.
     ///
     /// # Errors
     /// [`SampleError::NotFinite`]: the sums are as they were.
@@ -160,7 +160,7 @@ impl<T: Real> FitMonitor<T> {
         found
     }
 
-    /// Sums of zero again: after the model has been adapted, or the alarm dealt with.
+    /// Resets the sums to 0, after an adaptation of the model or a handled alarm.
     pub fn reset(&mut self) {
         self.sums = [T::of(0.0); 3];
     }

@@ -13,7 +13,7 @@ pub struct NlmsSettings<T, const N: usize> {
     pub deviations: [T; N],
     /// Step μ, above 0 and below 2.
     pub step: T,
-    /// Regulariser ε ≥ 0, in squared units of the output: samples with Σ σᵢ²φᵢ² far below it teach nothing.
+    /// Regulariser ε ≥ 0, in squared units of the output: samples with Σ σᵢ²φᵢ² far below it have no effect.
     /// The variance of the noise is a good choice.
     pub regulariser: T,
     /// Least and greatest value of each parameter; infinite where there is none.
@@ -22,7 +22,7 @@ pub struct NlmsSettings<T, const N: usize> {
 
 /// Normalised least mean squares for y = φᵀθ + noise: θᵢ ← θᵢ + μ σᵢ²φᵢ e / (ε + Σ σⱼ²φⱼ²), e = y − φᵀθ.
 ///
-/// For 0 < μ < 2 no sample without noise raises the distance Σ (θᵢ − θᵢ*)²/σᵢ² to the true θ*: it falls by
+/// For 0 < μ < 2 no noise-free sample raises the distance Σ (θᵢ − θᵢ*)²/σᵢ² to the true θ*: it falls by
 /// e²·(2μ(ε + q) − μ²q)/(ε + q)², q = Σ σⱼ²φⱼ², at least. It falls to zero where φ keeps exciting all
 /// directions. With noise the distance settles; for white noise and regressors the parameters add μ/(2 − μ)
 /// of the noise variance to the error of the prediction. N numbers of state, about 4N multiplications a
@@ -78,7 +78,7 @@ impl<T: Real, const N: usize> Nlms<T, N> {
         dot(&self.parameters, regressors)
     }
 
-    /// Learns from one sample: regressors φ and output y. Returns e = y − φᵀθ from before.
+    /// Updates by one sample: regressors φ and output y. Returns the a priori error e = y − φᵀθ.
     ///
     /// # Errors
     /// [`SampleError`]: the estimator is as it was.
@@ -95,7 +95,7 @@ impl<T: Real, const N: usize> Nlms<T, N> {
             power = power + scaled * scaled;
         }
         let mut parameters = self.parameters;
-        // Without power there is nothing to learn: φ = 0.
+        // No update for φ = 0 without a regulariser.
         if power > T::of(0.0) {
             let rate = *step * error / power;
             for ((parameter, &deviation), &regressor) in parameters.iter_mut().zip(deviations).zip(regressors)

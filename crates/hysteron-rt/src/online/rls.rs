@@ -59,12 +59,11 @@ impl<T: Real> Residual<T> {
 /// ```
 ///
 /// and then restores, for the one parameter i = k mod N, N(1 − λ) of its initial information: H ← H + N(1 −
-/// λ)/σᵢ² eᵢeᵢᵀ. By this P ≤ λ¹⁻ᴺ diag(σ²) at all times in the sense of matrices: no direction without
-/// excitation winds up, and none stops the forgetting of the others, as a bound on the trace would. A
-/// parameter in such a direction holds its value or returns to its start value ([`Unexcited`]); under
-/// `Return` θ minimises, exactly, Σ λᵏ⁻ʲ (y_j − φ_jᵀθ)²/s² plus the restored terms N(1 − λ) λᵏ⁻ʲ (θᵢ −
-/// θᵢ(0))²/σᵢ² plus the initial one, λᵏ (…). With λ = 1 both are least squares with the prior N(θ(0), diag
-/// σ²), without approximation.
+/// λ)/σᵢ² eᵢeᵢᵀ. By this P ≤ λ¹⁻ᴺ diag(σ²) at all times in the sense of matrices: no unexcited direction
+/// winds up, and none stops the forgetting of the others, as a bound on the trace would. A parameter in such
+/// a direction holds its value or returns to its start value ([`Unexcited`]); under `Return` θ minimises,
+/// exactly, Σ λᵏ⁻ʲ (y_j − φ_jᵀθ)²/s² plus the restored terms N(1 − λ) λᵏ⁻ʲ (θᵢ − θᵢ(0))²/σᵢ² plus the initial
+/// one, λᵏ (…). With λ = 1 both are least squares with the prior N(θ(0), diag σ²), without approximation.
 ///
 /// P is kept in Bierman's factors, so that it stays positive definite in `f32` for any number of samples. N²
 /// numbers of state, about 3N² multiplications a sample.
@@ -134,7 +133,7 @@ impl<T: Real, const N: usize> Rls<T, N> {
         self.covariance.variance_of(regressors).sqrt()
     }
 
-    /// Learns from one sample: regressors φ and output y. Returns what it was off by before.
+    /// Updates by one sample: regressors φ and output y. Returns the a priori residual.
     ///
     /// # Errors
     /// [`SampleError`]: the estimator is as it was.
@@ -160,19 +159,18 @@ impl<T: Real, const N: usize> Rls<T, N> {
         Ok(residual)
     }
 
-    /// Makes the parameters as uncertain as at the start and keeps their values: after a jump of the device,
-    /// so that it is followed at once.
+    /// Resets the covariance and keeps the parameters, to track a jump of the device at once.
     pub fn reopen(&mut self) {
         self.covariance = Covariance::independent(&self.settings.deviations);
     }
 
-    /// Back to the settings, as new.
+    /// Resets parameters and covariance to the settings.
     pub fn reset(&mut self) {
         self.reopen();
         (self.parameters, self.next) = (self.settings.start, 0);
     }
 
-    /// Gives the parameter whose turn it is N(1 − λ) of its initial information.
+    /// Restores N(1 − λ) of the initial information of the next parameter.
     #[inline]
     fn restore(&self, parameters: &mut [T; N], covariance: &mut Covariance<T, N>) {
         let RlsSettings { start, deviations, forgetting, unexcited, .. } = &self.settings;

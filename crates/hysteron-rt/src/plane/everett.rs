@@ -1,17 +1,17 @@
-//! Output of a plane of relays, by sums over parts of it.
+//! Output of a Preisach plane by its Everett function.
 
 use crate::ParameterError;
 use crate::real::Real;
 
-/// A Preisach plane on `n` equal intervals between two voltages: relays of even density in each cell of rows
-/// α and columns β < α, those of the cells on the diagonal without hysteresis.
+/// A Preisach plane on `n` equal intervals between two voltages: relays of uniform density in each cell (row
+/// α, column β < α), without hysteresis in the cells on the diagonal.
 ///
-/// Kept as half of its Everett function E, the weight of all relays that switch between β and α, at the
+/// Stored as half of its Everett function E, the weight of all relays that switch between β and α, at the
 /// levels: E(x_p, x_q), q < p, in the order (1, 0), (2, 0), (2, 1), (3, 0), …. Between levels E is bilinear,
 /// in the interval of the diagonal linear in α − β, both exactly. A move from a turn at t to u changes the
 /// output by ±2 E (I. D. Mayergoyz, *Mathematical Models of Hysteresis*, 1991,
-/// doi:10.1007/978-1-4612-3028-1): a few operations, whatever the number of relays. Relays beyond the levels
-/// there are none.
+/// doi:10.1007/978-1-4612-3028-1): a few operations, whatever the number of relays. There are no relays
+/// beyond the levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane<'a, T> {
     low: T,
@@ -21,7 +21,7 @@ pub struct Plane<'a, T> {
     everett: &'a [T],
 }
 
-/// A place along an axis: interval, and share of it passed.
+/// Position on an axis: interval, and fraction within it.
 type Place<T> = (usize, T);
 
 impl<'a, T: Real> Plane<'a, T> {
@@ -77,13 +77,13 @@ impl<'a, T: Real> Plane<'a, T> {
         }
     }
 
-    /// In intervals from the lowest level.
+    /// Voltage in intervals from the lowest level.
     #[inline(always)]
     fn scaled(&self, u: T) -> T {
         (u - self.low) * self.density
     }
 
-    /// Held to the levels, as interval and share.
+    /// Position clamped to the levels.
     #[inline(always)]
     fn place(&self, x: T) -> Place<T> {
         let last = T::of(self.intervals as f64);
@@ -93,7 +93,7 @@ impl<'a, T: Real> Plane<'a, T> {
         (interval, held - T::of(interval as f64))
     }
 
-    /// The sum at levels p and q; 0 on the diagonal.
+    /// Half of the Everett function at levels p and q; 0 on the diagonal.
     #[inline(always)]
     fn node(&self, p: usize, q: usize) -> T {
         if p <= q {
@@ -117,9 +117,9 @@ impl<'a, T: Real> Plane<'a, T> {
         first + a * (second - first)
     }
 
-    /// Weight of the relays with α up to `to` above the antidiagonal through `rest`; of the plane mirrored at
-    /// an antidiagonal where a fall is asked for. ∂E/∂α along the antidiagonal, cell by cell: it is linear in
-    /// β, so that the middle of a cell's part has its mean.
+    /// Weight of the relays with α up to `to` above the antidiagonal through `rest`; of the mirrored plane
+    /// for a falling move. ∂E/∂α is integrated along the antidiagonal cell by cell: linear in β, so that the
+    /// midpoint rule is exact.
     fn virgin_sum(&self, mirrored: bool, rest: T, to: T) -> T {
         let (zero, half, one) = (T::of(0.0), T::of(0.5), T::of(1.0));
         let n = self.intervals;

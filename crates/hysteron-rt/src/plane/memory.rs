@@ -1,13 +1,13 @@
-//! The memory of a plane of relays: the turning points that still count.
+//! Memory of a Preisach plane: the turning points not yet wiped out.
 
 use super::Plane;
 use crate::real::{Real, Scalar};
 
-/// Wipes out the loops that a monotone move to `u` closes: how many of `turns` turns are left.
+/// Wiping-out: number of the `turns` turns left after a monotone move to `u`.
 ///
-/// A loop ends where it began, at the turn before its last one; the widest, which has one turn, where the
-/// virgin curve from `rest` has it, 2 `rest` − turn. `voltage` is that of each turn, `closes` is handed how
-/// many there are while a loop is open, and where that loop ends.
+/// A loop closes at the turn before its last one; the widest, which has one turn, at the opposite turn of the
+/// virgin curve from `rest`, 2 `rest` − turn. `voltage` gives the voltage of a turn; `closes` receives the
+/// number of turns before a loop closes, and the voltage at which it does.
 #[inline(always)]
 pub fn wipe_out<S: Scalar>(
     (rest, mut turns): (S, usize),
@@ -30,7 +30,7 @@ pub fn wipe_out<S: Scalar>(
     turns
 }
 
-/// A turning point: the voltage, and what the plane put out there.
+/// A turning point: voltage and output of the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn<T> {
     voltage: T,
@@ -38,36 +38,36 @@ pub struct Turn<T> {
 }
 
 impl<T: Real> Turn<T> {
-    /// Memory before it is used.
+    /// Unused memory.
     pub fn none() -> Self {
         Self { voltage: T::of(0.0), output: T::of(0.0) }
     }
 }
 
-/// Turns that there must be room for at least.
+/// Minimum capacity for turns.
 pub const LEAST_TURNS: usize = 4;
 
-/// The turning points of a plane, the widest loop first, in memory of the caller's.
+/// The turning points of a plane, the widest loop first, in borrowed memory.
 ///
-/// A loop that closes is forgotten with its two turns, and the output there is what it was before the loop:
-/// nothing adds up. Where the loops that are open at once have more turns than there is room for, the two
-/// neighbouring turns are forgotten whose relays take up least of the plane (by voltage): later outputs are
-/// wrong by at most twice the weight of those relays, until a wider loop wipes them out.
+/// A closed loop is wiped out with its two turns, and the output returns to that before the loop: errors do
+/// not accumulate. Where open loops have more turns than the capacity, the two neighbouring turns that span
+/// the smallest area of the plane are dropped: later outputs are wrong by at most twice the weight of the
+/// relays in it, until a wider loop wipes them out.
 #[derive(Debug)]
 pub struct Turns<'a, T> {
     turns: &'a mut [Turn<T>],
     kept: usize,
-    /// Virgin there.
+    /// Virgin state.
     rest: Turn<T>,
     now: Turn<T>,
-    /// Whether the last move went up; none has been made from the rest.
+    /// Whether the last move went up; `None` before the first.
     rising: Option<bool>,
 }
 
-/// A move that has been looked at.
+/// Outcome of a move that is not made yet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Move<T> {
-    /// Turns left at its end, the present place among them where it has turned there.
+    /// Turns left at its end, including the present voltage where the move reverses.
     left: usize,
     turned: bool,
     end: Turn<T>,
@@ -82,13 +82,13 @@ impl<T: Copy> Move<T> {
 }
 
 impl<'a, T: Real> Turns<'a, T> {
-    /// Room for the turns of loops that are open at once, [`LEAST_TURNS`] at least.
+    /// Memory with capacity for the turns of loops open at once, at least [`LEAST_TURNS`].
     pub fn new(turns: &'a mut [Turn<T>]) -> Self {
         let none = Turn::none();
         Self { turns, kept: 0, rest: none, now: none, rising: None }
     }
 
-    /// Turns there is room for.
+    /// Capacity for turns.
     pub fn room(&self) -> usize {
         self.turns.len()
     }
@@ -101,7 +101,7 @@ impl<'a, T: Real> Turns<'a, T> {
         self.rising = None;
     }
 
-    /// A monotone move to `u`; nothing is moved.
+    /// Outcome of a monotone move to `u`; no state changes.
     #[inline]
     pub(crate) fn look(&self, plane: &Plane<'_, T>, u: T) -> Move<T> {
         if u == self.now.voltage {
@@ -123,14 +123,14 @@ impl<'a, T: Real> Turns<'a, T> {
         Move { left, turned, end: Turn { voltage: u, output } }
     }
 
-    /// Makes a move that has been looked at.
+    /// Makes a move computed by [`Self::look`].
     #[inline]
     pub(crate) fn make(&mut self, to: Move<T>) {
         if to.end.voltage == self.now.voltage {
             return;
         }
         if to.left > self.kept {
-            // The turn was made here, and its loop is open.
+            // The move reverses here and opens a loop.
             if self.kept >= self.turns.len() {
                 self.forget();
             }
@@ -145,8 +145,7 @@ impl<'a, T: Real> Turns<'a, T> {
         self.now = to.end;
     }
 
-    /// Makes room for a turn at the present place: of the pairs of neighbours between two others, the one
-    /// that least lies between.
+    /// Drops the pair of neighbouring turns, between two others, that spans the smallest area of the plane.
     fn forget(&mut self) {
         let voltages = self.turns.iter().map(|turn| turn.voltage);
         let next = voltages.clone().skip(1).chain(core::iter::once(self.now.voltage));

@@ -1,4 +1,4 @@
-//! A weighted plane of relays: its Everett function, and the turning points it remembers.
+//! Preisach plane of weighted relays: its Everett function and its memory of turning points.
 
 mod everett;
 mod memory;

@@ -1,5 +1,4 @@
-//! Plays whose edges are crossed by thermal activation: loops widen with the rate, and what they put out
-//! creeps.
+//! Plays whose edges are crossed by thermal activation: loops widen with the rate, and the output creeps.
 
 use crate::ParameterError;
 use crate::real::{Real, Scalar};
@@ -30,8 +29,8 @@ pub fn bernstein_integrals<S: Scalar>([low, high]: [S::Real; 2], p: S) -> [S; SL
 /// A weighted sum of plays with thermally activated edges, pᵢ = u − zᵢ: Σᵢ Σ_k slopesᵢₖ B_k(pᵢ)
 /// ([`bernstein_integrals`]).
 ///
-/// The states zᵢ are the caller's. A step takes an exponential, a logarithm or two for each play that creeps
-/// or is carried along, and nothing of the kind for the others.
+/// The states zᵢ are borrowed. A step takes an exponential and one or two logarithms for each play that
+/// creeps or slides, none for the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActivatedPlays<'a, T> {
     sigma: T,
@@ -118,16 +117,16 @@ impl<'a, T: Real> ActivatedPlays<'a, T> {
     }
 }
 
-/// One move of a drive on a straight line, as plays with thermally activated edges follow it.
+/// One linear move of the drive of plays with thermally activated edges.
 ///
-/// A play of half-width r stands a distance z behind the drive u, and goes at the speed
+/// A play of half-width r lags the drive u by the distance z, with
 ///
 /// ż = u̇ − sign(z) v₀ exp((|z| − r)/σ),  v₀ = 1 per second,
 ///
-/// instead of not at all for |z| < r and at any speed at |z| = r (kinetics after H. Eyring, *J. Chem. Phys.*
-/// 4 (1936) 283, doi:10.1063/1.1749836; plays after Prandtl and Ishlinskii). σ → 0 is the play. On a straight
-/// line q = exp((r − |z|)/σ) obeys a linear equation, q̇ = (v₀ − sign(z) u̇ q)/σ, so that a move of any
-/// length is exact.
+/// where an ideal play stands still for |z| < r and moves at any speed at |z| = r (kinetics after H. Eyring,
+/// *J. Chem. Phys.* 4 (1936) 283, doi:10.1063/1.1749836; plays after Prandtl and Ishlinskii). σ → 0 is the
+/// ideal play. Along a linear move q = exp((r − |z|)/σ) obeys a linear equation, q̇ = (v₀ − sign(z) u̇ q)/σ,
+/// so that a move of any length is exact.
 #[derive(Clone, Copy, Debug)]
 pub struct ActivatedMove<S: Scalar> {
     sigma: S,
@@ -136,7 +135,7 @@ pub struct ActivatedMove<S: Scalar> {
     size: S,
     /// Seconds of the move.
     interval_s: S,
-    /// r − |z| of a play carried along by the whole move, at its end; `None` for a move in no time.
+    /// Final r − |z| of a play that slides during the whole move; `None` for an instantaneous move.
     shrinks: Option<S>,
 }
 
@@ -169,7 +168,7 @@ impl<S: Scalar> ActivatedMove<S> {
         -side(self.beyond(threshold, distance))
     }
 
-    /// The distance to the other side of a play that the drive passes on its way.
+    /// The distance, on the other side, of a play that the drive passes during the move.
     fn beyond(&self, threshold: S::Real, distance: S) -> S {
         let speed = self.size / self.interval_s;
         // |u̇| t = σ ln((1 + d)/(exp(−|z|/σ) + d)) at z = 0, d = v₀ exp(−r/σ)/|u̇|.
@@ -192,12 +191,12 @@ fn shrinkage<S: Scalar>(sigma: S, speed: S, seconds: S) -> S {
     (reach / sigma).ln() * sigma
 }
 
-/// −σ ln(exp(−a/σ) + exp(−b/σ)): the lesser, less by up to σ ln 2 where they are close.
+/// Smooth minimum −σ ln(exp(−a/σ) + exp(−b/σ)), below the lesser by up to σ ln 2.
 #[inline]
 fn soft_least<S: Scalar>(sigma: S, a: S, b: S) -> S {
     let (less, more) = if a.value() < b.value() { (a, b) } else { (b, a) };
     let apart = (more - less) / sigma;
-    // Beyond that nothing is left of the sum.
+    // Beyond that the second term is lost in rounding.
     if apart.value() > S::Real::of(38.0) { less } else { less - (-apart).exp().ln_1p() * sigma }
 }
 

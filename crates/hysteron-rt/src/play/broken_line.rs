@@ -1,12 +1,12 @@
-//! A broken line of the mean of a bank of plays: Kuhnen's dead zones as bands.
+//! Piecewise-linear function of the mean of a bank of plays: Kuhnen's dead zones as bands.
 
 use super::between;
 use crate::ParameterError;
 use crate::real::{Real, Scalar};
 
 /// Σ wₖ bₖ(h) of the mean h = u + Σ gⱼ (Fⱼ − u) of plays Fⱼ, with corners c₁ < c₂ < …: band k is max(0, min(h
-/// − cₖ, cₖ₊₁ − cₖ)), the outermost, which are one more than the corners, without end outwards: min(h − c₁,
-/// 0) and max(h − c_last, 0).
+/// − cₖ, cₖ₊₁ − cₖ)), the outermost are unbounded: min(h − c₁, 0) and max(h − c_last, 0); there is one band
+/// more than corners.
 ///
 /// K. Kuhnen, *Eur. J. Control* 9 (2003) 407–418, doi:10.3166/ejc.9.407-418.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,8 +58,8 @@ impl<'a, T: Real> BrokenLine<'a, T> {
     }
 }
 
-/// Hands out the bands of h between corners, one more than these: min(h − c₁, 0), max(0, min(h − cₖ, cₖ₊₁ −
-/// cₖ)), …, max(h − c_last, 0).
+/// Calls `take` with the bands of h, one more than corners: min(h − c₁, 0), max(0, min(h − cₖ, cₖ₊₁ − cₖ)),
+/// …, max(h − c_last, 0).
 #[inline(always)]
 pub fn each_band<S: Scalar>(corners: &[S::Real], h: S, mut take: impl FnMut(S)) {
     let Some((&first, inner)) = corners.split_first() else { return };

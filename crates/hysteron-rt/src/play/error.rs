@@ -7,7 +7,7 @@ use core::fmt::{Debug, Display, Formatter, Result};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum PlayError<T> {
-    /// Not one state a play.
+    /// Plays and states differ in number.
     Lengths {
         /// Number of plays.
         expected: usize,
@@ -18,8 +18,8 @@ pub enum PlayError<T> {
     NotFinite,
     /// The result leaves the range of the number type.
     Overflow,
-    /// States that no common history of the voltage leaves behind: play `index` is further from the one
-    /// before it than their thresholds differ.
+    /// States that no common voltage history produces: those of play `index` and the one before it differ by
+    /// more than their thresholds.
     History {
         /// Number of the play, from 0.
         index: usize,

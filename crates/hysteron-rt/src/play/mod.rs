@@ -37,7 +37,7 @@ pub fn between<S: Scalar>(sides: [S; 2], mut state: S) -> S {
 fn push<S: Scalar>(state: &mut S, [low, high]: [S; 2]) {
     let (lowest, highest, before) = (low.value(), high.value(), state.value());
     if !S::HAS_DERIVATIVES {
-        // Plain numbers by minimum and maximum, without a branch; duals are too long to copy unasked.
+        // Plain numbers by minimum and maximum, without a branch; duals are copied only where they change.
         let held = if before > highest { highest } else { before };
         *state = S::constant(if held < lowest { lowest } else { held });
     } else if before < lowest {
@@ -49,10 +49,10 @@ fn push<S: Scalar>(state: &mut S, [low, high]: [S; 2]) {
 
 /// A weighted sum of play operators, Σ wᵢ F_rᵢ\[u\], 0 < r₁ < r₂ < … (Prandtl–Ishlinskii operator).
 ///
-/// The states of the plays are the caller's. They are the whole memory: the present voltage is not needed. In
-/// one move from states fᵢ the sum is continuous and piecewise linear in the voltage reached, with
-/// breakpoints fᵢ ± rᵢ. Plays that share one history obey |fᵢ₊₁ − fᵢ| ≤ rᵢ₊₁ − rᵢ, so that they take hold one
-/// after the other, the narrowest first, and [`Self::inverse`] finds its piece in one scan.
+/// The states of the plays, borrowed, are the whole memory: the present voltage is not needed. In one move
+/// from states fᵢ the sum is continuous and piecewise linear in the voltage reached, with breakpoints fᵢ ±
+/// rᵢ. Plays that share one history obey |fᵢ₊₁ − fᵢ| ≤ rᵢ₊₁ − rᵢ, so that they engage one after the other,
+/// the narrowest first, and [`Self::inverse`] finds its piece in one scan.
 ///
 /// Units: u, rᵢ and fᵢ in V, wᵢ in µm/V. Any other consistent set will do.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,8 +113,8 @@ impl<'a, T: Real> PlayBank<'a, T> {
         self.weights
     }
 
-    /// The least slope that a move can meet: min over k ≥ 0 of w₁ + … + w_k. Never positive, for a move that
-    /// has just turned carries no play.
+    /// Smallest slope along a move: min over k ≥ 0 of w₁ + … + w_k. Never positive: just after a reversal no
+    /// play moves.
     pub fn least_slope(&self) -> T {
         self.least_slope
     }
@@ -139,7 +139,7 @@ impl<'a, T: Real> PlayBank<'a, T> {
         Ok(sum)
     }
 
-    /// Σ wᵢ F_rᵢ after a monotone move to `u`; nothing is moved.
+    /// Σ wᵢ F_rᵢ after a monotone move to `u`; no state changes.
     #[inline(always)]
     pub fn look(&self, states: &[T], u: T) -> T {
         let plays = self.thresholds.iter().zip(self.weights).zip(states);
@@ -179,7 +179,7 @@ impl<'a, T: Real> PlayBank<'a, T> {
     ///
     /// # Errors
     /// [`PlayError`]: lengths that differ, numbers that are not finite, or states that no common history
-    /// leaves behind.
+    /// produces.
     pub fn piece(
         &self,
         states: &[T],
@@ -196,8 +196,7 @@ impl<'a, T: Real> PlayBank<'a, T> {
         if !rest.is_finite() {
             return Err(if v.is_finite() { PlayError::Overflow } else { PlayError::NotFinite });
         }
-        // Upwards the plays take hold at fᵢ + rᵢ, downwards at fᵢ − rᵢ; each then adds wᵢ (u − its
-        // breakpoint).
+        // Upwards the plays engage at fᵢ + rᵢ, downwards at fᵢ − rᵢ; each then adds wᵢ (u − its breakpoint).
         let mut piece = LinearPiece { slope: T::of(0.0), rest, low: None, high: None };
         for ((&threshold, &weight), &state) in plays() {
             let from = state + threshold;

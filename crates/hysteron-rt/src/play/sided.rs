@@ -1,4 +1,4 @@
-//! Weighted sums of plays between [`Sides`], and what is put behind them.
+//! Weighted sums of plays between [`Sides`], and a piecewise-linear output function.
 
 use super::{BrokenLine, Sides, between};
 use crate::ParameterError;
@@ -6,8 +6,8 @@ use crate::real::Real;
 
 /// A weighted sum Σ wⱼ Fⱼ of plays between [`Sides`], and a [`BrokenLine`] of their mean.
 ///
-/// A step costs the same whatever the voltage does: two comparisons, a product and a sum a play, and the
-/// sides. The states are the caller's.
+/// A step has a constant cost: two comparisons, a product and a sum a play, and the sides. The states are
+/// borrowed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SidedPlays<'a, T> {
     sides: Sides<T>,
@@ -18,7 +18,7 @@ pub struct SidedPlays<'a, T> {
 
 impl<'a, T: Real> SidedPlays<'a, T> {
     /// The sum. Thresholds are positive and increase; the first of plays between envelopes may be 0, lines
-    /// increase alone.
+    /// need only increase.
     ///
     /// # Errors
     /// [`ParameterError`].
@@ -77,15 +77,14 @@ impl<'a, T: Real> SidedPlays<'a, T> {
         self.weights.len()
     }
 
-    /// Whether the plays see how far a sample moves: to the voltage where they stand, too, they are moved
-    /// again.
+    /// Whether the plays depend on the rate: they then move at constant voltage, too.
     pub fn sees_rate(&self) -> bool {
         matches!(self.sides, Sides::Even { widening } if widening > T::of(0.0))
     }
 
-    /// Output after a monotone move through `middle` to `u` in a sample that moves by `du`; not a number
-    /// where a play has no place to stand. The middle, which may be u itself, matters to rate-dependent plays
-    /// alone: a fast sample leaves one behind, and a slow one takes it to the sides where it begins.
+    /// Output after a monotone move through `middle` to `u` in a sample that moves by `du`; NaN where the
+    /// sides of a play cross. The middle, which may be u itself, matters to rate-dependent plays alone, whose
+    /// sides contract when a sample is slower than the last.
     #[inline]
     pub fn look(&self, states: &[T], [middle, u]: [T; 2], du: T) -> T {
         let mut sum = T::of(0.0);
@@ -107,13 +106,13 @@ impl<'a, T: Real> SidedPlays<'a, T> {
         }
     }
 
-    /// Moves the plays, which are known to have a place there.
+    /// Moves the plays, whose sides are known not to cross there.
     #[inline]
     pub fn advance(&self, states: &mut [T], through: [T; 2], du: T) {
         let _ = self.sides.advance(self.thresholds(), states, through, du);
     }
 
-    /// Output of the plays, virgin at `u`; not a number where one has no place to stand.
+    /// Output of the plays, virgin at `u`; NaN where the sides of one cross.
     pub fn output_at_rest(&self, u: T) -> T {
         let mut sum = T::of(0.0);
         let weights = self.weights.iter();

@@ -1,22 +1,23 @@
-//! Between which sides plays stand, and how these move.
+//! Sides of plays, and their motion.
 
 use super::{between, push};
 use crate::real::{Real, Scalar};
 
-/// Between which two sides a play stands at the voltage u: its state goes from x to max(low, min(high, x)).
+/// The two sides of a play at the voltage u: its state x becomes max(low, min(high, x)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sides<T> {
-    /// u ∓ (rⱼ + `widening` |Δu|), Δu the move of this sample: `widening` ≥ 0 is what a half-width grows for
-    /// a move of 1 V a sample (M. Al Janaideh, P. Krejčí 2013, doi:10.1109/TMECH.2012.2205265); 0 for plays.
+    /// u ∓ (rⱼ + `widening` |Δu|), Δu the move of this sample: `widening` ≥ 0 is the growth of a half-width
+    /// for a move of 1 V a sample (M. Al Janaideh, P. Krejčí 2013, doi:10.1109/TMECH.2012.2205265); 0 for
+    /// plays.
     Even {
-        /// λ times the samples a second.
+        /// λ times the sample rate.
         widening: T,
     },
     /// From u − rⱼ to u: one-sided plays.
     Below,
     /// From tanh(a_r (u − c_r)) − rⱼ to tanh(a_l (u − c_l)) + rⱼ: generalised plays (M. Al Janaideh, S.
-    /// Rakheja, C.-Y. Su 2011, doi:10.1109/TMECH.2010.2052366). A voltage at which the narrowest has no place
-    /// to stand is out of range.
+    /// Rakheja, C.-Y. Su 2011, doi:10.1109/TMECH.2010.2052366). A voltage at which the sides of the narrowest
+    /// cross is out of range.
     Envelopes {
         /// a_r > 0, c_r.
         right: [T; 2],
@@ -33,7 +34,7 @@ pub enum Sides<T> {
 }
 
 impl<T: Copy> Sides<T> {
-    /// The sides with other numbers, or with these in another type.
+    /// The sides with their parameters mapped, e.g. to another number type.
     pub fn map<U>(self, of: impl Fn(T) -> U) -> Sides<U> {
         match self {
             Self::Even { widening } => Sides::Even { widening: of(widening) },
@@ -51,8 +52,8 @@ impl<S: Scalar> Sides<S> {
     /// that moves by `du`, as [`super::SidedPlays::look`].
     ///
     /// # Errors
-    /// By how much the right envelope lies above the left, where the narrowest play has no place to stand
-    /// between them; nothing is moved then.
+    /// Height of the right envelope above the left where the sides of the narrowest play cross; no state
+    /// changes then.
     #[inline(always)]
     pub fn advance(
         &self,
@@ -79,7 +80,7 @@ impl<S: Scalar> Sides<S> {
         self.each_at_rest(thresholds, u, states.iter_mut(), |state, at| *state = at)
     }
 
-    /// Hands each item the sides of its play.
+    /// Calls `take` with each item and the sides of its play.
     #[inline(always)]
     pub(super) fn each<I>(
         &self,
@@ -115,7 +116,7 @@ impl<S: Scalar> Sides<S> {
         Ok(())
     }
 
-    /// Hands each item where its play is virgin.
+    /// Calls `take` with each item and the virgin state of its play.
     pub(super) fn each_at_rest<I>(
         &self,
         thresholds: impl Iterator<Item = S> + Clone,
@@ -147,7 +148,7 @@ impl<S: Scalar> Sides<S> {
     }
 }
 
-/// Whether the narrowest play has a place to stand between these values of the envelopes.
+/// Checks that the sides of the narrowest play do not cross at these values of the envelopes.
 #[inline(always)]
 fn has_place<S: Scalar>(mut thresholds: impl Iterator<Item = S>, right: S, left: S) -> Result<(), S::Real> {
     let narrowest = thresholds.next().map_or(S::Real::of(0.0), S::value);
@@ -156,7 +157,7 @@ fn has_place<S: Scalar>(mut thresholds: impl Iterator<Item = S>, right: S, left:
     if by <= S::Real::of(2.0) * narrowest + rounding { Ok(()) } else { Err(by) }
 }
 
-/// Hands each item its pair of what the lines become, in the order (0, 0), (1, 0), (1, 1), (2, 0), ….
+/// Calls `take` with each item and its pair of mapped lines, in the order (0, 0), (1, 0), (1, 1), (2, 0), ….
 #[inline(always)]
 fn each_pair<L, S: Copy, I>(
     lines: impl Iterator<Item = L> + Clone,
@@ -170,7 +171,7 @@ fn each_pair<L, S: Copy, I>(
     }
 }
 
-/// Moves Krasnosel'skii–Pokrovskii kernels ([`Sides::Ramps`]) to where the lines have these [`ramp`]s.
+/// Moves Krasnosel'skii–Pokrovskii kernels ([`Sides::Ramps`]), given the [`ramp`] of each line.
 #[inline]
 pub fn between_ramps<S: Scalar>(ramps: &[S], states: &mut [S]) {
     let take = |state: &mut S, [low, high]: [&S; 2]| push(state, [*low, *high]);

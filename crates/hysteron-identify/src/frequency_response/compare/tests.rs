@@ -40,8 +40,12 @@ fn the_structure_that_made_a_smooth_response_has_the_lowest_criterion_and_compet
     let best = found.iter().min_by(|a, b| a.fit.aic.total_cmp(&b.fit.aic)).unwrap();
     assert_eq!(best.name, "loss angle");
     // −0.1 rad in all, of which the power law takes 0.04·90° = 3.6°.
-    assert!(best.explanation.contains("a phase of −3.60°"), "{}", best.explanation);
-    assert!(best.explanation.contains("−2.13° more as a loss angle"), "{}", best.explanation);
+    assert!(best.explanation.contains("constant phase of −3.60°"), "{}", best.explanation);
+    assert!(
+        best.explanation.contains("further constant phase of −2.13°, a loss angle"),
+        "{}",
+        best.explanation
+    );
 }
 
 #[test]

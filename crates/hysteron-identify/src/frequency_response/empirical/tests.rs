@@ -32,7 +32,7 @@ fn noise(random: &mut Xoshiro256PlusPlus) -> f64 {
     (-2.0 * (1.0 - a).ln()).sqrt() * (std::f64::consts::TAU * b).cos()
 }
 
-/// Steady-state answer of the article's stage, exact at every line.
+/// Steady-state response of the article's stage, exact at every line.
 fn answer(u: &[f64]) -> Vec<f64> {
     let plan = SimulationPlan::new(u.len(), RATE, Scheme::BandLimited, Start::PERIODIC).unwrap();
     let mut y = vec![0.0; u.len()];
@@ -89,7 +89,7 @@ fn noise_variance_is_that_of_the_noise_added() {
     let mean: f64 = noise_std.iter().map(|s| s * s).sum::<f64>() / noise_std.len() as f64;
     // 99 lines of 39 degrees of freedom each, two numbers a line: standard error 1/√(99·39) = 1.6 %.
     assert!((mean * input * input / line - 1.0).abs() < 0.05, "{} {}", mean * input * input, line);
-    // And the errors are as large as said: Σ|error|²/σ² over the lines is one on average, ± 1/√99.
+    // And the errors agree with the estimated uncertainty: |error|²/σ² averages one over the lines, ± 1/√99.
     let exact = TransferFunction::article_eq13().frequency_response(&found.response.frequency_hz, 0.0);
     let values = found.response.values.iter().zip(&exact);
     let share: f64 = values.zip(&noise_std).map(|((g, g0), s)| ((g - g0).norm() / s).powi(2)).sum::<f64>()
@@ -112,7 +112,7 @@ fn distortion_is_told_from_noise_and_odd_from_even() {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
         let records: Vec<InputOutput> = (0..5)
             .map(|seed| {
-                // The lines left out must be those of the first realisation: only the phases differ.
+                // The detection lines must be those of the first realisation: only the phases differ.
                 let base = drive(Lines::Odd, seed, 4).samples_v;
                 let y = base
                     .iter()
@@ -130,7 +130,7 @@ fn distortion_is_told_from_noise_and_odd_from_even() {
     assert!(rms(&distortion) < 3.0 * 5f64.sqrt() * rms(&noise_std));
     let even = run(0.02, 0.0, 1e-3);
     assert!(rms(&even.even_detection.amplitude) > 20.0 * rms(&even.even_detection.noise));
-    // An even nonlinearity of an odd multisine does not reach the odd lines.
+    // An even nonlinearity does not affect the odd lines of an odd multisine.
     assert!(rms(&even.distortion_std.unwrap()) < 3.0 * 5f64.sqrt() * rms(&even.noise_std.unwrap()));
     let odd = run(0.0, 0.004, 1e-3);
     assert!(rms(&odd.even_detection.amplitude) < 2.0 * rms(&odd.even_detection.noise));

@@ -142,7 +142,7 @@ fn errors_reach_the_numbers_of_a_model_file() {
         let i = names.iter().position(|n| n == name).unwrap();
         covariance[(i, i)]
     };
-    // By hand: d ln c₀ = α df/f + ln(2πf) dα, and d ln b = dK/K beside that.
+    // By hand: d ln c₀ = α df/f + ln(2πf) dα, and d ln b = d ln c₀ + dK/K.
     let (f, alpha, k) = (fit.value("corner_frequency"), fit.value("order"), fit.value("gain"));
     let moves = [alpha / f, (TAU * f).ln(), 1.0 / k];
     let relative = |upto: usize| -> f64 {
@@ -174,7 +174,7 @@ fn what_cannot_be_fitted_is_refused_and_an_edge_is_told() {
     zero.values[4] = Complex64::ZERO;
     let refused = fit_structure(&zero, &Structure::POWER_LAW, Weighting::Relative);
     assert!(matches!(refused, Err(IdentifyError::Record(RecordError::ResponseValue { .. }))));
-    // A response that leads has no delay: it ends on the edge at 0, without a standard error.
+    // A response with phase lead has no delay: it ends at the bound 0, without a standard error.
     let lead = |f: &f64| Complex64::from_polar(1.0, 1e-3 * f);
     let frequency_hz = spaced(1.0, 100.0, 30);
     let values = frequency_hz.iter().map(lead).collect();

@@ -17,7 +17,8 @@ impl JointProblem {
         }
     }
 
-    /// Residual after elimination of everything linear into `ws.target`; the columns stay in `ws.projection`.
+    /// Residual after elimination of the linear parameters, into `ws.target`; the columns stay in
+    /// `ws.projection`.
     pub(super) fn eliminate(&self, x: &[f64], derivatives: Derivatives<'_>, ws: &mut JointWorkspace) -> bool {
         if !self.respond(x, derivatives, ws) {
             return false;
@@ -47,8 +48,9 @@ impl JointProblem {
         signed.is_empty() || self.eliminate_signed(&signed, ws)
     }
 
-    /// Takes off the target its part in the cone of the `signed` columns, beside the span of those eliminated
-    /// so far: those whose coefficients are not 0 join these. `false` where they are not finite, and after a stop.
+    /// Eliminates the sign-constrained `signed` columns from the target by non-negative least squares, after
+    /// those eliminated so far; columns with nonzero coefficients are added to these. `false` where the
+    /// coefficients are not finite, and after a stop.
     fn eliminate_signed(&self, signed: &[(usize, f64)], ws: &mut JointWorkspace) -> bool {
         let JointWorkspace { records, target, projection, signed: columns, eliminated, .. } = ws;
         let count = target.len();
@@ -77,8 +79,8 @@ impl JointProblem {
         true
     }
 
-    /// Weighted columns of u, u², … and of the weights at `x`, one after the other, and the target, none of
-    /// them with its part in the records' own columns.
+    /// Weighted columns of u, u², … and of the weights at `x`, one after the other, and the target, all with
+    /// the records' local columns projected out.
     pub(in super::super) fn linear_columns(&self, x: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
         let mut ws = self.workspace();
         if !self.respond(x, None, &mut ws) {

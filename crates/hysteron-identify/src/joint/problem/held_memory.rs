@@ -9,10 +9,10 @@ use super::JointProblem;
 
 impl JointProblem {
     /// This problem with the memory of every record held at its value in `x`; `None` where no memory is
-    /// searched, or shape numbers are, with which the operators run anew at every point anyway.
+    /// searched, or where searched shape numbers require rerunning the operators anyway.
     pub(in super::super) fn holding_memory(&self, x: &[f64]) -> Option<Self> {
         let mut layout = self.layout.clone();
-        // They stand last in the search.
+        // The memories come last in the search vector.
         let rest = layout.memory.iter().filter_map(|role| role.index()).min()?;
         if rest == 0 || self.searches_shape() {
             return None;

@@ -9,8 +9,8 @@ use hysteron_optimize::{LeastSquaresProblem, Problem};
 pub(in super::super::super) struct Linearisation {
     /// Columns of the eliminated coefficients, one after the other.
     pub(in super::super::super) linear: Vec<f64>,
-    /// Which coefficient each of them is: index of u^(index + 1), from the degree on of a weight. Weights
-    /// that their sign holds at 0 are not among them.
+    /// Index of the coefficient of each column: u^(index + 1), then weights. Weights held at 0 by their sign
+    /// constraint are omitted.
     pub(in super::super::super) eliminated: Vec<usize>,
     /// Derivatives along the searched numbers, one after the other.
     pub(in super::super::super) searched: Vec<f64>,
@@ -21,8 +21,8 @@ pub(in super::super::super) struct Linearisation {
 }
 
 impl JointProblem {
-    /// The fit linearised at `x` in everything: the linear columns that were eliminated, and the derivatives
-    /// along the searched numbers; residuals beside them. Local columns are taken off all of them.
+    /// The fit linearised at `x`: the eliminated linear columns, the derivatives with respect to the searched
+    /// numbers, and the residuals, all with local columns projected out.
     pub(in super::super::super) fn linearise(&self, x: &[f64]) -> Option<Linearisation> {
         let mut ws = self.workspace();
         if !self.evaluate(x, self.derivatives(), &mut ws) {
@@ -32,7 +32,7 @@ impl JointProblem {
         Some(self.collect(coefficients, &mut ws))
     }
 
-    /// [`Self::linearise`] at coefficients of u, u², … and weights that need not be the best at `x`.
+    /// [`Self::linearise`] at coefficients of u, u², … and weights that need not be optimal at `x`.
     pub(in super::super::super) fn linearise_at(
         &self,
         x: &[f64],
@@ -83,7 +83,7 @@ impl JointProblem {
         true
     }
 
-    /// Everything of a linearisation, after the columns and the residuals.
+    /// Assembles the linearisation from columns and residuals.
     fn collect(&self, coefficients: Vec<f64>, ws: &mut JointWorkspace) -> Linearisation {
         let count = self.residual_count();
         let mut searched = vec![0.0; count * self.bounds.dimension()];

@@ -1,4 +1,4 @@
-//! Derivatives of a record's output at a candidate whose columns are known.
+//! Derivatives of a record's output at a candidate with computed columns.
 
 use std::sync::Mutex;
 
@@ -22,10 +22,10 @@ pub(crate) enum Direction {
     Dynamics(usize),
 }
 
-/// A direction, where there is one, and the derivative along it.
+/// A direction, if any, and the derivative along it.
 type WantedDerivative<'a> = (Option<Direction>, &'a mut [f64]);
 
-/// Quantities of a candidate that its derivatives need.
+/// Quantities of a candidate needed for its derivatives.
 struct CandidateQuantities<'a> {
     hysteresis: &'a Columns,
     response: &'a PlanResponse,
@@ -68,9 +68,9 @@ impl JointRecord {
         ws.total.set_sum(columns.chain(transients));
     }
 
-    /// ∂(Σ cᵢ Φᵢ + Σ w_j Ψ_j)/∂direction at fixed coefficients, weighted and without local columns, into the
-    /// slice beside each direction; zero where there is no direction or no derivative. After
-    /// [`Self::respond`] with derivatives and [`Self::combine`].
+    /// ∂(Σ cᵢ Φᵢ + Σ w_j Ψ_j)/∂direction at fixed coefficients, weighted and with local columns projected
+    /// out, into the slice paired with each direction; zero where there is no direction or no derivative.
+    /// After [`Self::respond`] with derivatives and [`Self::combine`].
     pub(crate) fn differentiate(
         &self,
         wanted: Vec<WantedDerivative<'_>>,
@@ -78,7 +78,7 @@ impl JointRecord {
         ws: &mut RecordWorkspace,
     ) {
         let (known, lanes) = ws.split();
-        // Dealt out one by one, since some take three times as long as others.
+        // Scheduled dynamically, since some take three times as long as others.
         let deal = Mutex::new(self.dealt(wanted, lanes.len()).into_iter());
         lanes.par_iter_mut().for_each(|lane| {
             while let Some(group) = deal.lock().ok().and_then(|mut deal| deal.next()) {
@@ -87,8 +87,8 @@ impl JointRecord {
         });
     }
 
-    /// The directions in groups that are worked out together, those that take longest first: on stamps the
-    /// derivatives along the dynamics take one pass, and others share one.
+    /// The directions in groups computed together, the longest first: on time stamps the derivatives with
+    /// respect to the dynamics take one pass, and others share one.
     fn dealt<'a>(&self, wanted: Vec<WantedDerivative<'a>>, lanes: usize) -> Vec<Vec<WantedDerivative<'a>>> {
         if !self.is_on_stamps() {
             return wanted.into_iter().map(|wanted| vec![wanted]).collect();
@@ -105,7 +105,7 @@ impl JointRecord {
         groups
     }
 
-    /// The derivatives in some directions; zero where they cannot be worked out.
+    /// The derivatives in some directions; zero where they cannot be computed.
     fn derivatives(
         &self,
         wanted: Vec<WantedDerivative<'_>>,
@@ -153,7 +153,7 @@ impl JointRecord {
         let inputs: Vec<&PlanInput> = inputs.iter().take(rests.len()).collect();
         let done = self.plan.apply_each(known.response, &inputs, plan, &mut outputs);
         for (out, rest) in outputs.into_iter().zip(rests) {
-            // Which one is not finite must not count for those beside it, which depend on the threads.
+            // A non-finite derivative must not affect others in the group, which depends on the threads.
             let done = match done {
                 Err(DynamicsError::OutputNotFinite) => out.iter().all(|x| x.is_finite()),
                 ref done => done.is_ok(),
@@ -166,9 +166,8 @@ impl JointRecord {
         }
     }
 
-    /// Input made of the weighted sum of `parts` (weight, output of an operator, 0 beyond its end, the same
-    /// before the first sample), less the sum before the first sample, which is returned; `None` where there
-    /// is nothing.
+    /// Input from the weighted sum of `parts` (weight, operator output, zero-padded, and its value before the
+    /// first sample), less the sum before the first sample, which is returned; `None` without parts.
     fn input_of_sum<'a>(
         &self,
         parts: impl Iterator<Item = (f64, &'a [f64], f64)>,
@@ -194,8 +193,8 @@ impl JointRecord {
         done.then_some(rest)
     }
 
-    /// Weights a derivative, with what it was at rest, and takes its part in the local columns off; zero
-    /// where it is not `done`.
+    /// Adds the response at `rest` to a derivative, weights it and projects out the local columns; zero where
+    /// it is not `done`.
     fn finish(&self, known: &CandidateQuantities<'_>, done: bool, rest: f64, out: &mut [f64]) {
         if !done {
             out.fill(0.0);

@@ -1,34 +1,34 @@
-//! Outputs of the hysteresis operators of a record, kept while only the dynamics change.
+//! Cache of the hysteresis operators' outputs of a record, valid while only the dynamics change.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
 use hysteron_model::dynamics::PlanInput;
 use hysteron_model::hysteresis::Columns;
 
-/// Outputs of the operators, and what the dynamics take of them.
+/// Outputs of the operators, and the inputs of the dynamics from them.
 #[derive(Debug, Default)]
 pub(super) struct Operators {
     pub(super) columns: Columns,
     /// s (H_j − H_j(rest)) as inputs of the dynamics.
     pub(super) inputs: Vec<PlanInput>,
-    /// Shape and memory that both belong to; `None`: nothing.
+    /// Shape and memory of both; `None`: empty.
     pub(super) of: Option<(Vec<f64>, f64)>,
     pub(super) derived: bool,
 }
 
 impl Operators {
-    /// Whether they are those of a shape and memory, with derivatives where these are `wanted`.
+    /// True if these are the outputs for a shape and memory, with derivatives where `wanted`.
     pub(super) fn are_of(&self, shape: &[f64], memory: f64, wanted: bool) -> bool {
         let same = |(of_shape, of_memory): &(Vec<f64>, f64)| of_shape == shape && *of_memory == memory;
         (self.derived || !wanted) && self.of.as_ref().is_some_and(same)
     }
 }
 
-/// Operators of workspaces that are gone: the fits of a search follow one another at the same or at near
-/// memories, and to clear new buffers takes longer than to run plays.
+/// Pool of operators of dropped workspaces: successive fits of a search have equal or similar memories, and
+/// clearing new buffers takes longer than simulating plays.
 pub(super) type Spare = Arc<Mutex<Vec<Operators>>>;
 
-/// Operators of a workspace, which are spare when it goes.
+/// Operators of a workspace, returned to the pool on drop.
 #[derive(Debug)]
 pub(super) struct LentOperators {
     pub(super) operators: Operators,
@@ -40,8 +40,8 @@ impl LentOperators {
         Self { operators: Operators::default(), spare: Arc::clone(spare) }
     }
 
-    /// Whether these operators are those of a shape and memory, or spare ones are, which then take their
-    /// place. Where these have no buffers, those of any spare ones do.
+    /// True if these operators, or pooled ones that then replace them, are for a shape and memory. Without
+    /// buffers, any pooled ones are taken.
     pub(super) fn are_found(&mut self, shape: &[f64], memory: f64, wanted: bool) -> bool {
         if self.operators.are_of(shape, memory, wanted) {
             return true;

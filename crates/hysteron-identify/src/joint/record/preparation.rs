@@ -15,8 +15,8 @@ use hysteron_model::record::Pace;
 pub(crate) enum Clock {
     /// At this rate \[Hz\].
     Rate(f64),
-    /// At these times \[s\]; the drive is given at separate knots and is held between them or goes along
-    /// straight lines.
+    /// At these times \[s\]; the drive is given at separate knots, with zero-order hold or linear
+    /// interpolation between them.
     Stamps {
         knots_s: Vec<f64>,
         /// Rate and duration of the move to each knot, where the hysteresis depends on either.
@@ -31,21 +31,21 @@ pub(crate) struct Ingredients<'a> {
     /// Drive, which may be on a finer grid.
     pub(crate) drive: &'a [f64],
     pub(crate) thinning: Thinning,
-    /// Every how many samples one is worked on.
+    /// Decimation factor.
     pub(crate) factor: usize,
     /// Measured output, less a held offset.
     pub(crate) output: Vec<f64>,
     /// Weight of each sample.
     pub(crate) weighting: Weighting,
     pub(crate) before: Start<()>,
-    /// Decaying motion from before the record is allowed for.
+    /// A free transient from before the record is fitted.
     pub(crate) transients: bool,
     pub(crate) offset_is_held: bool,
     /// Further nuisance columns (drift).
     pub(crate) nuisance: Vec<Vec<f64>>,
-    /// Cycles that the record consists of; 1 where it has none.
+    /// Cycles in the record; 1 where it has none.
     pub(crate) cycles: usize,
-    /// Highest polynomial degree that will be asked for.
+    /// Highest polynomial degree needed.
     pub(crate) degree: usize,
     pub(crate) clock: Clock,
     pub(crate) scheme: Scheme,
@@ -56,7 +56,7 @@ impl JointRecord {
     pub(crate) fn new(parts: Ingredients<'_>) -> Result<Self, DynamicsError> {
         let periodic = parts.before == Start::PERIODIC;
         let count = parts.output.len();
-        // Samples of the inputs before a record is reduced.
+        // Samples of the inputs before reduction.
         let inputs = match &parts.clock {
             Clock::Rate(_) => count,
             Clock::Stamps { knots_s, .. } => knots_s.len(),
@@ -143,7 +143,7 @@ impl JointRecord {
     }
 }
 
-/// Inputs whose responses span the motion left over from before the record: impulses at the first two samples
+/// Inputs whose responses span the free transient from before the record: impulses at the first two samples
 /// and a step.
 fn transient_inputs(samples: usize) -> [Vec<f64>; 3] {
     let impulse = |at: usize| (0..samples).map(|k| f64::from(u8::from(k == at))).collect();

@@ -1,4 +1,4 @@
-//! A device of a known gain and offset is followed.
+//! Tracking of a device with known gain and offset.
 
 use super::*;
 use crate::IdentifyError;

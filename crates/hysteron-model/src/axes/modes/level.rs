@@ -10,16 +10,16 @@ pub struct LevelLaw {
     pub reference: f64,
     /// Exponent of the level; 1: linear in amplitude.
     pub exponent: f64,
-    /// Lowest level identified \[V\]; below it S stays.
+    /// Lowest level identified \[V\]; S is constant below.
     pub lowest: f64,
-    /// Highest level identified \[V\]; above it S stays.
+    /// Highest level identified \[V\]; S is constant above.
     pub highest: f64,
     /// Time constant of the running rms where a drive does not repeat \[s\].
     pub time_constant_s: f64,
 }
 
 impl LevelLaw {
-    /// S at a level: (level/reference)^exponent − 1, held outside the levels identified.
+    /// S at a level: (level/reference)^exponent − 1, clamped to the levels identified.
     pub fn state(&self, level: f64) -> f64 {
         (level.max(self.lowest).min(self.highest) / self.reference).powf(self.exponent) - 1.0
     }
@@ -50,7 +50,7 @@ pub struct LevelTracker {
 }
 
 impl LevelTracker {
-    /// At the inputs `u` for long, but for a motion of the rms `level` about them.
+    /// Steady state at the mean inputs `u` with a motion of rms `level` about them.
     pub fn new(law: &LevelLaw, sample_rate_hz: f64, u: &[f64], level: f64) -> Self {
         Self {
             keep: (-1.0 / (law.time_constant_s * sample_rate_hz)).exp(),

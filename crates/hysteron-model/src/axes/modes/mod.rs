@@ -1,8 +1,8 @@
 //! Structural modes whose poles move with the level of the drive, and hysteresis in feedback with them.
 //!
 //! N inputs (actuators), M outputs (sensors), K modes; the state x holds Re q_k, Im q_k of the modes, then
-//! one lag a_i an input (its amplifier). Time runs in [`ScheduledModes::steps`] steps a sample; u between its
-//! samples as [`crate::record::InterSample`].
+//! one lag a_i per input (its amplifier). Time runs in [`ScheduledModes::steps`] steps per sample; u between
+//! its samples as [`crate::record::InterSample`].
 //!
 //! ```text
 //! S     = (level / reference)^exponent − 1              level: rms of the inputs about their means, a slow state
@@ -15,13 +15,13 @@
 //! ```
 //!
 //! P_j are play operators (Prandtl–Ishlinskii, exact for any drive); f is shared by the actuators, f_i is
-//! each one's own. There is no loop without delay: v and σ are taken from the present state, w enters the
-//! next one. s² and γ_j are frozen numbers that keep the terms of f nearly orthogonal to z; they change
-//! nothing about the class. Poles and output rows follow the level, input rows do not: their product would be
-//! quadratic in S.
+//! specific to each. There is no algebraic loop: v and σ are taken from the present state, w enters the next
+//! one. s² and γ_j are frozen numbers that keep the terms of f nearly orthogonal to z; they do not change the
+//! model class. Poles and output rows follow the level, input rows do not: their product would be quadratic
+//! in S.
 //!
-//! A slow dependence on the level beside the fast hysteresis is what the public steering mirror shows: no law
-//! without memory, and no plays, explain both the distortion within its records and the change between their
+//! The public steering-mirror data require a slow dependence on the level beside the fast hysteresis: neither
+//! memoryless laws nor plays explain both the distortion within its records and the change between their
 //! levels (`docs/theory/scheduled-modes.md`). Linear in amplitude is the Rayleigh law of ferroelectric
 //! ceramics (D. A. Hall, *J. Mater. Sci.* 36 (2001) 4575, doi:10.1023/A:1017959111402).
 
@@ -66,15 +66,15 @@ pub struct ScheduledModes {
     pub input: Vec<f64>,
     /// h: rows of N.
     pub strain_input: Vec<f64>,
-    /// C: rows of 2K + N, one an output \[µm\].
+    /// C: rows of 2K + N, one per output \[µm\].
     pub output: Vec<f64>,
     /// C', its change with S.
     pub output_slopes: Vec<f64>,
-    /// D: rows of N, one an output \[µm/V\].
+    /// D: rows of N, one per output \[µm/V\].
     pub feedthrough: Vec<f64>,
     /// D', its change with S.
     pub feedthrough_slopes: Vec<f64>,
-    /// D_h: rows of N, one an output \[µm/V\].
+    /// D_h: rows of N, one per output \[µm/V\].
     pub strain_feedthrough: Vec<f64>,
     /// The hysteresis; `None`: w = 0.
     pub feedback: Option<FeedbackStrain>,
@@ -100,7 +100,7 @@ pub struct Mode {
     pub damping: f64,
 }
 
-/// Magnitude of a pole from which on it counts as unstable.
+/// Pole magnitude from which a pole counts as unstable.
 #[doc(hidden)]
 pub const LARGEST_POLE: f64 = 0.9999;
 
@@ -110,7 +110,7 @@ impl ScheduledModes {
         2 * self.modes + self.inputs
     }
 
-    /// Steps a second \[Hz\].
+    /// Rate of the steps \[Hz\].
     pub fn step_rate_hz(&self) -> f64 {
         self.sample_rate_hz * self.steps as f64
     }
@@ -122,7 +122,7 @@ impl ScheduledModes {
         at
     }
 
-    /// [`Self::at`] into what is there, without allocating once it has its size.
+    /// [`Self::at`] into an existing buffer; allocates nothing once that has its size.
     pub(super) fn set(&self, s: f64, at: &mut AtLevel) {
         let sum = |to: &mut Vec<f64>, base: &[f64], slopes: &[f64]| {
             to.clear();
@@ -156,7 +156,7 @@ impl ScheduledModes {
         let pairs = at.transition.chunks_exact(2).take(self.modes).map(|p| p[0].hypot(p[1]));
         let lags = at.transition.iter().skip(2 * self.modes).map(|a| a.abs());
         let worst = |(most, place), (k, magnitude): (usize, f64)| {
-            // Not a number is the worst of all.
+            // NaN counts as the largest.
             if magnitude > most || magnitude.is_nan() { (magnitude, k) } else { (most, place) }
         };
         pairs.chain(lags).enumerate().fold((0.0, 0), worst)

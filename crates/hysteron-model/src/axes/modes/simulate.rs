@@ -6,11 +6,11 @@ use crate::axes::{AxesError, SteadyPeriod};
 use crate::hysteresis::RecordEnds;
 use crate::record::InterSample;
 
-/// e-folds of the slowest state after which a start is forgotten: 2e-9.
+/// Time constants of the slowest state after which the initial state has decayed, to 2e-9.
 const FORGOTTEN: f64 = 20.0;
 /// Most periods simulated for a steady state.
 const MOST_PERIODS: usize = 60;
-/// Change of the output over a period, over its rms, with which it has settled.
+/// Change of the output per period, relative to its rms, at which it counts as settled.
 const SETTLED: f64 = 1e-6;
 
 /// State of a simulation.
@@ -115,7 +115,7 @@ impl<'m> Runner<'m> {
         self.advance(u);
     }
 
-    /// Holds the inputs until every state has forgotten what was before.
+    /// Holds the inputs until every state has settled.
     pub(super) fn settle(&mut self, u: &[f64], s: f64) {
         for _ in 0..self.model.settling_steps(s, FORGOTTEN) {
             self.step(u);
@@ -132,7 +132,7 @@ impl<'m> Runner<'m> {
         }
     }
 
-    /// Outputs at every sample of one period; `None` where they leave the range of numbers.
+    /// Outputs at every sample of one period; `None` on overflow.
     fn period(&mut self, fine: &[f64]) -> Option<Vec<f64>> {
         if !self.is_finite() {
             return None;
@@ -176,9 +176,8 @@ pub(super) fn upsampled(
     Ok((0..length).flat_map(|k| fine.iter().map(move |channel| channel[k])).collect())
 }
 
-/// Outputs over one period of inputs `fine` at every step (interleaved, a whole number of samples) that have
-/// been running for `preroll` steps from rest: outputs at every sample, interleaved. `None` where they leave
-/// the range of numbers.
+/// Outputs over one period of inputs `fine` at every step (interleaved, a whole number of samples) after
+/// `preroll` steps from rest: outputs at every sample, interleaved. `None` on overflow.
 pub fn simulate_steady(model: &ScheduledModes, s: f64, fine: &[f64], preroll: usize) -> Option<Vec<f64>> {
     let mut runner = Runner::new(model, s);
     runner.preroll(fine, preroll);
@@ -192,7 +191,7 @@ impl ScheduledModes {
     }
 
     /// Outputs in the steady state under one period of inputs (interleaved), band-limited between samples; S
-    /// is that of the period's rms. Outputs interleaved, one row a sample.
+    /// is that of the period's rms. Outputs interleaved, one row per sample.
     ///
     /// # Errors
     /// [`AxesError::RunsAway`], [`AxesError::NotSettled`].
@@ -207,7 +206,7 @@ impl ScheduledModes {
         if self.feedback.is_none() {
             return Ok(last);
         }
-        // The hysteresis may take longer than the modes.
+        // The hysteresis may settle more slowly than the modes.
         let mut change = f64::INFINITY;
         for _ in 0..MOST_PERIODS {
             let y = runner.period(&fine).ok_or(AxesError::RunsAway)?;
@@ -222,9 +221,8 @@ impl ScheduledModes {
         Err(AxesError::NotSettled { periods: settle + MOST_PERIODS, change })
     }
 
-    /// Outputs for the samples of each input, one list an output: in the steady state under a period of
-    /// `settled` samples, which has been running for long, where it is given; else the inputs of the first
-    /// sample were held for long.
+    /// Outputs for the samples of each input, one list per output: the steady state under the first `settled`
+    /// samples where given; else from the steady state under the inputs of the first sample.
     ///
     /// In a steady state S is that of the first period; from rest it follows the running rms of the drive
     /// ([`super::LevelTracker`]), from that of the first second on.
@@ -266,7 +264,7 @@ impl ScheduledModes {
         Ok(self.lists(&self.simulate_from_rest(&rows, rule, level)?))
     }
 
-    /// One row of inputs a sample.
+    /// One row of inputs per sample.
     fn rows(&self, u: &[Vec<f64>], sample_rate_hz: f64) -> Result<Vec<f64>, AxesError> {
         if u.len() != self.inputs {
             return Err(AxesError::Channels { role: "input", model: self.inputs, record: u.len() });
@@ -278,13 +276,13 @@ impl ScheduledModes {
         Ok((0..samples).flat_map(|k| u.iter().map(move |u| u[k])).collect())
     }
 
-    /// One list an output.
+    /// One list per output.
     fn lists(&self, rows: &[f64]) -> Vec<Vec<f64>> {
         let outputs = self.outputs;
         (0..outputs).map(|m| rows.iter().skip(m).step_by(outputs).copied().collect()).collect()
     }
 
-    /// The first period over and over where the drive repeats, else followed from its steady state.
+    /// The steady state under the first period, repeated over the record.
     fn simulate_settled(&self, u: &[f64], period_samples: usize) -> Result<Vec<f64>, AxesError> {
         let n = self.inputs;
         let samples = u.len() / n;

@@ -1,4 +1,4 @@
-//! Strain of an actuator: polynomial and plays of what drives it.
+//! Strain of an actuator: polynomial and plays of its drive or stress.
 
 use super::{finite_list, positive};
 use crate::axes::AxesError;
@@ -10,11 +10,11 @@ pub const POWERS: usize = 2;
 /// f(z) = c₂ (z² − s²) + c₃ (z³ − 3 s² z) + Σ_j c_j (P_j\[z\] − γ_j z).
 #[derive(Clone, Debug, PartialEq)]
 pub struct StrainLaw {
-    /// c₂ \[1/V\], c₃ \[1/V²\], then one weight a play.
+    /// c₂ \[1/V\], c₃ \[1/V²\], then one weight per play.
     pub coefficients: Vec<f64>,
     /// Radii of the plays \[V\], above 0.
     pub radii: Vec<f64>,
-    /// γ_j, the mean slope of each play that is taken off.
+    /// γ_j, the mean slope removed from each play.
     pub slopes: Vec<f64>,
     /// s² \[V²\].
     pub variance: f64,
@@ -40,7 +40,7 @@ impl StrainLaw {
     }
 
     /// Moves the plays to z and writes the terms of the sum; returns f(z), its slope while no play moves, and
-    /// which plays moved, a bit each.
+    /// a bit mask of the plays that moved.
     pub(super) fn step(&self, z: f64, plays: &mut [f64], terms: &mut [f64]) -> (f64, f64, u32) {
         let s2 = self.variance;
         let [square, cube, rest @ ..] = terms else { return (0.0, 0.0, 0) };
@@ -80,7 +80,7 @@ impl StrainLaw {
 }
 
 impl FeedbackStrain {
-    /// Most plays of a law.
+    /// Largest number of plays of a law.
     pub(super) fn plays(&self) -> usize {
         self.drive.radii.len() + self.stress.iter().map(|s| s.radii.len()).max().unwrap_or(0)
     }

@@ -1,10 +1,9 @@
-//! One sample after the other.
+//! Simulation sample by sample.
 
 use super::simulate::Runner;
 use super::{LevelTracker, ScheduledModes};
 
-/// A simulation that is fed sample by sample, the inputs straight lines between their samples. A sample
-/// allocates nothing.
+/// A simulation fed sample by sample, the inputs linear between samples. A step allocates nothing.
 #[derive(Clone, Debug)]
 pub struct Streaming<'m> {
     runner: Runner<'m>,
@@ -15,7 +14,7 @@ pub struct Streaming<'m> {
 }
 
 impl<'m> Streaming<'m> {
-    /// The inputs `u` have been held for long, after a drive of the rms `level` \[V\].
+    /// Steady state under the inputs `u`, after a drive of rms `level` \[V\].
     pub fn new(model: &'m ScheduledModes, u: &[f64], level: f64) -> Self {
         let s = model.level.state(level);
         let mut runner = Runner::new(model, s);
@@ -45,7 +44,7 @@ impl<'m> Streaming<'m> {
         self.fine = fine;
     }
 
-    /// The inputs at every step since the last sample, up to and with the present one.
+    /// Advances by the inputs at every step since the last sample, up to and including the present one.
     pub(super) fn follow(&mut self, fine: &[f64], y: &mut [f64]) {
         let n = self.runner.model.inputs;
         let count = fine.len() / n.max(1);

@@ -1,4 +1,4 @@
-//! A simulated period with all that its derivatives need.
+//! A simulated period with the signals its derivatives need.
 
 use super::ScheduledModes;
 use super::simulate::Runner;
@@ -15,7 +15,7 @@ pub struct Trajectory {
     pub width: usize,
     /// Slopes of the laws of v and σ while no play moves: 2N a step.
     pub slopes: Vec<f64>,
-    /// Plays of the laws of v and σ that moved, a bit each: 2N a step.
+    /// Bit masks of the plays of the laws of v and σ that moved: 2N per step.
     pub moved: Vec<u32>,
     /// Steps before the period.
     pub before: usize,
@@ -25,7 +25,7 @@ pub struct Trajectory {
 
 impl Trajectory {
     /// Simulates one period of inputs `fine` at every step after `preroll` steps from rest, of which the last
-    /// `before` are kept. `None` where it leaves the range of numbers.
+    /// `before` are kept. `None` on overflow.
     pub fn new(model: &ScheduledModes, s: f64, fine: &[f64], preroll: usize, before: usize) -> Option<Self> {
         let n = model.inputs;
         let count = fine.len() / n;

@@ -73,7 +73,7 @@ impl Arx {
         horner(&self.b) / (1.0 + q * horner(&self.a))
     }
 
-    /// Whether every pole lies inside the unit circle, by the Schur–Cohn recursion: all reflection
+    /// True if every pole lies inside the unit circle, by the Schur–Cohn recursion: all reflection
     /// coefficients of the denominator are below 1 (Jury 1964). No roots are computed.
     pub fn is_stable(&self) -> bool {
         let mut a = self.a.clone();
@@ -92,8 +92,8 @@ impl Arx {
         true
     }
 
-    /// Simulates over `input`: the model's own past output is fed back, no measured one. `Rest` starts from v
-    /// = v(0) and y = G(0) v(0) for ever before, `Zero` from zeros, `Periodic` gives the steady state (by
+    /// Simulates over `input`: the model's own past output is fed back, no measured one. `Rest` starts from
+    /// the steady state v = v(0), y = G(0) v(0), `Zero` from zeros, `Periodic` gives the steady state (by
     /// FFT). `Rest` and `Zero` allocate nothing.
     ///
     /// # Errors

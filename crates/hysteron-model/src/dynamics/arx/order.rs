@@ -38,7 +38,7 @@ pub struct ArxCandidate {
     pub fit: ArxFit,
     /// Value of the criterion; smaller is better.
     pub score: f64,
-    /// Whether it is stable; the others come last.
+    /// True if it is stable; the others come last.
     pub stable: bool,
 }
 

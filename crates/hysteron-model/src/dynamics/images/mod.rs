@@ -1,4 +1,4 @@
-//! Images of a staircase or a polygon: what it holds above half its sample rate, as an addition to G.
+//! Images of a staircase or a polygon: its content above half its sample rate, as an addition to G.
 //!
 //! With s′ = sh, h the sample period of the drive, and s′ₖ = s′ + 2πik, the samples of the response to a
 //! staircase (p = 1) or a polygon (p = 2) behind a delay τ are those of
@@ -12,7 +12,7 @@
 //! lies above half the sample rate, or close to it. Resonances beyond [`NEAR`] times the sample rate are not
 //! resolved.
 //!
-//! A part of G that does not fall off, d, jumps with the staircase. Its sum over all k is closed: Σ qᵏ/s′ₖ =
+//! A direct term d of G jumps with the staircase. Its sum over all k has the closed form Σ qᵏ/s′ₖ =
 //! e^(−s′φ)/(1 − e^(−s′)), q = e^(2πiφ), 0 ≤ φ < 1, continuous from the right; and minus its derivative in s′
 //! for p = 2.
 
@@ -96,7 +96,7 @@ pub(super) struct ImageWeights {
 pub(super) const SUMS: usize = NEAR_NODES + FAR_NODES;
 
 impl Images {
-    /// Of the staircase (`power` 1) or the polygon (2) that drives the inputs of a plan.
+    /// Images of the staircase (`power` 1) or the polygon (2) that drives the inputs of a plan.
     pub(super) fn new(plan: &SimulationPlan, power: i32) -> Self {
         let (length, period) = (plan.transform_length(), plan.drive_period);
         let mut images = Self {
@@ -167,8 +167,7 @@ impl Images {
     }
 
     /// Weights for a candidate behind a delay of `turns` periods of the drive; `None` where G grows with
-    /// frequency, whose samples do not exist, or has more poles than numbers have room for at the highest
-    /// image.
+    /// frequency, so that its samples do not exist, or overflows at the highest image.
     pub(super) fn weights(&self, tf: &TransferFunction, turns: f64) -> Option<ImageWeights> {
         let HighEnd { gain, fall, .. } = HighEnd::of(tf)?;
         // Squares of the polynomials must stay in range here too.
@@ -186,7 +185,7 @@ impl Images {
     }
 
     /// Cₚ of the candidate and of its derivatives, and Cₚ₋₁ into `delay`, as coefficients of the pieces.
-    /// `false` where the nearest images are left out, because pieces do not follow them.
+    /// `false` where the nearest images are left out, because pieces do not resolve them.
     pub(super) fn sum(
         &self,
         candidate: Candidate<'_>,
@@ -246,7 +245,7 @@ impl Images {
         resolved
     }
 
-    /// Whether the pieces follow the sums at their nodes.
+    /// True if the pieces resolve the sums at their nodes.
     fn resolves(&self, sums: &[Complex64]) -> bool {
         let largest = sums[..NEAR_NODES].iter().map(|x| x.norm()).fold(0.0, f64::max);
         sums[..NEAR_NODES].chunks_exact(NODES).all(|values| {
@@ -259,7 +258,8 @@ impl Images {
         })
     }
 
-    /// From sums at nodes to coefficients of the pieces; what `gain` adds to C of this power is closed.
+    /// From sums at nodes to coefficients of the pieces; the contribution of `gain` to C of this power is in
+    /// closed form.
     fn finish(&self, sums: &mut [Complex64], with_nearest: bool, (gain, power, turns): (f64, i32, f64)) {
         let (near, far) = sums.split_at_mut(NEAR_NODES);
         for ((near, spread), s) in near.iter_mut().zip(&self.spread).zip(&self.nodes) {
@@ -384,7 +384,7 @@ impl ImageWeights {
     }
 }
 
-/// Adds the values, without what does not fall off, to the sums of their nodes.
+/// Adds the values, without the direct term, to the sums of their nodes.
 fn gather(
     weights: &[Complex64; 2 * PLACES],
     gain: f64,

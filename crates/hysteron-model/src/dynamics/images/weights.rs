@@ -3,7 +3,7 @@
 //! The first images are summed one by one, the others in blocks that double in length. Over a block f is a
 //! polynomial through its values at Chebyshev nodes; the sum of q^k times that polynomial over a block of
 //! twice the length follows from the sum over the block itself. Behind the last block f is a power of k + c,
-//! c the same small number for all k: what c does is taken to its first order.
+//! c the same small number for all k, taken to first order.
 
 use std::f64::consts::{PI, TAU};
 
@@ -18,9 +18,9 @@ const NODES: usize = 12;
 pub(super) const PLACES: usize = SINGLE + BLOCKS * NODES + 1;
 /// Images below where the power law begins.
 pub(super) const POWER_LAW: f64 = (SINGLE << BLOCKS) as f64;
-/// Turns an image below which all images are in phase.
+/// Turns per image below which all images are in phase.
 const IN_PHASE: f64 = 1e-12;
-/// Turns over a block behind which a sum of a power of k is given by its first terms at the lower end.
+/// Turns over a block beyond which a sum of a power of k is given by its first terms at the lower end.
 const MANY_TURNS: f64 = 300.0;
 
 /// Interpolation tables of the block sums, independent of q.

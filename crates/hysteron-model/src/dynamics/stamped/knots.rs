@@ -1,18 +1,17 @@
-//! Where a drive on time stamps is followed.
+//! Knots of a drive on time stamps.
 
 use crate::record::{Dependence, InterSample, Pace, paces_on};
 
 /// Largest move between knots, as a share of the range of the drive: between them the output of the
-/// hysteresis is taken to go along a straight line, which leaves out less than an eighth of its curvature
-/// over the move.
+/// hysteresis is taken as linear, in error by less than an eighth of its curvature over the move.
 const LARGEST_MOVE: f64 = 1.0 / 400.0;
 /// [`LARGEST_MOVE`] for hysteresis that depends on time: where the drive speeds up, all its plays stick and
 /// release together, or bend as they engage.
 const LARGEST_MOVE_IN_TIME: f64 = 1.0 / 1000.0;
-/// Most knots that one step is divided into.
+/// Largest number of knots per step.
 const MOST_PARTS: f64 = 1000.0;
 
-/// Times and values of a drive, as close as the hysteresis asks for.
+/// Times and values of a drive, as dense as the hysteresis requires.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Knots {
     /// Times \[s\], not decreasing.
@@ -24,13 +23,13 @@ pub struct Knots {
 }
 
 impl Knots {
-    /// Knots of the drive `u` sampled at `times_s`: its samples and, on straight lines, as many between them
-    /// as large moves ask for (a held drive jumps). A band-limited drive is not known from uneven samples: it
-    /// counts as straight lines.
+    /// Knots of the drive `u` sampled at `times_s`: its samples and, where it is linear, as many between them
+    /// as large moves require (a held drive jumps). A band-limited drive is undetermined by uneven samples:
+    /// it counts as linear.
     ///
-    /// `depends_on`: what the hysteresis does. Where it is the rate and the drive slows down at a sample, a
-    /// second knot at its time stands for the moment behind it, when the plays are narrower already and have
-    /// pushed what they hold: the output jumps there.
+    /// `depends_on`: dependence of the hysteresis on the drive. Where it is the rate and the drive slows down
+    /// at a sample, a second knot at its time represents the instant after it, at which the plays have
+    /// narrowed and shifted their states: the output jumps there.
     pub fn new(times_s: &[f64], u: &[f64], rule: InterSample, depends_on: Dependence) -> Self {
         let (low, high) = u.iter().fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));
         let largest = match depends_on {

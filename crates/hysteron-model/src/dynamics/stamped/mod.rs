@@ -2,10 +2,10 @@
 //!
 //! G as a sum of relaxations and resonances, G(s) = d + Σ wₖ λₖ/(s + λₖ) + Σ (Rᵢ/(s − pᵢ) + R̄ᵢ/(s − p̄ᵢ)):
 //! each is a first-order differential equation, which is solved exactly over every step, whatever its length,
-//! for an input that goes along straight lines (or is held) between its knots. The output is exact at any
-//! time, so that the delay needs no interpolation. The rates λₖ are fixed by the record ([`relaxation_fit`]);
-//! wₖ follow from G on the imaginary axis by least squares, pᵢ and Rᵢ are those of G ([`resonant_poles`]).
-//! Derivatives in the parameters and in the delay are those of the same sum.
+//! for an input that is linear (or held) between its knots. The output is exact at any time, so that the
+//! delay needs no interpolation. The rates λₖ are fixed by the record ([`relaxation_fit`]); wₖ follow from G
+//! on the imaginary axis by least squares, pᵢ and Rᵢ are those of G ([`resonant_poles`]). Derivatives in the
+//! parameters and in the delay are those of the same sum.
 //!
 //! Error: below 1e-6 of the range against [`super::SimulationPlan`] on a fine common grid
 //! (`tests/stamps.rs`).
@@ -27,7 +27,7 @@ use readout::Readout;
 use relaxation_fit::RelaxationFit;
 use resonant_poles::ResonantPole;
 
-/// Derivatives of the terms of a transfer function, where they are asked for.
+/// Derivatives of the terms of a transfer function, where they are requested.
 type Tangents<'a> = Option<&'a Linearised>;
 
 /// Share of the steps that may be shorter than the one that sets the fastest rate.
@@ -68,9 +68,9 @@ pub struct StampedWorkspace {
 }
 
 impl StampedPlan {
-    /// A plan for an input given at `knots_s` (held between them, or on straight lines) and an output at
-    /// `outputs_s` \[s\], increasing. Before its first knot the input is 0. Two knots at one time are a jump,
-    /// before which an output of that time is read.
+    /// A plan for an input given at `knots_s` (held or linear between them) and an output at `outputs_s`
+    /// \[s\], increasing. Before its first knot the input is 0. Two knots at one time are a jump, before
+    /// which an output of that time is read.
     ///
     /// # Errors
     /// [`DynamicsError::TooFewSamples`] below two knots or for a single time.
@@ -149,7 +149,7 @@ impl StampedPlan {
         Ok(())
     }
 
-    /// Where each output reads the input's time.
+    /// Places of the delayed output times among the knots.
     fn locate(&self, delay_s: f64, places: &mut Vec<Option<(usize, f64)>>) {
         places.clear();
         let mut knot = 0;
@@ -177,8 +177,8 @@ impl StampedPlan {
         self.apply_each(response, &[input], workspace, &mut [output])
     }
 
-    /// [`Self::apply`] to several inputs in one pass: an output for each. The outputs do not depend on what
-    /// is worked out beside them.
+    /// [`Self::apply`] to several inputs in one pass: an output for each. An output does not depend on the
+    /// others in the pass.
     ///
     /// # Errors
     /// Those of [`Self::apply`].
@@ -208,7 +208,7 @@ impl StampedPlan {
         self.apply_tangents(response, &mut [(which, output)], input, workspace)
     }
 
-    /// [`Self::apply_tangent`] of several derivatives in one pass: one output beside each.
+    /// [`Self::apply_tangent`] of several derivatives in one pass: one output for each.
     ///
     /// # Errors
     /// Those of [`Self::apply_tangent`].
@@ -334,7 +334,7 @@ impl StampedPlan {
     }
 }
 
-/// Whether the knot behind this one is what a time is read from: up to a jump at that time, not behind it.
+/// True if a time is read from a knot after this one: up to a jump at that time, not beyond it.
 #[doc(hidden)]
 pub fn knot_follows(knots_s: &[f64], knot: usize, time_s: f64) -> bool {
     match (knots_s.get(knot), knots_s.get(knot + 1)) {
@@ -344,7 +344,7 @@ pub fn knot_follows(knots_s: &[f64], knot: usize, time_s: f64) -> bool {
 }
 
 impl StampedResponse {
-    /// Whether derivative `which` is zero everywhere (or not there).
+    /// True if derivative `which` is zero everywhere (or not there).
     pub fn tangent_is_zero(&self, which: usize) -> bool {
         self.tangents.get(which).is_none_or(|tangent| tangent.is_zero)
     }

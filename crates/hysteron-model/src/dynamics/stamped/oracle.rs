@@ -1,12 +1,12 @@
-//! The sum of relaxations and resonances one step and one term at a time, with the functions of the library:
-//! what the fast passes are checked against.
+//! Reference for the fast passes: the sum of relaxations and resonances one step and one term at a time, with
+//! the functions of the library.
 
 use super::{Readout, StampedPlan, StampedResponse};
 use crate::dynamics::{Creep, DynamicForm, Linearised, Modes, StampedWorkspace};
 use hysteron_numeric::Complex64;
 
-/// Of the response of 1/(s − p) after a time t from x, to the input u + u' t: x e^(pt) + u first + u' second;
-/// then the same of the derivative in p.
+/// Coefficients of the response of 1/(s − p) after a time t from x, to the input u + u' t: x e^(pt) + u
+/// first + u' second; then those of the derivative in p.
 #[derive(Clone, Copy, Debug, Default)]
 struct Stretch {
     decay: Complex64,
@@ -113,7 +113,7 @@ fn output(plan: &StampedPlan, response: &StampedResponse, readout: &Readout, inp
 /// Largest difference of the fast pass, as a share of the largest output, over the output and all its
 /// derivatives.
 fn worst(form: DynamicForm, p: &[f64], delay_s: f64, held: bool) -> f64 {
-    // Two rates, a gap, and steps none of which is like another.
+    // Two rates, a gap, and steps that all differ.
     let mut times_s: Vec<f64> = (0..150_i32).map(|k| 1e-4 * f64::from(k)).collect();
     times_s.extend((0..100_i32).map(|k| 0.3 + 7e-4 * f64::from(k)));
     times_s.extend((0..400_i32).map(|k| 0.5 + 2e-4 * (f64::from(k) + 0.45 * (1.3 * f64::from(k * k)).sin())));

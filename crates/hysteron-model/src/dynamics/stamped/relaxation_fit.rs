@@ -16,9 +16,9 @@ const SPACING: f64 = 0.4;
 const RATES: (f64, f64) = (0.02, 60.0);
 /// So do the angular frequencies of the fit.
 const FREQUENCIES: (f64, f64) = (0.1, 4.0 * PI);
-/// Frequencies a decade.
+/// Frequencies per decade.
 const PER_DECADE: usize = 16;
-/// Singular values below this share of the largest are left out: they buy accuracy with weights that cancel.
+/// Singular values below this share of the largest are left out: they gain accuracy by weights that cancel.
 const SMALLEST: f64 = 1e-11;
 /// Largest deviation from a constant, as a share of the largest response, that needs no relaxations:
 /// resonances and real poles describe the rest.

@@ -1,8 +1,8 @@
 //! Families of hysteresis that are linear in weights: v = Σ cᵢ uⁱ + Σⱼ wⱼ Hⱼ\[u; θ\].
 //!
-//! A [`ColumnKernel`] is the operators Hⱼ of one family, its *columns*: how they move with the voltage, in
-//! numbers that carry derivatives along where these are asked for. A fit needs no more of a family than this:
-//! the columns enter linearly, the few numbers θ (its *shape*) do not.
+//! A [`ColumnKernel`] is the operators Hⱼ of one family, its *columns*: their response to moves of the
+//! voltage, in numbers that carry derivatives where requested. A fit needs nothing else of a family: the
+//! columns enter linearly, the few numbers θ (its *shape*) do not.
 
 mod pass;
 mod relaxing;
@@ -21,11 +21,11 @@ use crate::start::Start;
 
 /// The operators of one family: fixed structure in the type, shape θ beside it.
 ///
-/// The memory of a [`Start::Remembering`] is the voltage \[V\] at which the device was virgin before it
-/// moved, without turning, to its rest voltage; with respect to it, or to the rest voltage of a virgin
-/// device, the columns are differentiated. In a steady state, operators that wipe out (plays, relays) are
-/// after one period; what the drive never moves stands where a virgin device at the middle of the drive's
-/// range leaves it. Operators that forget (relaxation) are led there by the secant method.
+/// The memory of a [`Start::Remembering`] is the voltage \[V\] at which the device was virgin before it moved
+/// monotonically to its rest voltage; with respect to it, or to the rest voltage of a virgin device, the
+/// columns are differentiated. Wiping-out operators (plays, relays) are in the steady state after one period;
+/// what the drive never moves is in the state of a device virgin at the middle of the drive's range. For
+/// relaxing operators the secant method finds the steady state.
 ///
 /// A move is monotone from the present voltage to the next and exact whatever its length, so that the sample
 /// rate does not matter as long as every turning point of u is a sample. Numbers are `f64`, or duals that
@@ -40,7 +40,7 @@ pub trait ColumnKernel {
     /// Names of the shape parameters θ.
     fn shape_names(&self) -> &'static [&'static str];
 
-    /// Checks the structure and the values of a shape that has one number a name.
+    /// Checks the structure and the values of a shape that has one number per name.
     ///
     /// # Errors
     /// The first [`HysteresisError`] found.
@@ -55,7 +55,7 @@ pub trait ColumnKernel {
     /// Moves monotonically to the voltage `u` \[V\].
     ///
     /// # Errors
-    /// [`HysteresisError`] with sample 0 where the move has no result; the state is then void.
+    /// [`HysteresisError`] with sample 0 where the move has no result; the state is then invalid.
     fn advance<S: Scalar<Real = f64>>(
         &self,
         shape: &[S],
@@ -66,19 +66,19 @@ pub trait ColumnKernel {
     /// The K columns at the present voltage into `out`.
     fn read<S: Scalar<Real = f64>>(&self, shape: &[S], state: &Self::State<S>, out: &mut [S]);
 
-    /// The part of the memory that forgets by relaxation: numbers that do not act on each other, each drawn
-    /// to its steady state by an increasing map. Empty where memory is wiped out instead.
+    /// The relaxing part of the memory: uncoupled numbers, each converging to its steady state by an
+    /// increasing map. Empty for wiping-out memory.
     fn relaxing<S: Scalar<Real = f64>>(state: &mut Self::State<S>) -> &mut [S] {
         let _ = state;
         &mut []
     }
 
-    /// Tells a memory that depends on time which voltage comes before the next one; nothing moves.
+    /// Sets the voltage before the next one for a memory that depends on time; nothing moves.
     fn preceded<S: Scalar<Real = f64>>(state: &mut Self::State<S>, by: Option<f64>) {
         let _ = (state, by);
     }
 
-    /// Tells a memory that depends on time how the drive goes to the next sample; nothing moves.
+    /// Sets the pace of the next move for a memory that depends on time; nothing moves.
     fn paced<S: Scalar<Real = f64>>(state: &mut Self::State<S>, pace: Pace) {
         let _ = (state, pace);
     }
@@ -101,8 +101,8 @@ pub trait ColumnKernel {
 
     /// The columns for the voltages `u` \[V\] given on a time base finer by the factor of a grid, one after
     /// the other into `out`: value k of column j is `out[j * n + k]` and belongs to `u[k * factor]`, n = ⌈len
-    /// u / factor⌉. Returns the state at the last sample of u. Of the grid, factor and paces count: an
-    /// interval is the kernel's own. Allocates a state and a few rows of K numbers, nothing a sample.
+    /// u / factor⌉. Returns the state at the last sample of u. Of the grid, only factor and paces are used:
+    /// the interval is the kernel's. Allocates a state and a few rows of K numbers, nothing per sample.
     ///
     /// # Errors
     /// [`HysteresisError::ShapeCount`] and as [`Self::check`]; [`HysteresisError::Factor`];
@@ -126,7 +126,7 @@ pub trait ColumnKernel {
     /// [`Self::simulate_every`] from a known `state`, which ends at the last sample of u.
     ///
     /// # Errors
-    /// Those of [`Self::simulate_every`]; `state` is then void.
+    /// Those of [`Self::simulate_every`]; `state` is then invalid.
     fn continue_every<'a>(
         &self,
         shape: &[f64],
@@ -159,9 +159,9 @@ pub trait ColumnKernel {
         Self: Sized;
 }
 
-/// [`ColumnKernel::simulate_with_sensitivities`] of a kernel with so many shape parameters: its numbers carry
-/// that many derivatives and the one with respect to the start. A literal, so that no kernel is compiled for
-/// other counts than its own.
+/// [`ColumnKernel::simulate_with_sensitivities`] of a kernel with this number of shape parameters: its
+/// numbers carry that many derivatives and the one with respect to the start. A literal, so that no kernel is
+/// compiled for other counts.
 macro_rules! simulate_with_sensitivities {
     ($($parameters:literal)|+) => {
         fn simulate_with_sensitivities<'a>(

@@ -21,7 +21,7 @@ pub struct ColumnSensitivities {
     /// Their derivatives with respect to the voltage at which the device was virgin, 0 beyond their end: a
     /// steady state has no free start, and memory is wiped out.
     pub d_start: Vec<Vec<f64>>,
-    /// The K columns before the first sample, at the rest voltage; 0 for a steady state, which has no such.
+    /// The K columns before the first sample, at the rest voltage; 0 for a steady state.
     pub rest: Vec<f64>,
     /// Their derivatives with respect to each shape parameter.
     pub d_shape_rest: Vec<Vec<f64>>,
@@ -29,19 +29,19 @@ pub struct ColumnSensitivities {
     pub d_start_rest: Vec<f64>,
     /// Ends the pass early.
     pub stop: Option<Stop>,
-    /// Shape parameters whose derivatives are not wanted: `d_shape` has none for them.
+    /// Shape parameters without derivatives in `d_shape`.
     pub(in crate::hysteresis) left_out: Vec<bool>,
 }
 
-/// Samples between two looks at the stop.
+/// Samples between two checks of the stop.
 const LOOK: usize = 1 << 12;
 /// Periods simulated at most to find a steady state.
 const PERIODS: usize = 200;
 
-/// A drive, and how it comes to each sample where that is given ([`DriveGrid::paces`]).
+/// A drive, with its paces where given ([`DriveGrid::paces`]).
 type Paced<'a> = (&'a [f64], Option<&'a [Pace]>);
 
-/// Tells the state how the drive comes to sample `index`.
+/// Sets the pace of the move to sample `index`.
 #[inline(always)]
 fn pace<K: ColumnKernel, S: Scalar<Real = f64>>(
     state: &mut K::State<S>,
@@ -53,13 +53,13 @@ fn pace<K: ColumnKernel, S: Scalar<Real = f64>>(
     }
 }
 
-/// Looks at the stop at every [`LOOK`]th sample.
+/// Checks the stop at every [`LOOK`]th sample.
 #[inline(always)]
 fn look(stop: Option<&Stop>, index: usize) -> Result<(), HysteresisError> {
     if index.is_multiple_of(LOOK) { outputs::look(stop) } else { Ok(()) }
 }
 
-/// Shape and lengths; the number of samples out.
+/// Checks shape and lengths; returns the number of output samples.
 fn check<K: ColumnKernel>(
     kernel: &K,
     shape: &[f64],
@@ -111,7 +111,7 @@ fn virgin_voltage(u: &[f64], at_rest: Option<(f64, Option<f64>)>) -> Result<f64,
     }
 }
 
-/// Hands the columns at every `factor`-th sample to `put`; the state at the last sample.
+/// Passes the columns at every `factor`-th sample to `put`; returns the state at the last sample.
 pub(in crate::hysteresis) fn simulate<K: ColumnKernel>(
     kernel: &K,
     shape: &[f64],
@@ -150,7 +150,7 @@ pub(super) fn simulate_into<K: ColumnKernel>(
     simulate(kernel, shape, grid, u, start, None, scatter(out, samples))
 }
 
-/// Puts rows into one column after the other.
+/// Writes rows into columns stored one after the other.
 fn scatter(out: &mut [f64], samples: usize) -> impl FnMut(&Rows<f64>) {
     move |rows| {
         for (index, column) in out.chunks_exact_mut(samples.max(1)).enumerate() {
@@ -228,8 +228,8 @@ struct Search {
     size: f64,
 }
 
-/// Leads `state` to the steady state at the last sample of u. Wiping-out memory is there after one period;
-/// each relaxing number follows by the secant method on its change over a period.
+/// Brings `state` to the steady state at the last sample of u. Wiping-out memory reaches it after one period;
+/// each relaxing number by the secant method on its change over a period.
 fn settle<K: ColumnKernel>(
     kernel: &K,
     shape: &[f64],
@@ -343,9 +343,9 @@ pub(in crate::hysteresis) fn differentiate<const P: usize, K: ColumnKernel>(
     Ok(())
 }
 
-/// Gives the relaxing numbers of `state` their steady values and the derivatives of these: with m the
-/// derivative of a number's value after a period with respect to that before it, ∂/∂θ of the fixed point is
-/// ∂/∂θ of the map over 1 − m.
+/// Sets the relaxing numbers of `state` to their steady values and derivatives: with m the derivative of a
+/// number's value after a period with respect to that before it, ∂/∂θ of the fixed point is ∂/∂θ of the map
+/// over 1 − m.
 fn close_period<const P: usize, K: ColumnKernel>(
     kernel: &K,
     duals: &[Dual<f64, P>],
@@ -374,7 +374,7 @@ fn close_period<const P: usize, K: ColumnKernel>(
 }
 
 impl ColumnSensitivities {
-    /// Gives every buffer its length.
+    /// Resizes every buffer.
     fn resize(&mut self, parameters: usize, columns: usize, samples: usize) -> Result<(), HysteresisError> {
         self.d_shape.resize(parameters, Vec::new());
         let Self { d_shape, left_out, .. } = self;

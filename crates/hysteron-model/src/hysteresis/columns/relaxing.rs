@@ -35,8 +35,8 @@ impl<S: Scalar<Real = f64>> RelaxingState<S> {
     }
 }
 
-/// The [`super::ColumnKernel`] of a unit struct whose law, of the same name and with so many numbers, is in
-/// [`hysteron_rt::branch`]: its column is the state.
+/// The [`super::ColumnKernel`] of a unit struct whose law, of the same name and with this number of
+/// parameters, is in [`hysteron_rt::branch`]: its column is the state.
 macro_rules! branch_kernel {
     ($law:ident, $parameters:literal) => {
         const _: () = {

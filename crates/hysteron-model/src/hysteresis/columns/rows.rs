@@ -3,8 +3,8 @@
 /// Rows at a time.
 const ROWS: usize = 16;
 
-/// The columns at a few samples, one row after the other: to write each row into its columns at once would
-/// touch as many places of the memory as there are columns, at every sample.
+/// The columns at a few samples, one row after the other: writing each row directly would touch as many
+/// memory locations as there are columns, at every sample.
 pub(in crate::hysteresis) struct Rows<S> {
     columns: usize,
     rows: Vec<S>,
@@ -29,7 +29,7 @@ impl<S: Copy> Rows<S> {
         self.count == ROWS
     }
 
-    /// Goes on behind these rows.
+    /// Continues after these rows.
     pub(super) fn clear(&mut self) {
         self.first += self.count;
         self.count = 0;
@@ -56,7 +56,7 @@ impl<S: Copy> Rows<S> {
         }
     }
 
-    /// Puts `of` the values of a column into it.
+    /// Writes `of(value)` for each value of a column into `column`.
     #[inline]
     pub(in crate::hysteresis) fn put(&self, index: usize, column: &mut [f64], of: impl Fn(S) -> f64) {
         let places = column.iter_mut().skip(self.first);

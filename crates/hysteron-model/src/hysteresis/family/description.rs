@@ -52,7 +52,7 @@ pub trait FamilyDescription: fmt::Debug + Sync {
         format!("weight_{}", index + 1)
     }
 
-    /// Up to what a fit looks for a weight, in slopes of the device times the size of its column.
+    /// Search bound of a weight in a fit, in slopes of the device times the size of its column.
     fn weight_reach(&self) -> f64 {
         10.0
     }
@@ -69,10 +69,10 @@ pub trait FamilyDescription: fmt::Debug + Sync {
     /// Shapes for a fit to start from.
     fn starts(&self, elements: usize, span: &DriveSpan) -> Vec<Vec<f64>>;
 
-    /// A shape within its ranges that is special in no number, as tests want it.
+    /// A generic shape within its ranges, for tests.
     fn example(&self, elements: usize, span: &DriveSpan) -> Vec<f64>;
 
-    /// Whether every column of a slow drive rises with u and falls with it, so that weights of one sign make
+    /// True if every column of a slow drive rises with u and falls with it, so that weights of one sign make
     /// a monotone model.
     fn is_monotone(&self) -> bool {
         false
@@ -84,25 +84,24 @@ pub trait FamilyDescription: fmt::Debug + Sync {
         Dependence::Order
     }
 
-    /// Whether it is made of relays on a plane, which must reach as far as a device that was virgin has
-    /// relays to switch.
+    /// True if it is a Preisach plane, which must cover the range a virgin device needs.
     fn is_plane(&self) -> bool {
         false
     }
 
-    /// Whether it is compared where no family is named: quick to fit, and unlike the others that are.
+    /// True if it is compared by default: quick to fit, and unlike the other families compared.
     fn is_compared_unasked(&self) -> bool {
         false
     }
 
-    /// Where the memory of a record that spans `ends` is looked for, in the scale of the columns.
+    /// Search range for the memory of a record that spans `ends`, in the scale of the columns.
     fn memory_range(&self, [low, high]: [f64; 2], stroke: f64) -> [f64; 2] {
         // A device may have come from beyond the voltages of the record.
         [low - stroke, high + stroke]
     }
 
-    /// Memory of a record to start from: that of a device that is virgin at its `first` voltage, or `settled`
-    /// on loops like those of the record, which spans `ends`.
+    /// Initial estimate of the memory of a record: that of a device that is virgin at its `first` voltage, or
+    /// `settled` on loops like those of the record, which spans `ends`.
     fn first_memory(
         &self,
         shape: &[f64],
@@ -115,14 +114,14 @@ pub trait FamilyDescription: fmt::Debug + Sync {
         if settled { 0.5 * (low + high) } else { first }
     }
 
-    /// Pairs of weights of neighbours in two dimensions, whose density is smooth.
+    /// Pairs of neighbouring weights of a smooth density in two dimensions.
     fn neighbours(&self, elements: usize) -> Vec<(usize, usize)> {
         let _ = elements;
         Vec::new()
     }
 
-    /// Pairs of weights of neighbours in a row, whose density is smooth; behind the last there may be none,
-    /// of weight 0.
+    /// Pairs of neighbouring weights of a smooth density in a row; the last may have the neighbour `None`, of
+    /// weight 0.
     fn chain(&self, elements: usize) -> Vec<(usize, Option<usize>)> {
         let _ = elements;
         Vec::new()
@@ -135,7 +134,7 @@ pub trait FamilyDescription: fmt::Debug + Sync {
         Some(0.0)
     }
 
-    /// This operator as polynomial and plays, where it is one.
+    /// The equivalent polynomial and plays, where they exist.
     fn as_plays(
         &self,
         elements: usize,
@@ -147,8 +146,8 @@ pub trait FamilyDescription: fmt::Debug + Sync {
         None
     }
 
-    /// The operator of the runtime for so many samples a second; what the `polynomial` of the model has to
-    /// take over is added to it.
+    /// The operator of the runtime at this sample rate; its polynomial part is added to the `polynomial` of
+    /// the model.
     fn runtime(
         &self,
         elements: usize,

@@ -1,10 +1,10 @@
-//! An operator of every family, for the tests of whatever takes any family.
+//! An operator of every family, for tests of code that takes any family.
 
 use super::DriveSpan;
 use crate::hysteresis::{Hysteresis, HysteresisError, HysteresisForm};
 
 /// Operators of every family over the voltages `ends`, each of a few elements; their output rises with the
-/// voltage, by `slope` a volt or somewhat more. The drive is at most as fast as `fastest_rate` \[1/s\], for
+/// voltage, by `slope` per volt or somewhat more. The drive is at most as fast as `fastest_rate` \[1/s\], for
 /// half the range to either side.
 ///
 /// # Errors

@@ -21,13 +21,13 @@ pub struct FamilyForm {
 }
 
 impl FamilyForm {
-    /// A family with so many elements, 0 where their number is fixed.
+    /// A family with this number of elements, 0 where it is fixed.
     pub(in crate::hysteresis) fn of(family: &'static dyn ColumnOperators, elements: usize) -> Self {
         Self { family, elements }
     }
 
-    /// The family with so many elements; [`crate::hysteresis::HysteresisForm::with_elements`] checks their
-    /// number.
+    /// The family with this number of elements; [`crate::hysteresis::HysteresisForm::with_elements`] checks
+    /// their number.
     pub(in crate::hysteresis) fn of_elements(self, elements: usize) -> Self {
         Self { elements, ..self }
     }
@@ -70,7 +70,7 @@ impl FamilyForm {
         numbers.map(|number| (number.name, number.unit)).collect()
     }
 
-    /// Whether every column of a slow drive rises with u and falls with it, so that weights of one sign make
+    /// True if every column of a slow drive rises with u and falls with it, so that weights of one sign make
     /// a monotone model.
     pub fn is_monotone(self) -> bool {
         self.family.is_monotone()
@@ -88,7 +88,7 @@ impl FamilyForm {
         self.family.check(self.elements, shape)
     }
 
-    /// Seconds between samples where the family asks for them; any number where it does not.
+    /// Seconds between samples where the family needs them; otherwise arbitrary.
     fn interval(self, interval_s: Option<f64>) -> Result<f64, HysteresisError> {
         match interval_s {
             Some(interval_s) => Ok(interval_s),
@@ -133,8 +133,8 @@ impl FamilyForm {
     /// [`crate::hysteresis::HysteresisForm::run`].
     ///
     /// # Errors
-    /// [`HysteresisError`]: a shape that the family has not, a drive that is not finite, a state that runs
-    /// away, a time between samples that is not known where the family asks for it.
+    /// [`HysteresisError`]: a shape invalid for the family, a drive that is not finite, a state that runs
+    /// away, an unknown time between samples where the family needs it.
     pub fn run<'a>(
         self,
         shape: &[f64],

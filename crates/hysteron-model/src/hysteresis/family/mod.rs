@@ -1,8 +1,8 @@
 //! Families of hysteresis under one name each.
 //!
-//! A family says what there is to know of it ([`FamilyDescription`]) and names its kernel ([`ColumnFamily`]);
-//! it stands in the list. [`FamilyForm`] is a family with its number of elements, [`Family`] a model of it,
-//! [`FamilyStream`] that model sample by sample.
+//! A family has a description ([`FamilyDescription`]), a kernel ([`ColumnFamily`]) and an entry in the list.
+//! [`FamilyForm`] is a family with its number of elements, [`Family`] a model of it, [`FamilyStream`] that
+//! model sample by sample.
 
 mod description;
 mod examples;

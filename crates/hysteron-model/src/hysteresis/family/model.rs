@@ -10,7 +10,7 @@ use crate::start::Start;
 pub struct Family {
     /// Coefficients of u, u², … \[µm/V, µm/V², …\]; no constant term (the model's one offset is elsewhere).
     pub polynomial: Vec<f64>,
-    /// Which family.
+    /// The family.
     pub form: FamilyForm,
     /// Shape numbers, in the order and units of [`FamilyForm::shape_numbers`].
     pub shape: Vec<f64>,
@@ -35,7 +35,7 @@ impl Family {
     }
 
     /// Checks that the polynomial is not empty, every number finite, the shape one of the family, and that
-    /// there is one weight a column.
+    /// there is one weight per column.
     ///
     /// # Errors
     /// The first [`HysteresisError`] found.
@@ -86,7 +86,7 @@ impl Family {
     }
 
     /// v \[µm\] at rest at the voltage `rest`, of a device that was virgin at `virgin` \[V\] and moved there
-    /// without turning; not a number where the family cannot go there.
+    /// monotonically; NaN where the family has no such state.
     pub fn at_rest(&self, virgin: f64, rest: f64) -> f64 {
         let mut columns = Columns::default();
         let start = Start::Rest { voltage_v: virgin };

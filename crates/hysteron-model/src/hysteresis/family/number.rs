@@ -1,4 +1,4 @@
-//! The numbers of a family: their names, units and meanings, and where a fit looks for them.
+//! The numbers of a family: their names, units, meanings and search ranges.
 
 /// Unit of a number: powers of the output's and of the input's unit, and of the second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +46,7 @@ pub struct ShapeNumber {
     pub unit: NumberUnit,
     /// Meaning, in a few words.
     pub meaning: &'static str,
-    /// Where a fit looks for it.
+    /// Search range of a fit.
     pub search: Search,
 }
 
@@ -71,12 +71,12 @@ impl ShapeNumber {
     }
 }
 
-/// Where a fit looks for a number.
+/// Search range of a number in a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Search {
     /// Held at this value.
     Held(f64),
-    /// Held at this value, but searched within these limits where it is to have bounds.
+    /// Held at this value, or searched within these limits where bounds are requested.
     HeldUnlessBounded(f64, [f64; 2]),
     /// Searched between these ends, on a linear scale.
     Linear(f64, f64),
@@ -84,7 +84,7 @@ pub enum Search {
     Logarithmic(f64, f64),
 }
 
-/// Span of the drives of a fit, by which the ranges of a family's numbers go.
+/// Span of the drives of a fit, which sets the ranges of a family's numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveSpan {
     /// Stroke of the drives \[V\].
@@ -97,14 +97,14 @@ pub struct DriveSpan {
     pub fastest_rate: f64,
     /// Exponent of a family that has one, to start from.
     pub exponent: f64,
-    /// Whether it is held there.
+    /// True if it is held there.
     pub holds_exponent: bool,
-    /// Whether all weights are held at 0, so that nothing shapes a loop.
+    /// True if all weights are held at 0, so that nothing shapes a loop.
     pub is_straight: bool,
 }
 
 impl DriveSpan {
-    /// From 0 to 1 V within a second: for what does not depend on it.
+    /// From 0 to 1 V within a second: for results that do not depend on the span.
     pub const UNIT: Self = Self {
         stroke: 1.0,
         ends: [0.0, 1.0],
@@ -115,12 +115,12 @@ impl DriveSpan {
         is_straight: false,
     };
 
-    /// Relaxations that are sharper are a switch \[1/V\].
+    /// Largest relaxation searched: a sharper one is a switch \[1/V\].
     pub(in crate::hysteresis) fn sharpest(&self) -> f64 {
         20.0 / self.stroke
     }
 
-    /// Relaxations that bend a loop less are not searched for \[1/V\].
+    /// Smallest relaxation searched: a blunter one hardly bends a loop \[1/V\].
     pub(in crate::hysteresis) fn bluntest(&self) -> f64 {
         1e-3 / self.stroke
     }
@@ -134,22 +134,22 @@ impl DriveSpan {
         0.5 * (self.ends[0] + self.ends[1])
     }
 
-    /// A relaxation from blunt to sharp.
+    /// Search range of a relaxation, from blunt to sharp.
     pub(in crate::hysteresis) fn relaxation(&self) -> Search {
         Search::Linear(self.bluntest(), self.sharpest())
     }
 
-    /// As sharp to either side.
+    /// Search range of a skew, up to the sharpest relaxation on either side.
     pub(in crate::hysteresis) fn skew(&self) -> Search {
         Search::Linear(-self.sharpest(), self.sharpest())
     }
 
-    /// Voltages up to a stroke beyond the ends.
+    /// Search range of voltages, up to a stroke beyond the ends.
     pub(in crate::hysteresis) fn around(&self) -> Search {
         Search::Linear(self.ends[0] - self.stroke, self.ends[1] + self.stroke)
     }
 
-    /// So many strokes, on a logarithmic scale.
+    /// Search range in strokes, on a logarithmic scale.
     pub(in crate::hysteresis) fn strokes(&self, least: f64, most: f64) -> Search {
         Search::Logarithmic(least * self.stroke, most * self.stroke)
     }

@@ -24,12 +24,11 @@ pub(in crate::hysteresis) trait ColumnFamily: FamilyDescription {
     /// Leading numbers of the shape that are structure of the kernel: none, [`GRID_ENDS`] or [`WHOLE_SHAPE`].
     const FIXED: usize = 0;
 
-    /// The kernel of this structure; `interval_s`: seconds between samples, which matter where the family
-    /// sees the rate.
+    /// The kernel of this structure; `interval_s`: seconds between samples, for a rate-dependent family.
     fn kernel(&self, elements: usize, shape: &[f64], interval_s: f64) -> Self::Kernel;
 
-    /// [`ColumnOperators::run`]; without derivatives with respect to the structure, unless the family has a
-    /// way to them.
+    /// [`ColumnOperators::run`]; without derivatives with respect to the structure, unless the family
+    /// provides them.
     fn run_columns(
         &self,
         (elements, shape, interval_s): (usize, &[f64], f64),
@@ -46,7 +45,7 @@ pub(in crate::hysteresis) trait ColumnFamily: FamilyDescription {
 
 /// The two ends of the kernel's grid are structure of it.
 pub(in crate::hysteresis) const GRID_ENDS: usize = 2;
-/// All numbers of the shape are.
+/// All numbers of the shape are structure.
 pub(in crate::hysteresis) const WHOLE_SHAPE: usize = usize::MAX;
 
 /// Operations on a family, whatever its kernel.
@@ -65,7 +64,7 @@ pub(in crate::hysteresis) trait ColumnOperators: FamilyDescription {
         out: &mut Columns,
     ) -> Result<(), HysteresisError>;
 
-    /// Hands the columns to `put`, a few samples at a time.
+    /// Passes the columns to `put`, a few samples at a time.
     fn simulate(
         &self,
         structure: (usize, &[f64], f64),
@@ -156,7 +155,7 @@ pub(in crate::hysteresis) trait Mover: fmt::Debug + Send + Sync {
     /// Makes the state virgin at `u` and reads the columns.
     fn rest_at(&mut self, u: f64, row: &mut [f64]);
 
-    /// Another one in the same state.
+    /// A copy in the same state.
     fn twin(&self) -> Box<dyn Mover>;
 }
 

@@ -41,7 +41,7 @@ pub enum RuntimeOperator<T = f64> {
         range: [T; 2],
         /// Half-widths \[V\].
         thresholds: Vec<T>,
-        /// Slopes, three a play.
+        /// Slopes, three per play.
         slopes: Vec<T>,
     },
     /// v = l\[u\] + a plane of relays ([`hysteron_rt::Plane`]).
@@ -62,7 +62,7 @@ pub struct MeanLine<T> {
     pub shares: Vec<T>,
     /// Corners \[V\].
     pub corners: Vec<T>,
-    /// Slopes \[µm/V\], one more.
+    /// Slopes \[µm/V\], one more than corners.
     pub slopes: Vec<T>,
 }
 

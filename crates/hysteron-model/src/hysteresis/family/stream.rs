@@ -15,7 +15,7 @@ pub struct FamilyStream {
 }
 
 impl FamilyStream {
-    /// The model, virgin at 0 V; `interval_s`: seconds between samples, for a family that sees the rate.
+    /// The model, virgin at 0 V; `interval_s`: seconds between samples, for a rate-dependent family.
     ///
     /// # Errors
     /// Those of [`Family::validate`]; [`HysteresisError::Interval`].
@@ -26,13 +26,13 @@ impl FamilyStream {
         Ok(Self { mover, polynomial: model.polynomial.clone(), weights: model.weights.clone(), row })
     }
 
-    /// Makes the model virgin at `voltage`; v there.
+    /// Resets the model to virgin at `voltage`; returns v there.
     pub fn rest_at(&mut self, voltage: f64) -> f64 {
         self.mover.rest_at(voltage, &mut self.row);
         self.output(voltage)
     }
 
-    /// Moves monotonically to `voltage`; v there.
+    /// Moves monotonically to `voltage`; returns v there.
     ///
     /// # Errors
     /// [`HysteresisError::Drive`] for a voltage that is not finite; [`HysteresisError::Overflow`]; as the

@@ -34,8 +34,8 @@ impl Hysteresis {
 
     /// Numbers between which a memory of this operator can lie where the drive spans `low` to `high` \[V\]:
     /// between the saturations ±|α| (β' + γ')^(−1/n) of a Bouc–Wen operator, ±|α| times the span for one that
-    /// does not saturate; up to the span beyond the span for other families. `None` where there is nothing to
-    /// remember.
+    /// does not saturate; up to one span beyond either end for other families. `None` for an operator without
+    /// memory.
     pub fn memory_range(&self, low: f64, high: f64) -> Option<(f64, f64)> {
         match self {
             Self::BoucWen(model) => {

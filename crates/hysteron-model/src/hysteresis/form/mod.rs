@@ -1,9 +1,9 @@
-//! Families of hysteresis operators as a fit sees them.
+//! Families of hysteresis operators as used by a fit.
 //!
 //! Every family is v = Σ cᵢ uⁱ + Σ_j w_j s H_j\[u; θ\]: linear in its weights w, nonlinear in a few shape
-//! numbers θ, with columns H_j that an operator puts out and a sign s that is the family's convention.
+//! numbers θ, with columns H_j, the outputs of an operator, and a sign s that is the family's convention.
 //! [`HysteresisForm`] names the numbers, runs the operators into [`Columns`] with their derivatives, and
-//! makes the [`Hysteresis`] that they stand for.
+//! builds the [`Hysteresis`] that they define.
 
 mod bouc_wen;
 mod json;
@@ -25,7 +25,7 @@ pub enum HysteresisForm {
     #[default]
     BoucWen,
     /// A family of columns, s = 1. Memory of a record: the voltage at which the device was virgin before it
-    /// moved, without turning, to where it rested.
+    /// moved monotonically to rest.
     Family(FamilyForm),
 }
 
@@ -109,7 +109,7 @@ impl HysteresisForm {
         self.description().starts(self.elements(), span)
     }
 
-    /// A shape within its ranges that is special in no number, as tests want it.
+    /// A generic shape within its ranges, for tests.
     pub fn example(self, span: &DriveSpan) -> Vec<f64> {
         self.description().example(self.elements(), span)
     }
@@ -127,18 +127,18 @@ impl HysteresisForm {
         }
     }
 
-    /// Whether all weights have the sign of the slope dv/du, so that every move raises v with u.
+    /// True if all weights have the sign of the slope dv/du, so that every move raises v with u.
     pub fn is_monotone(self) -> bool {
         self.description().is_monotone()
     }
 
-    /// Pairs of weights whose cells lie side by side on a plane.
+    /// Pairs of weights of adjacent cells of a plane.
     pub fn neighbours(self) -> Vec<(usize, usize)> {
         self.description().neighbours(self.elements())
     }
 
-    /// Pairs of weights of plays of neighbouring thresholds, and of neighbouring bands; behind the widest
-    /// play there is none, of weight 0. Empty for families without plays that are weighted one by one.
+    /// Pairs of weights of plays of neighbouring thresholds, and of neighbouring bands; the widest play has
+    /// the neighbour `None`, of weight 0. Empty for families without plays that are weighted one by one.
     pub fn chain(self) -> Vec<(usize, Option<usize>)> {
         self.description().chain(self.elements())
     }
@@ -148,7 +148,7 @@ impl HysteresisForm {
     /// given.
     ///
     /// # Errors
-    /// [`HysteresisError`] where the family refuses numbers or drive.
+    /// [`HysteresisError`] for invalid numbers or an invalid drive.
     pub fn run<'a>(
         self,
         shape: &[f64],
@@ -201,8 +201,7 @@ impl HysteresisForm {
 }
 
 impl HysteresisForm {
-    /// A record's memory in the scale of the columns, from that in the operator's own; 0 where nothing is
-    /// remembered.
+    /// A record's memory in the scale of the columns, from that in the operator's own; 0 without memory.
     pub fn memory_of_columns(self, memory: f64, weights: &[f64]) -> f64 {
         match (self, weights) {
             (Self::BoucWen, &[alpha]) => {

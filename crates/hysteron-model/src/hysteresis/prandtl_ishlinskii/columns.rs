@@ -1,4 +1,4 @@
-//! Plays: one column a threshold.
+//! Plays: one column per threshold.
 
 use hysteron_rt::{Dual, Scalar, play};
 
@@ -87,7 +87,7 @@ pub(super) fn run(
             Some((rest, None)) => Play::constant(rest),
             Some((rest, Some(memory))) => step(Play::variable(memory, 1), rest),
             None => {
-                // Exact after one period; what no voltage of the record moves stands in the middle
+                // Exact after one period; plays that the record never moves are in the middle
                 // (`PrandtlIshlinskii`).
                 let middle = Play::constant(0.5 * low + 0.5 * high);
                 u.iter().fold(middle, |state, &u| step(state, u))
@@ -119,7 +119,7 @@ pub(super) fn run(
             continue;
         }
         let mut done = 0;
-        // Until the drive has moved it: from there on nothing of the memory is left.
+        // Until the drive moves the play, which wipes out the memory.
         if let Some(by_memory) = by_memory {
             while state.partials[1] != 0.0
                 && let Some((moved, value)) = moves.next()
@@ -143,7 +143,7 @@ pub(super) fn run(
     Ok(())
 }
 
-/// A play without derivatives, which has run over so many samples.
+/// A play without derivatives, simulated up to a sample.
 struct Plain {
     index: usize,
     threshold: f64,
@@ -164,7 +164,7 @@ impl Plain {
     }
 }
 
-/// Runs four plays to the end: a move waits for the one before it, so that several chains take the time of
+/// Runs four plays to the end: each move depends on the previous one, so that four chains take the time of
 /// one.
 fn run_abreast(plays: &mut [Plain; 4], u: &[f64], factor: usize, values: &mut [Vec<f64>]) {
     let begin = plays.iter().map(|play| play.done).fold(0, usize::max);

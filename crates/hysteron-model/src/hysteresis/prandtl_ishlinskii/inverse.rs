@@ -48,7 +48,7 @@ impl PrandtlIshlinskii {
     ///
     /// # Errors
     /// [`HysteresisError::NotLinear`]; [`HysteresisError::PlayStates`] where `plays` or `out` does not have
-    /// one number a play.
+    /// one number per play.
     pub fn inverse_plays(&self, plays: &[f64], out: &mut [f64]) -> Result<(), HysteresisError> {
         let mut slope = self.linear_coefficient()?;
         for found in [plays.len(), out.len()] {
@@ -104,8 +104,7 @@ fn positive(plays: usize, slope: f64) -> Result<(), HysteresisError> {
     if slope > 0.0 { Ok(()) } else { Err(HysteresisError::PartialSlope { plays, slope }) }
 }
 
-/// Part of the range by which a solution may miss it and be taken for its end: rounding of v, not another
-/// voltage.
+/// Share of the range by which a solution may lie outside and count as the end: rounding of v.
 const ROUNDING: f64 = 1e-12;
 
 /// Inverse of the model move by move: the voltage that the next move must reach for an output.
@@ -126,18 +125,18 @@ impl StepInverse<'_> {
     /// Moves nothing. Allocates nothing.
     ///
     /// # Errors
-    /// [`HysteresisError::PlayStates`]; [`HysteresisError::PlayHistory`] for states that no common history
-    /// leaves behind; [`HysteresisError::Drive`] where v or a state is not finite;
-    /// [`HysteresisError::OutOfReach`] where no voltage of the range gives v. Samples named are sample 0.
+    /// [`HysteresisError::PlayStates`]; [`HysteresisError::PlayHistory`] for states without a common history;
+    /// [`HysteresisError::Drive`] where v or a state is not finite; [`HysteresisError::OutOfReach`] where no
+    /// voltage of the range gives v. Samples named are sample 0.
     pub fn solve(&self, plays: &[f64], v: f64) -> Result<f64, HysteresisError> {
         self.solve_at(0, plays, v)
     }
 
-    /// The drive \[V\] into `u` (same length) that makes the model put out `v` \[µm\], sample by sample from
-    /// the states `plays`, which end at the last sample. Allocates nothing.
+    /// The drive \[V\] for the output `v` \[µm\] into `u` (same length), sample by sample from the states
+    /// `plays`, which end at the last sample. Allocates nothing.
     ///
     /// # Errors
-    /// Those of [`Self::solve`], with the sample; [`HysteresisError::Lengths`]. `plays` then stand at the
+    /// Those of [`Self::solve`], with the sample; [`HysteresisError::Lengths`]. `plays` are then those at the
     /// sample before it.
     pub fn follow(&self, v: &[f64], plays: &mut [f64], u: &mut [f64]) -> Result<(), HysteresisError> {
         if u.len() != v.len() {
@@ -198,8 +197,7 @@ impl StepInverse<'_> {
     }
 }
 
-/// Steps of the root search at most; Newton's method takes a few, bisection alone would come to 2⁻²⁰⁰ of the
-/// range.
+/// Steps of the root search at most; Newton's method takes a few, bisection alone reaches 2⁻²⁰⁰ of the range.
 const STEPS: usize = 200;
 
 /// The zero in \[low, high\] of an increasing function given with its derivative, to the last place or so:

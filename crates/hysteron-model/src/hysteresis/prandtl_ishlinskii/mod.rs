@@ -30,7 +30,7 @@ use crate::start::Start;
 /// ([`hysteron_rt::PlayBank`]): the result does not depend on the sample rate as long as every turning point
 /// of u is a sample.
 ///
-/// The states of the plays are the whole memory. They are kept by the caller, one number \[V\] a play, in the
+/// The states of the plays are the whole memory. The caller keeps them, one number \[V\] per play, in the
 /// order of the thresholds.
 ///
 /// ```
@@ -43,20 +43,20 @@ use crate::start::Start;
 /// assert_eq!(v, [7.0, 6.0, 5.0, 2.0]);
 /// # Ok::<(), hysteron_model::hysteresis::HysteresisError>(())
 /// ```
-/// The memory of a [`Start::Remembering`] is the voltage \[V\] at which the device was virgin before it
-/// moved, without turning, to its rest voltage. The steady state under a drive that repeats is reached
-/// exactly, to the last bit, after one period. With M and m the largest and least voltage: a play with 2r ≤ M
-/// − m stands at M − r whenever u passes M and at m + r whenever u passes m, whatever it did before; a wider
-/// one is within \[M − r, m + r\] once u has passed both, and no voltage of the drive moves it from there.
-/// Where in this interval a wide play stands is not a matter of the drive: it is taken at (M + m)/2, where a
-/// drive that shrank to this one from large amplitudes leaves it.
+/// The memory of a [`Start::Remembering`] is the voltage \[V\] at which the device was virgin before it moved
+/// monotonically to its rest voltage. The steady state under a drive that repeats is reached exactly, to the
+/// last bit, after one period. With M and m the largest and least voltage: a play with 2r ≤ M − m stands at M
+/// − r whenever u passes M and at m + r whenever u passes m, whatever it did before; a wider one is within
+/// \[M − r, m + r\] once u has passed both, and no voltage of the drive moves it from there. The drive does
+/// not determine where in this interval a wide play is: it is set to (M + m)/2, where a drive that decayed to
+/// this one from large amplitudes leaves it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PrandtlIshlinskii {
     /// Coefficients of u, u², … \[µm/V, µm/V², …\]; no constant term (the model's one offset is elsewhere).
     pub polynomial: Vec<f64>,
     /// Half-widths rᵢ of the plays \[V\], positive and increasing.
     pub thresholds: Vec<f64>,
-    /// Weights of the plays \[µm/V\], of any sign; one a threshold.
+    /// Weights of the plays \[µm/V\], of any sign; one per threshold.
     pub weights: Vec<f64>,
 }
 
@@ -76,7 +76,7 @@ impl PrandtlIshlinskii {
     }
 
     /// Checks that the polynomial is not empty, every number finite, the thresholds positive and increasing,
-    /// and that there is one weight a threshold.
+    /// and that there is one weight per threshold.
     ///
     /// # Errors
     /// The first [`HysteresisError`] found.
@@ -106,14 +106,14 @@ impl PrandtlIshlinskii {
         plays.fold(self.polynomial_at(u), |v, (r, w)| v + w * (u.abs() - r).max(0.0).copysign(u))
     }
 
-    /// States of the plays of a device that was virgin at the voltage `virgin` and moved, without turning, to
-    /// `u` \[V\].
+    /// States of the plays of a device that was virgin at the voltage `virgin` and moved monotonically to `u`
+    /// \[V\].
     pub fn plays_at(&self, virgin: f64, u: f64) -> Vec<f64> {
         self.thresholds.iter().map(|&threshold| play(threshold, virgin, u)).collect()
     }
 
-    /// v \[µm\] for the voltages `u` \[V\] into `out` (same length). `plays` has one state a play, anything
-    /// before and that at the last sample afterwards. Allocates nothing.
+    /// v \[µm\] for the voltages `u` \[V\] into `out` (same length). `plays` has one state per play,
+    /// arbitrary before and that at the last sample afterwards. Allocates nothing.
     ///
     /// # Errors
     /// Parameters as in [`Self::validate`]; [`HysteresisError::PlayStates`] and [`HysteresisError::Lengths`];
@@ -163,7 +163,7 @@ impl PrandtlIshlinskii {
         self.run(&bank, factor, u, plays, out)
     }
 
-    /// [`Self::simulate`] from the states that `plays` holds, those that another record left behind, say.
+    /// [`Self::simulate`] from the states that `plays` holds, e.g. those after another record.
     ///
     /// # Errors
     /// Those of [`Self::simulate`].
@@ -216,7 +216,7 @@ impl HysteresisError {
     }
 }
 
-/// The family, with a threshold a play.
+/// The family, with one threshold per play.
 #[derive(Debug)]
 pub(super) struct Entry;
 
@@ -232,7 +232,7 @@ impl FamilyDescription for Entry {
     }
 
     fn summary(&self) -> &'static str {
-        "Polynomial and 12 plays: minor loops, exact inverse (this and the following: joint)"
+        "Polynomial and 12 plays: minor loops, exact inverse (this and all below: joint fit only)"
     }
 
     fn equation(&self) -> &'static str {
@@ -316,7 +316,7 @@ impl ColumnFamily for Entry {
 }
 
 impl HysteresisForm {
-    /// The Prandtl–Ishlinskii model of so many plays.
+    /// The Prandtl–Ishlinskii model with this number of plays.
     pub fn prandtl_ishlinskii(plays: usize) -> Self {
         Self::Family(FamilyForm::of(&Entry, plays))
     }

@@ -43,7 +43,7 @@ pub struct PreisachDensity {
     pub law: DensityLaw,
 }
 
-/// Moves after which the sum of the relays is added up anew, so that rounding does not pile up.
+/// Moves after which the sum of the relays is recomputed, so that rounding does not accumulate.
 const RECOUNT: usize = 256;
 
 /// The relays, and the weights of their cells.
@@ -141,7 +141,7 @@ impl ColumnKernel for PreisachDensity {
                 return Err(HysteresisError::ShapeParameter { name, value, must: "finite" });
             }
         }
-        // A density that no level sees has no weights.
+        // A density that vanishes on all levels has no weights.
         match self.weights(shape).iter().find(|w| !w.is_finite()) {
             None => Ok(()),
             Some(_) => {
@@ -219,7 +219,7 @@ impl FamilyDescription for Entry {
     }
 
     fn summary(&self) -> &'static str {
-        "Relays on a plane with a density of four numbers"
+        "Preisach relays with a density of four parameters"
     }
 
     fn equation(&self) -> &'static str {

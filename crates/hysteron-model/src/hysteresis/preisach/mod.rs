@@ -95,7 +95,7 @@ impl Preisach {
         PreisachState { stairs: Staircase::virgin(u), cells: cells.collect() }
     }
 
-    /// Moves monotonically to `u`; `changed` is handed the number of a cell and by how much its mean changes.
+    /// Moves monotonically to `u`; `changed` receives the number of a cell and the change of its mean.
     fn move_to<S: Scalar<Real = f64>>(
         &self,
         state: &mut PreisachState<S>,
@@ -170,7 +170,7 @@ impl Preisach {
         }
     }
 
-    /// Column number i(i + 1)/2 + j is handed to `put` in this order.
+    /// Passes column number i(i + 1)/2 + j to `put` in this order.
     fn read_cells<S: Scalar<Real = f64>>(&self, state: &PreisachState<S>, mut put: impl FnMut(usize, S)) {
         let u = state.stairs.voltage();
         let mut at = 0;
@@ -269,7 +269,7 @@ impl FamilyDescription for Entry {
     }
 
     fn summary(&self) -> &'static str {
-        "Relays on a plane of 10 intervals (55 weights)"
+        "Preisach relays on a grid of 10 intervals (55 weights)"
     }
 
     fn equation(&self) -> &'static str {

@@ -1,13 +1,13 @@
-//! The memory of a Preisach plane: the turning points that still count.
+//! The memory of a Preisach plane: the turning points not wiped out.
 
 use hysteron_rt::{Scalar, wipe_out};
 
 /// The staircase between relays that are up and relays that are down, as the voltages at which it turns;
 /// beyond the largest of them it is the antidiagonal α + β = 2 · rest of a virgin device.
 ///
-/// A move is handed on in pieces. On each, going up from `from` to `to`, the relays with α between these and
-/// β from an edge up to α are switched; a loop that closes ends its piece, and the two turns that made it are
-/// forgotten. So the cost of a move is in proportion to what it changes.
+/// A move is processed in pieces. On each, going up from `from` to `to`, the relays with α between these and
+/// β from an edge up to α are switched; a loop that closes ends its piece, and its two turning points are
+/// wiped out. So the cost of a move is proportional to the change.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Staircase<S> {
     rest: S,
@@ -20,7 +20,7 @@ pub(super) struct Staircase<S> {
 /// Where the switched relays of a piece begin, away from the diagonal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Edge<S> {
-    /// At the turn from which the branch set out.
+    /// At the turning point where the branch began.
     Turn(S),
     /// At the virgin antidiagonal of this rest voltage.
     Virgin(S),
@@ -55,7 +55,7 @@ impl<S: Scalar<Real = f64>> Staircase<S> {
         self.u
     }
 
-    /// Moves monotonically to `u`; `switch` is handed each piece and whether it rises.
+    /// Moves monotonically to `u`; `switch` receives each piece and whether it rises.
     pub(super) fn advance(&mut self, u: f64, mut switch: impl FnMut(bool, MovePiece<S>)) {
         if u == self.u.value() {
             // Derivatives of the start end here, as in any other move.

@@ -1,4 +1,4 @@
-//! Any model, any bytes: what is written is read back, what is not sound is refused.
+//! Any model, any bytes: written files are read back, invalid ones are refused.
 
 use super::*;
 

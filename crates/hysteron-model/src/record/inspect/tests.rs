@@ -40,7 +40,10 @@ fn a_clockwise_loop_is_a_warning_and_a_lagging_one_is_not() {
     assert!(words(&sine(|k| (TAU * k / 200.0 + 0.2).sin())).contains("runs clockwise"));
     let text = words(&sine(|k| (TAU * k / 200.0 - 0.2).sin()));
     assert!(!text.contains("runs clockwise") && text.contains("counter-clockwise"), "{text}");
-    assert!(text.contains("cannot be told from loop width") && text.contains("sine of 1.0000 Hz"), "{text}");
+    assert!(
+        text.contains("cannot be distinguished from loop width") && text.contains("sine of 1.0000 Hz"),
+        "{text}"
+    );
 }
 
 #[test]
