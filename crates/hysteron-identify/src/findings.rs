@@ -2,7 +2,7 @@
 
 use super::defaults::beside_wide_moves;
 use super::facts::amplitudes;
-use super::joint::{Smoothing, interval_if_held};
+use super::joint::{Smoothing, excess_if_held};
 use super::options::{Choice, Method, Options, RecordRole};
 use super::precision::{precision, still_improving};
 use super::result::{Identification, RecordFit};
@@ -53,7 +53,7 @@ pub(super) fn require_fit(
     })
 }
 
-/// Why a record that the model class cannot describe may be what it is.
+/// Possible reason why the model class cannot describe a record.
 pub(super) fn why_no_fit(facts: &RecordFacts) -> String {
     let (u, y) = (&facts.data.u, &facts.data.y);
     let threshold = 0.1;
@@ -82,31 +82,28 @@ pub(super) fn why_no_fit(facts: &RecordFacts) -> String {
     }
 }
 
-/// A delay that holds for straight lines between samples, where nothing says that the drive goes along them
-/// and a held one would make a difference above its standard error.
-fn delay_of_a_held_drive(
-    facts: &[RecordFacts],
-    options: &Options,
-    result: &Identification,
-) -> Option<String> {
-    if result.method != Method::Joint || result.cancelled {
-        return None;
-    }
-    let half_s = 0.5 * interval_if_held(facts, options, None, result.model.scheme)?;
+/// Delay identified for a linearly interpolated drive, where the rule between samples was not tested and a
+/// zero-order hold would change the delay by more than its standard error.
+fn delay_of_a_held_drive(options: &Options, result: &Identification) -> Option<String> {
+    let excess_s = excess_if_held(options, result)?;
     let delay = result.parameters.iter().find(|p| p.name == "delay")?;
-    (half_s > delay.std_error?).then(|| {
+    (excess_s > delay.std_error?).then(|| {
+        let reason = match result.model.dynamics {
+            Dynamics::None => "a model without dynamics does",
+            _ => "records sampled this finely do",
+        };
         format!(
-            "The inter-sample behaviour of the drive was not tested: records sampled this finely do not \
-             determine it. It is taken to be {}. If each sample is held until the next, the delay of {} s is \
-             {} s too long, half a sample; its interval covers that. Give the rule where it is known.",
+            "The inter-sample behaviour of the drive was not tested: {reason} not determine it. It is taken to \
+             be {}. If each sample is held until the next, the delay of {} s is up to {} s too long; its \
+             interval covers that. Give the rule where it is known.",
             result.model.inter_sample,
             short(delay.value),
-            short(half_s)
+            short(excess_s)
         )
     })
 }
 
-/// A gain at rest that is not what the slowest of the records have.
+/// DC gain that differs from the gain at the lowest frequency of the records.
 fn extrapolated_to_rest(g: &TransferFunction, lowest_hz: f64) -> Option<String> {
     let over = g.dc_gain_over(lowest_hz);
     (over.is_finite() && over.max(1.0 / over) > FAR_FROM_REST).then(|| {
@@ -126,18 +123,18 @@ fn short_share(x: f64) -> String {
     short(format!("{x:.1e}").parse().unwrap_or(x))
 }
 
-/// Finding on the roughness penalty of the weights of a plane, and on the held-out error it was chosen by.
+/// Finding on the roughness penalty of the Preisach weights and the held-out error that chose it.
 fn drawn_together(Smoothing { share, left_out, left_out_without }: Smoothing) -> String {
     let without = short(left_out_without);
     if share == 0.0 {
         return format!(
-            "Weights of neighbouring cells are not drawn together: parts of the records that are left out in \
-             turn are met best without (weighted error {without})."
+            "The weights have no roughness penalty: cross-validation on parts of the records chose none \
+             (weighted error {without})."
         );
     }
     format!(
-        "Weights of neighbouring cells are drawn together ({} of what weighs as much as the records), chosen \
-         on parts of the records that are left out in turn: weighted error {} instead of {without}.",
+        "The weights are smoothed by a roughness penalty ({} of the one that weighs as much as the records), \
+         chosen by cross-validation on parts of the records: weighted error {} instead of {without}.",
         short(share),
         short(left_out),
     )
@@ -183,8 +180,8 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
         );
     }
     if let Some(between) = &result.structure.between {
-        between.say(&mut findings);
-    } else if let Some(text) = delay_of_a_held_drive(facts, options, result) {
+        between.say(&mut findings, excess_if_held(options, result));
+    } else if let Some(text) = delay_of_a_held_drive(options, result) {
         say(&mut findings, FindingKind::Advice, "between samples", text);
     }
     if let Some(smoothing) = result.structure.smoothing {
@@ -221,10 +218,11 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
                  extrapolated. Add a record with loops of half and a quarter of the amplitude.",
                 match result.model.hysteresis {
                     Hysteresis::BoucWen(_) =>
-                        "β and γ are told apart only by the way from rest into the first loop, polynomial \
-                         degree and exponent n only by the shape of one loop",
+                        "β and γ are distinguished only by the virgin curve, polynomial degree and exponent \
+                         n only by the shape of one loop",
                     Hysteresis::Family(_) =>
-                        "the polynomial is told from the hysteretic part only by the shape of one loop",
+                        "the polynomial is distinguished from the hysteretic part only by the shape of one \
+                         loop",
                 }
             ),
         );
@@ -236,9 +234,9 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             FindingKind::Verdict,
             "amplitudes",
             format!(
-                "Oscillations of {} {unit} lie beside moves of {} {unit} amplitude: residuals are weighed by \
-                 the swing of their segment, so that small motion counts as much as wide motion, however \
-                 short it is.{}",
+                "The records combine oscillations of {} {unit} with moves of {} {unit} amplitude: residuals \
+                 are weighted by the stroke of their segment, so that small motion counts as much as wide \
+                 motion, whatever its duration.{}",
                 short(small),
                 short(wide),
                 if matches!(result.model.hysteresis, Hysteresis::BoucWen(_)) {
@@ -258,22 +256,22 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
         let at = if frequency > 0.0 { format!(" at about {frequency:.3} Hz") } else { String::new() };
         let shift = match (&result.model.dynamics, result.structure.delay_and_lag_from_start) {
             (Dynamics::Integer(_), true) => {
-                "Delay and lag come from its start from rest alone (in steady state they cannot be told from \
-                 loop width); resonances, creep and everything faster are not determined."
+                "Delay and lag come from its start from rest alone (in steady state they cannot be \
+                 distinguished from loop width); resonances, creep and everything faster are not determined."
             }
             (_, true) => "The delay comes from its start from rest alone.",
             _ if matches!(options.delay_s, Choice::Given(d) if d > 0.0) => {
-                "The given delay stands for the whole time shift; loop width is what remains."
+                "The given delay is taken as the whole time shift; the remainder is loop width."
             }
-            _ => "Delay, resonances and creep are not determined: a delay would be taken for loop width.",
+            _ => "Delay, resonances and creep are not determined: a delay would be fitted as loop width.",
         };
         say(
             &mut findings,
             FindingKind::Advice,
             "frequencies",
             format!(
-                "The records hold slow drive only{at}: they do not say how the loop changes with frequency. \
-                 {shift} Add a sweep up to the highest frequency of use."
+                "The records hold slow drive only{at}: they do not determine the frequency dependence of the \
+                 loop. {shift} Add a sweep up to the highest frequency of use."
             ),
         );
     }
@@ -284,9 +282,9 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             &mut findings,
             FindingKind::Advice,
             "two steps",
-            "The blocks were identified one after the other: what dynamics there are in the quasi-static \
-             records went into the hysteresis parameters, and that bias is in no standard error (it can be \
-             many of them)."
+            "The blocks were identified one after the other: dynamics in the quasi-static records bias the \
+             hysteresis parameters, and the standard errors do not include that bias (it can be many of \
+             them)."
                 .into(),
         );
     }
@@ -304,8 +302,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
                     FindingKind::Warning,
                     "search range",
                     format!(
-                        "{} came out as zero, its lower limit: the other parameters took over what there is \
-                         of it.",
+                        "{} is zero, its lower limit: the other parameters account for its effect.",
                         range.name
                     ),
                 );
@@ -369,8 +366,8 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
     result.treatment = treatment(facts, options, result);
 }
 
-/// Whether the hysteresis block is bounded and has an inverse over the voltages of the records, by the one
-/// criterion of [`Hysteresis::invertibility`].
+/// Verdict on boundedness and invertibility of the hysteresis block over the voltages of the records, by
+/// [`Hysteresis::invertibility`].
 fn verdict(
     hysteresis: &Hysteresis,
     drives: &[TimedDrive<'_>],
@@ -417,8 +414,8 @@ mod tests {
         assert_eq!(extrapolated_to_rest(&integrator, 1.0), None);
     }
 
-    /// Weights of one sign and a rising polynomial were once the whole criterion here: wrong for plays that
-    /// widen with the rate, blind for slip.
+    /// Weights of one sign and a rising polynomial are not a sufficient criterion: it is wrong for
+    /// rate-dependent plays and misses slip.
     #[test]
     fn the_verdict_on_an_inverse_is_that_of_the_inverse() {
         let drive: Vec<f64> = (0..400).map(|k| 5.0 - 5.0 * (f64::from(k) * 0.05).cos()).collect();

@@ -111,7 +111,7 @@ fn the_interval_of_the_delay_holds_for_a_held_drive_that_the_records_do_not_show
     };
     let (open, advice) = found(Choice::Auto);
     let advice = advice.unwrap();
-    assert!(advice.kind == FindingKind::Advice && advice.text.contains("0.0005 s too long"), "{advice:?}");
+    assert!(advice.kind == FindingKind::Advice && advice.text.contains("0.00053 s too long"), "{advice:?}");
     assert!(open.low < DELAY_S && DELAY_S < open.high, "{open:?}");
     // Given straight lines, the delay is known, and wrong by half a sample.
     let (given, advice) = found(Choice::Given(InterSample::Linear));

@@ -1,40 +1,41 @@
-//! Choice of the rule of the drive between samples, where the records tell.
+//! Choice of the inter-sample rule of the drive, where the records discriminate.
 
 use super::super::engine::Engine;
-use super::super::options::{Choice, Options};
-use super::super::result::Parameter;
-use super::super::{Finding, FindingKind, IdentifyError, RecordFacts};
+use super::super::options::{Choice, Options, RecordRole};
+use super::super::result::{Identification, RecordFit};
+use super::super::{Finding, FindingKind, IdentifyError};
 use super::normalised::quick_fit;
 use super::parameter_layout::DELAY;
 use super::problem::JointProblem;
 use super::setup::JointSetup;
 use crate::findings::say;
-use hysteron_model::dynamics::Scheme;
+use hysteron_model::dynamics::{Dynamics, Scheme};
 use hysteron_model::record::InterSample;
 use hysteron_numeric::display::short_to;
 use hysteron_optimize::LeastSquaresProblem;
 
-/// Fewest samples a cycle of the fastest drive for which the rules are one: (ω Δt)²/12 is 3e-4 of the drive
-/// there.
+/// Samples per cycle of the fastest drive from which on the rules are equivalent: (ω Δt)²/12 is 3e-4 of the
+/// drive.
 const FINE: f64 = 100.0;
 /// Twice the logarithm of a likelihood ratio from which on the evidence is very strong (Kass and Raftery
 /// 1995, doi:10.1080/01621459.1995.10476572).
 const VERY_STRONG: f64 = 10.0;
 
 /// Largest excess of the delay if the drive is held between its samples and the fit takes straight lines, in
-/// samples: half a sample, and what the corners of the staircase add (1 to 2 % of a sample from 50 samples a
-/// cycle on, `hysteron-study rates`).
+/// samples: with dynamics half a sample, and what the corners of the staircase add (1 to 2 % of a sample from
+/// 50 samples a cycle on, `hysteron-study rates`); without, a held drive is read at the sample before.
 const EXCESS_IF_HELD: f64 = 0.53;
+const EXCESS_IF_HELD_STATIC: f64 = 1.0;
 
-/// Choice of the rule between samples.
+/// Choice of the inter-sample rule.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InterSampleChoice {
     /// The rule taken.
     pub rule: InterSample,
-    /// 2 ln of the likelihood ratio of the closest rule over each of the others, over the independent
+    /// 2 ln of the likelihood ratio of the best-fitting rule to each of the others, for the independent
     /// samples.
     pub over: Vec<(InterSample, f64)>,
-    /// The closest rule, which is taken where the evidence is very strong.
+    /// The best-fitting rule, chosen where the evidence is very strong.
     pub closest: InterSample,
 }
 
@@ -44,7 +45,7 @@ impl InterSampleChoice {
         self.over.iter().map(|(_, evidence)| *evidence).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether the records tell.
+    /// True if the records discriminate between the rules.
     pub fn is_told(&self) -> bool {
         self.evidence() > VERY_STRONG
     }
@@ -54,8 +55,8 @@ impl InterSampleChoice {
         self.over.iter().any(|&(other, evidence)| other == rule && evidence > VERY_STRONG)
     }
 
-    /// Adds the finding on the rule chosen and the evidence for it.
-    pub(in super::super) fn say(&self, findings: &mut Vec<Finding>) {
+    /// Adds the finding on the rule chosen and the evidence for it. `excess_s`: that of [`excess_if_held`].
+    pub(in super::super) fn say(&self, findings: &mut Vec<Finding>, excess_s: Option<f64>) {
         let others: Vec<String> = self
             .over
             .iter()
@@ -67,57 +68,61 @@ impl InterSampleChoice {
             others.join(", ")
         );
         if self.is_told() {
-            let text =
-                format!("Between its samples the drive is {}, as the records tell ({evidence}).", self.rule);
+            let text = format!(
+                "Between its samples the drive is {}, as determined by the records ({evidence}).",
+                self.rule
+            );
             say(findings, FindingKind::Verdict, "between samples", text);
         } else {
             let text = format!(
-                "The records do not tell what the drive does between its samples ({evidence}): {} is \
+                "The records do not determine the inter-sample behaviour of the drive ({evidence}): {} is \
                  assumed. A delay depends on it by up to half a sample{}.",
                 self.rule,
-                if self.excludes(InterSample::Hold) { "" } else { ", which its interval covers" }
+                if excess_s.is_some() { ", which its interval covers" } else { "" }
             );
             say(findings, FindingKind::Advice, "between samples", text);
         }
     }
 }
 
-/// Sampling interval of the fastest record \[s\], where a held drive is not excluded: by the options, which
-/// give the rule, by the records, which determine it or have non-uniform stamps, or by the scheme, which uses
-/// the samples alone.
-pub(in super::super) fn interval_if_held(
-    facts: &[RecordFacts],
-    options: &Options,
-    choice: Option<&InterSampleChoice>,
-    scheme: Scheme,
-) -> Option<f64> {
+/// Largest excess of the delay \[s\] if the drive is held between its samples. `None` where that is excluded: by
+/// the options, which give the rule, by the records, which determine it or have non-uniform stamps, or by the
+/// scheme, which uses the samples alone; and where the delay has no interval.
+pub(in super::super) fn excess_if_held(options: &Options, found: &Identification) -> Option<f64> {
+    let choice = found.structure.between.as_ref();
     let is_open = options.inter_sample == Choice::Auto
-        && scheme == Scheme::BandLimited
+        && found.model.scheme == Scheme::BandLimited
         && choice.is_none_or(|choice| !choice.excludes(InterSample::Hold));
-    let rates = facts.iter().map(|f| f.data.sample_rate_hz()).collect::<Option<Vec<f64>>>()?;
-    let interval_s = 1.0 / rates.into_iter().fold(0.0, f64::max);
-    (is_open && interval_s.is_finite()).then_some(interval_s)
+    found.parameters.iter().find(|p| p.name == DELAY)?.interval.filter(|_| is_open)?;
+    let is_dynamic = |fit: &&RecordFit| fit.role == RecordRole::Dynamic;
+    let any = found.records.iter().any(|fit| is_dynamic(&fit));
+    let showing = found.records.iter().filter(|fit| is_dynamic(fit) || !any);
+    let rates = showing.map(|fit| fit.data.sample_rate_hz()).collect::<Option<Vec<f64>>>()?;
+    let samples = if found.model.dynamics == Dynamics::None { EXCESS_IF_HELD_STATIC } else { EXCESS_IF_HELD };
+    let slowest_hz = rates.into_iter().fold(f64::INFINITY, f64::min);
+    Some(samples / slowest_hz)
 }
 
 /// Extends the interval of the delay to that under a held drive.
-pub(super) fn admit_held_drive(parameters: &mut [Parameter], interval_s: f64) {
-    let delay = parameters.iter_mut().find(|p| p.name == DELAY);
+pub(super) fn admit_held_drive(options: &Options, found: &mut Identification) {
+    let Some(excess_s) = excess_if_held(options, found) else { return };
+    let delay = found.parameters.iter_mut().find(|p| p.name == DELAY);
     if let Some(interval) = delay.and_then(|p| p.interval.as_mut()) {
-        interval.low = (interval.low - EXCESS_IF_HELD * interval_s).max(interval.low.min(0.0));
+        interval.low = (interval.low - excess_s).max(interval.low.min(0.0));
     }
 }
 
 /// A fit under one of the other rules.
 pub(super) struct Better {
-    /// Its options' place.
+    /// Index of its options.
     pub(super) index: usize,
     pub(super) problem: JointProblem,
     pub(super) x: Vec<f64>,
     pub(super) cost: f64,
 }
 
-/// The options under the other rules; none where the rule is given, or the records cannot tell because they
-/// are sampled finely or on uneven stamps.
+/// The options under the other rules; none where the rule is given, or the records cannot discriminate
+/// because of fine or non-uniform sampling.
 pub(super) fn others(setup: &JointSetup<'_>, options: &Options) -> Vec<Options> {
     if options.inter_sample != Choice::Auto || !setup.samples_coarsely(FINE) {
         return Vec::new();
@@ -127,8 +132,8 @@ pub(super) fn others(setup: &JointSetup<'_>, options: &Options) -> Vec<Options> 
     InterSample::ALL.into_iter().filter(|rule| *rule != own).map(other).collect()
 }
 
-/// The fit `x` of the whole records compared with those under the `others`, each from there: what the records
-/// tell, and the better fit. `independent`: samples that the residuals are worth. `None` where the fit was
+/// Compares the fit `x` of the whole records with fits under the `others`, each started from `x`: the choice,
+/// and the better fit. `independent`: effective number of samples of the residuals. `None` where the fit was
 /// stopped.
 pub(super) fn compared<'a>(
     setup: &JointSetup<'a>,

@@ -1,4 +1,4 @@
-//! From records to a model in one fit: reduced records from many starts, then all samples from the best.
+//! The joint fit from records to model: multi-start on reduced records, then all samples from the best.
 
 use super::super::engine::Engine;
 use super::super::options::{Choice, DynamicsChoice, Method, Options, RecordRole};
@@ -28,7 +28,7 @@ use hysteron_model::validate::{Scoring, choose_start, mean_residual, score};
 use hysteron_optimize::{OptimizeError, Problem};
 use rayon::prelude::*;
 
-/// Samples at the beginning of a record that a stopped fit is scored on.
+/// Number of initial samples of a record on which a stopped fit is scored.
 const BEGINNING: usize = 10_000;
 
 /// Stages of a joint fit by least squares.
@@ -80,7 +80,7 @@ pub(in super::super) fn identify(
         members.iter().zip(&masked).map(|(m, facts)| m.masked(facts)).collect();
     let facts = &masked[..];
     let scheme = Choice::Given(setup::scheme(options, &members));
-    // Slow drive alone does not tell a delay from the width of the loop.
+    // Under slow drive alone a delay cannot be distinguished from loop width.
     let shows_delay = !is_static
         || roles.contains(&RecordRole::Dynamic)
         || options.demands.names().any(|name| name == DELAY);
@@ -158,17 +158,13 @@ pub(in super::super) fn identify(
     };
     if let Some(known) = &known {
         let found = match (&thinned, &known_thinned) {
-            // The likelihood of weights that are drawn together is not that of the records.
+            // With a roughness penalty on the weights the cost is not the likelihood of the records.
             _ if structure.smoothing.is_some() => Vec::new(),
             (Some((thinned, _)), Some(at)) => intervals(thinned, at, &known.covariance, engine.stop()),
             (Some(_), None) => Vec::new(),
             (None, _) => intervals(&problem, known, &known.covariance, engine.stop()),
         };
         parameters::give_intervals(&mut parameters, &known.covariance.names, &found, &solution);
-        let choice = structure.between.as_ref();
-        if let Some(interval_s) = between::interval_if_held(facts, options, choice, model.scheme) {
-            between::admit_held_drive(&mut parameters, interval_s);
-        }
     }
     let mut identification = Identification {
         method: Method::Joint,
@@ -190,11 +186,12 @@ pub(in super::super) fn identify(
         cancelled: engine.is_stopped(),
         resume: engine.searches(),
     };
+    between::admit_held_drive(options, &mut identification);
     findings::write(facts, options, &mut identification);
     Ok(identification)
 }
 
-/// The options for slow records alone: they hold no dynamics but what a jump from rest shows, a lag and the
+/// The options for slow records alone, which determine no dynamics except, by a step from rest, a lag and the
 /// delay.
 ///
 /// # Errors
@@ -217,8 +214,8 @@ fn slow(options: &Options, members: &[JointMember<'_>]) -> Result<Options, Ident
     Ok(Options { dynamics, order, ..options.clone() })
 }
 
-/// The model's simulation of every record; of a long one only the beginning where the fit was stopped. Where
-/// the offset is free, the model's own is that of its first record.
+/// The model's simulation of every record; after a stop only of its beginning. Where the offset is free, the
+/// model's is that of its first record.
 fn simulated(
     model: &mut Model,
     solution: &JointSolution,
@@ -236,7 +233,7 @@ fn simulated(
         if let Some(cycle) = member.facts.first_of_several_cycles()
             && !stopped
         {
-            // As a validation of the same record would: the fit did without what was before it.
+            // The start is chosen as in a validation: the fit did not use the past of the record.
             let first = data.cropped(0..cycle)?;
             start = choose_start(model, &first, start, Some(range_v), &Scoring::default())?.0;
         }
@@ -250,7 +247,7 @@ fn simulated(
         }
         Ok((data, start, simulated))
     };
-    // The first error in the order of the records, whatever the threads.
+    // The first error in the order of the records, independently of the threads.
     let outputs: Vec<Result<_, IdentifyError>> = members.par_iter().enumerate().map(simulate).collect();
     let mut outputs = outputs.into_iter().collect::<Result<Vec<_>, _>>()?;
     if options.demands.fixed(OFFSET).is_none() {
@@ -269,7 +266,7 @@ fn simulated(
     fits.into_iter().collect()
 }
 
-/// Largest move of a searched number between reduced and whole records, in standard errors.
+/// Largest change of a searched number from reduced to whole records, in standard errors.
 fn moved(own: &Covariance, x: &[f64], before: &[f64]) -> f64 {
     let eliminated = own.values.len() - x.len();
     x.iter()
@@ -279,7 +276,7 @@ fn moved(own: &Covariance, x: &[f64], before: &[f64]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Every demand must be one that this fit can meet: none is passed over in silence.
+/// Rejects demands that this fit cannot meet.
 fn check_demands(options: &Options, form: &DynamicForm, records: usize) -> Result<(), IdentifyError> {
     let highest = match options.degree {
         Choice::Given(degree) => degree,

@@ -29,7 +29,7 @@ mod weighting;
 
 pub use band::{OutputUncertainty, PredictionBand};
 pub use between::InterSampleChoice;
-pub(super) use between::interval_if_held;
+pub(super) use between::excess_if_held;
 pub(super) use campaign::{JointMember, UNKNOWN_PAST};
 pub(super) use fit::{PLAN, POPULATION_PLAN, identify};
 pub use intervals::{Interval, IntervalMethod};
