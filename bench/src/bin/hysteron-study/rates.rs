@@ -115,7 +115,7 @@ fn print(device: &Device, rule: InterSample, found: &[Vec<CampaignEstimates>]) -
     let delay = truth.iter().find(|(name, _)| *name == "delay").map_or(0.0, |(_, delay)| *delay);
     let holds = |c: &CampaignEstimates| c.delay.is_some_and(|i| i.low <= delay && delay <= i.high);
     biases.push(counts("rule recognised", found, |campaign| campaign.rule == rule));
-    biases.push(counts("interval of the delay holds", found, holds));
+    biases.push(counts("delay in interval", found, holds));
     let rates: Vec<String> = RATES_HZ.iter().map(|rate| format!("{} kHz", rate / 1e3)).collect();
     let rates = rates.iter().map(String::as_str);
     let header: Vec<&str> =
