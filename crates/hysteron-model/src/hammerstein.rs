@@ -170,7 +170,11 @@ impl Model {
         check_length("time stamps", times_s.len(), u.len())?;
         let (extended, prologue, rest_voltage_v) = extend(start, u)?;
         let times_s = with_prologue(even_times(times_s), prologue);
-        let knots = Knots::new(&times_s, &extended, self.inter_sample, self.hysteresis.form().depends_on());
+        let scored = times_s.get(prologue..).unwrap_or_default();
+        let read_s = matches!(self.dynamics, Dynamics::None)
+            .then(|| scored.iter().map(|time| time - self.delay_s).collect::<Vec<f64>>());
+        let depends_on = self.hysteresis.form().depends_on();
+        let knots = Knots::new(&times_s, &extended, self.inter_sample, depends_on, read_s.as_deref());
         let (memory, origin) = self.origin(start, rest_voltage_v)?;
         let mut v = vec![0.0; knots.drive_v.len()];
         self.hysteresis.simulate_every(
@@ -181,11 +185,10 @@ impl Model {
         )?;
         let rest = self.hysteresis.at_rest(rest_voltage_v, memory);
         v.iter_mut().for_each(|v| *v -= rest);
-        let scored = times_s.get(prologue..).unwrap_or_default();
         let g = match &self.dynamics {
             Dynamics::None => {
                 let hold = self.inter_sample == InterSample::Hold;
-                let mut y = delayed(&knots.times_s, &v, scored, self.delay_s, hold);
+                let mut y = delayed(&knots.times.times_s, &v, scored, self.delay_s, hold);
                 y.iter_mut().for_each(|y| *y += rest + self.offset);
                 return Ok(y);
             }
@@ -195,7 +198,7 @@ impl Model {
         if self.scheme.parameters_belong_to_sample_rate() {
             return Err(SimulationError::NoSampleRate);
         }
-        let plan = StampedPlan::new(knots.times_s, scored.to_vec(), self.inter_sample == InterSample::Hold)?;
+        let plan = StampedPlan::new(knots.times, scored.to_vec(), self.inter_sample == InterSample::Hold)?;
         let mut response = plan.empty_response();
         plan.response(g, None, self.delay_s, &mut response)?;
         let mut y = vec![0.0; plan.samples()];

@@ -12,10 +12,11 @@ use super::feedback_tangent::{FeedbackTangent, Forcing, Lanes, TangentState, fee
 use super::inner_product::{inner_product_kernel, project_out_four_kernel, subtract_multiple_kernel};
 use super::relaxation::{Relaxations, relaxations_kernel, relaxations_with_slopes_kernel};
 use super::relaxation_bank::{
-    Abreast, BankWeights, Lines, RelaxationBank, bank_advance_kernel, bank_read_kernel,
+    Abreast, BankWeights, Parabolas, RelaxationBank, bank_advance_kernel, bank_read_kernel,
 };
 use super::resonance_bank::{
-    Propagators, ResonanceBank, propagators_kernel, resonances_advance_kernel, resonances_read_kernel,
+    Propagated, Propagators, ResonanceBank, propagators_kernel, resonances_advance_kernel,
+    resonances_read_kernel,
 };
 use super::series::{SeriesPanel, series_evaluate_kernel, series_power_kernel, series_product_kernel};
 use super::triangular::reflect_kernel;
@@ -227,31 +228,31 @@ dispatched! {
 
 dispatched! {
     /// [`RelaxationBank::advance`].
-    bank_advance => bank_advance_kernel(bank: &mut RelaxationBank, lines: &Lines, length_s: f64)
+    bank_advance => bank_advance_kernel(bank: &mut RelaxationBank, inputs: &Parabolas, length_s: f64)
 }
 
 dispatched! {
     /// [`RelaxationBank::read`].
     bank_read => bank_read_kernel(
-        bank: &mut RelaxationBank, lines: &Lines, length_s: f64, weights: &[BankWeights],
+        bank: &mut RelaxationBank, inputs: &Parabolas, length_s: f64, weights: &mut [BankWeights],
         sums: &mut [Abreast])
 }
 
 dispatched! {
     /// Propagators of a pole from the first, which is given.
     propagators => propagators_kernel(
-        inverse: Complex64, lengths_s: &[f64], with_derivatives: bool, of: &mut Propagators)
+        pole: Complex64, lengths_s: &[f64], propagated: Propagated, of: &mut Propagators)
 }
 
 dispatched! {
     /// [`ResonanceBank::advance`] with the propagators of a place in the stretch.
-    resonances_advance => resonances_advance_kernel(bank: &mut ResonanceBank, lines: &Lines, place: usize)
+    resonances_advance => resonances_advance_kernel(bank: &mut ResonanceBank, inputs: &Parabolas, place: usize)
 }
 
 dispatched! {
     /// [`ResonanceBank::read`] with the propagators of a place in the stretch.
     resonances_read => resonances_read_kernel(
-        bank: &ResonanceBank, lines: &Lines, place: usize, weights: &[&[(Complex64, Complex64)]],
+        bank: &ResonanceBank, inputs: &Parabolas, place: usize, weights: &[&[(Complex64, Complex64)]],
         sums: &mut [Abreast])
 }
 

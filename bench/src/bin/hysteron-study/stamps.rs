@@ -6,7 +6,9 @@ use std::hint::black_box;
 use std::io::{Write, stdout};
 use std::time::Instant;
 
-use hysteron_identify::{CampaignRecord, Choice, DynamicsChoice, JointObjective, Options, RecordRole};
+use hysteron_identify::{
+    CampaignRecord, Choice, DynamicsChoice, Initial, JointObjective, Options, RecordRole,
+};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Creep, DynamicForm, Dynamics, Modes, Scheme};
 use hysteron_model::hammerstein::Model;
@@ -56,20 +58,29 @@ impl Stamps {
     }
 }
 
-/// A kind of dynamics and what it is fitted as.
-fn dynamics() -> Outcome<[(&'static str, DynamicsChoice, Dynamics); 3]> {
+const DELAY_S: f64 = 1.2e-4;
+/// f, ζ, α, β of fractional dynamics; integer ones have the first two.
+const FRACTIONAL: [f64; 4] = [318.0, 0.65, 1.94, 1.05];
+
+/// Name of a kind of dynamics, what it is fitted as, and its parameters.
+type Kind = (&'static str, DynamicsChoice, Dynamics, &'static [f64]);
+
+fn dynamics() -> Outcome<[Kind; 3]> {
     let tf = |modes, p: &[f64]| DynamicForm { modes, creep: Creep::None }.transfer_function(p);
+    let (integer, fractional) = (&FRACTIONAL[..2], &FRACTIONAL[..]);
     Ok([
-        ("none", DynamicsChoice::None, Dynamics::None),
+        ("none", DynamicsChoice::None, Dynamics::None, &[]),
         (
             "integer",
             DynamicsChoice::Integer,
-            Dynamics::Integer(tf(Modes::Integer { order: 2 }, &[318.0, 0.65])?),
+            Dynamics::Integer(tf(Modes::Integer { order: 2 }, integer)?),
+            integer,
         ),
         (
             "fractional",
             DynamicsChoice::Fractional,
-            Dynamics::Fractional(tf(Modes::Fractional, &[318.0, 0.65, 1.94, 1.05])?),
+            Dynamics::Fractional(tf(Modes::Fractional, fractional)?),
+            fractional,
         ),
     ])
 }
@@ -98,7 +109,15 @@ struct Bench {
 }
 
 impl Bench {
-    fn new(model: &Model, options: &Options, frequency_hz: f64, stamps: Stamps) -> Outcome<Self> {
+    /// `known`: the parameters of the dynamics, at which the objective is evaluated; the hysteresis has those
+    /// of the first start.
+    fn new(
+        model: &Model,
+        known: &[f64],
+        options: &Options,
+        frequency_hz: f64,
+        stamps: Stamps,
+    ) -> Outcome<Self> {
         let times_s = stamps.times_s();
         // At the lower of two rates the drive is slower, too.
         let phase = |(k, t): (usize, &f64)| match stamps {
@@ -118,7 +137,11 @@ impl Bench {
         let data = InputOutput::new("record", time, u.clone(), noisy)?;
         let campaign = [CampaignRecord { data, role: Some(RecordRole::Dynamic) }];
         let objective = JointObjective::new(&campaign, options, false)?;
-        let x = objective.starts().first().cloned().ok_or("no start")?;
+        let mut x = objective.starts().first().cloned().ok_or("no start")?;
+        if !known.is_empty() {
+            let known = known.iter().chain(&[DELAY_S]);
+            x.iter_mut().zip(known).for_each(|(x, known)| *x = *known);
+        }
         Ok(Self { times_s: uneven, u, objective, x, shortest: [f64::INFINITY; 2] })
     }
 
@@ -157,12 +180,12 @@ fn simulate(model: &Model, u: &[f64], times_s: Option<&[f64]>) -> Outcome<Vec<f6
 fn compare(frequency_hz: f64, repetitions: usize) -> Outcome<Vec<Vec<String>>> {
     let mut rows = Vec::new();
     for (family, form, hysteresis) in operators()? {
-        for (name, choice, dynamics) in dynamics()? {
+        for (name, choice, dynamics, known) in dynamics()? {
             let model = Model {
                 hysteresis: hysteresis.clone(),
                 dynamics,
                 offset: 0.0,
-                delay_s: 1.2e-4,
+                delay_s: DELAY_S,
                 scheme: Scheme::BandLimited,
                 inter_sample: InterSample::Linear,
                 sample_rate_hz: None,
@@ -173,9 +196,10 @@ fn compare(frequency_hz: f64, repetitions: usize) -> Outcome<Vec<Vec<String>>> {
                 degree: Choice::Given(DEGREE),
                 scheme: Choice::Given(Scheme::BandLimited),
                 inter_sample: Choice::Given(InterSample::Linear),
+                initial: Initial::Zero,
                 ..Options::default()
             };
-            let benches = Stamps::ALL.map(|stamps| Bench::new(&model, &options, frequency_hz, stamps));
+            let benches = Stamps::ALL.map(|stamps| Bench::new(&model, known, &options, frequency_hz, stamps));
             let mut benches = benches.into_iter().collect::<Outcome<Vec<_>>>()?;
             // In turn, so that what else the machine does hits all alike.
             for _ in 0..repetitions {

@@ -106,10 +106,12 @@ impl TimedDrive {
             }
             Timing::Stamps(times_s) => {
                 let outputs_s = even_times(times_s);
-                let Knots { times_s: knots_s, drive_v, paces } =
-                    Knots::new(&outputs_s, u, inter_sample, depends_on);
+                let Knots { times: knots, drive_v, paces } =
+                    Knots::new(&outputs_s, u, inter_sample, depends_on, None);
+                // Without dynamics a sample is read from the polygon itself.
+                let knots = if averaged { knots } else { knots.times_s.into() };
                 let held = inter_sample == InterSample::Hold;
-                let clock = Clock::Stamps { knots_s, paces, outputs_s, held };
+                let clock = Clock::Stamps { knots, paces, outputs_s, held };
                 Ok(Self { fine: Some(drive_v), thinning: Thinning::Pick(1), clock })
             }
         }

@@ -22,7 +22,6 @@ use hysteron_model::Start;
 use hysteron_model::dynamics::{Linearised, PlanInput, PlanResponse, PlanWorkspace, RecordPlan, Sampling};
 use hysteron_model::hysteresis::{Columns, DriveGrid, HysteresisForm};
 use hysteron_model::record::Pace;
-use hysteron_numeric::ABREAST;
 use hysteron_optimize::Stop;
 use rayon::prelude::*;
 
@@ -81,6 +80,9 @@ pub(in super::super) struct Candidate {
 const SHARED: usize = 4096;
 /// Most threads that share the columns of a record.
 const LANES: usize = 8;
+/// On time stamps, largest number of inputs of the dynamics in one pass: each pass computes the exponentials
+/// of every step anew, and the states of all inputs should stay in the nearest cache.
+const MOST_TOGETHER: usize = 32;
 
 /// Scratch of one record.
 #[derive(Debug)]
@@ -355,7 +357,7 @@ impl JointRecord {
 
     /// Number of inputs of the dynamics processed in one pass.
     fn together(&self, inputs: usize) -> usize {
-        if self.is_on_stamps() { inputs.clamp(1, ABREAST) } else { 1 }
+        if self.is_on_stamps() { inputs.clamp(1, MOST_TOGETHER) } else { 1 }
     }
 
     /// Subtracts from a response its part beyond the end of the record.

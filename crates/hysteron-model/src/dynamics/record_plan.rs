@@ -12,7 +12,7 @@ pub enum RecordPlan {
     /// Of a uniform record.
     Uniform(Box<SimulationPlan>),
     /// Of time stamps.
-    Stamped(StampedPlan),
+    Stamped(Box<StampedPlan>),
 }
 
 /// An input, prepared for many responses.

@@ -7,7 +7,9 @@ use super::super::reduction::Reduction;
 use super::super::weighting::Weighting;
 use super::{JointRecord, Spare, rest_voltage};
 use hysteron_model::Start;
-use hysteron_model::dynamics::{DynamicsError, RecordPlan, Sampling, Scheme, SimulationPlan, StampedPlan};
+use hysteron_model::dynamics::{
+    DynamicsError, KnotTimes, RecordPlan, Sampling, Scheme, SimulationPlan, StampedPlan,
+};
 use hysteron_model::hysteresis::DriveGrid;
 use hysteron_model::record::Pace;
 
@@ -18,7 +20,7 @@ pub(crate) enum Clock {
     /// At these times \[s\]; the drive is given at separate knots, with zero-order hold or linear
     /// interpolation between them.
     Stamps {
-        knots_s: Vec<f64>,
+        knots: KnotTimes,
         /// Rate and duration of the move to each knot, where the hysteresis depends on either.
         paces: Option<Vec<Pace>>,
         outputs_s: Vec<f64>,
@@ -59,7 +61,7 @@ impl JointRecord {
         // Samples of the inputs before reduction.
         let inputs = match &parts.clock {
             Clock::Rate(_) => count,
-            Clock::Stamps { knots_s, .. } => knots_s.len(),
+            Clock::Stamps { knots, .. } => knots.times_s.len(),
         };
         debug_assert_eq!(inputs, parts.thinning.samples(parts.drive.len()));
         let reduction = (parts.factor > 1).then(|| Reduction::new(parts.factor, count, periodic));
@@ -102,9 +104,9 @@ impl JointRecord {
                 let plan = plan.of_thinned_inputs(parts.factor);
                 (RecordPlan::Uniform(Box::new(plan)), DriveGrid::new(Some(own_hz), finer, every), None)
             }
-            Clock::Stamps { knots_s, paces, outputs_s, held } => {
-                let plan = StampedPlan::new(knots_s, outputs_s, held)?;
-                (RecordPlan::Stamped(plan), DriveGrid::from(every), paces)
+            Clock::Stamps { knots, paces, outputs_s, held } => {
+                let plan = StampedPlan::new(knots, outputs_s, held)?;
+                (RecordPlan::Stamped(Box::new(plan)), DriveGrid::from(every), paces)
             }
         };
         let rest_v = rest_voltage(parts.before, parts.drive);

@@ -2,24 +2,46 @@
 
 use crate::record::{Dependence, InterSample, Pace, paces_on};
 
-/// Largest move between knots, as a share of the range of the drive: between them the output of the
-/// hysteresis is taken as linear, in error by less than an eighth of its curvature over the move.
+/// Largest move between knots, as a share of the range of the drive: the output of the hysteresis is taken as
+/// a polygon through them, in error by less than an eighth of its curvature over the move, and dynamics
+/// respond to parabolas with the means of the polygon over its arcs.
 const LARGEST_MOVE: f64 = 1.0 / 400.0;
 /// [`LARGEST_MOVE`] for hysteresis that depends on time: where the drive speeds up, all its plays stick and
 /// release together, or bend as they engage.
 const LARGEST_MOVE_IN_TIME: f64 = 1.0 / 1000.0;
 /// Largest number of knots per step.
 const MOST_PARTS: f64 = 1000.0;
+/// Largest number of intervals in an arc.
+const MOST_PER_ARC: usize = 5;
+
+/// Times of knots, and the arcs between them: stretches of equal intervals over which an input may be taken
+/// as quadratic.
+///
+/// Arcs follow each other to the last knot.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct KnotTimes {
+    /// Times \[s\], not decreasing.
+    pub times_s: Vec<f64>,
+    /// Knots at which arcs end, in ascending order; the first arc begins at knot 0.
+    pub arcs: Vec<usize>,
+}
 
 /// Times and values of a drive, as dense as the hysteresis requires.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Knots {
-    /// Times \[s\], not decreasing.
-    pub times_s: Vec<f64>,
+    /// Times, and the arcs: parts of the steps of the drive.
+    pub times: KnotTimes,
     /// Drive there \[V\].
     pub drive_v: Vec<f64>,
     /// Rate and duration of the move to each knot, where the hysteresis depends on either.
     pub paces: Option<Vec<Pace>>,
+}
+
+impl From<Vec<f64>> for KnotTimes {
+    /// Knots without a knot between them: an arc to each.
+    fn from(times_s: Vec<f64>) -> Self {
+        Self { arcs: (1..times_s.len()).collect(), times_s }
+    }
 }
 
 impl Knots {
@@ -30,23 +52,35 @@ impl Knots {
     /// `depends_on`: dependence of the hysteresis on the drive. Where it is the rate and the drive slows down
     /// at a sample, a second knot at its time represents the instant after it, at which the plays have
     /// narrowed and shifted their states: the output jumps there.
-    pub fn new(times_s: &[f64], u: &[f64], rule: InterSample, depends_on: Dependence) -> Self {
+    ///
+    /// `read_s`: where the output of the hysteresis is read at these times only \[s\], increasing, knots there
+    /// replace the others, unless the hysteresis changes with time.
+    pub fn new(
+        times_s: &[f64],
+        u: &[f64],
+        rule: InterSample,
+        depends_on: Dependence,
+        read_s: Option<&[f64]>,
+    ) -> Self {
+        let read_s = read_s.filter(|_| depends_on != Dependence::Time);
         let (low, high) = u.iter().fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));
         let largest = match depends_on {
             Dependence::Order => LARGEST_MOVE,
             Dependence::Time | Dependence::Rate => LARGEST_MOVE_IN_TIME,
         } * (high - low);
         let travel: f64 = u.windows(2).map(|two| (two[1] - two[0]).abs()).sum();
-        let between = Some(travel / largest).filter(|knots| knots.is_finite() && rule != InterSample::Hold);
+        let between = read_s.map_or(travel / largest, |read_s| read_s.len() as f64);
+        let between = Some(between).filter(|knots| knots.is_finite() && rule != InterSample::Hold);
         let count = u.len() + between.unwrap_or(0.0) as usize;
         let paces = (depends_on != Dependence::Order).then(|| paces_on(times_s, u));
         let mut knots = Self {
-            times_s: Vec::with_capacity(count),
+            times: KnotTimes { times_s: Vec::with_capacity(count), arcs: Vec::with_capacity(u.len()) },
             drive_v: Vec::with_capacity(count),
             paces: paces.as_ref().map(|_| Vec::with_capacity(count)),
         };
         let rate_to =
             |sample: usize| paces.as_ref().and_then(|paces| paces.get(sample)).map_or(0.0, |to| to.rate);
+        let mut reads = read_s.unwrap_or_default().iter().peekable();
         if let (Some(&time), Some(&voltage)) = (times_s.first(), u.first()) {
             knots.push(time, voltage, 0.0);
         }
@@ -56,23 +90,42 @@ impl Knots {
             if rule != InterSample::Hold {
                 if depends_on == Dependence::Rate && rate < rate_before {
                     knots.push(before, from, rate);
+                    knots.end_arc();
                 }
-                let moves = ((voltage - from).abs() / largest).clamp(0.0, MOST_PARTS);
-                // Rounded up, without a call of the library.
-                let parts = moves as usize + usize::from((moves as usize as f64) < moves);
-                for part in 1..parts {
-                    let share = part as f64 / parts as f64;
-                    knots.push(before + share * (time - before), from + share * (voltage - from), rate);
+                if read_s.is_none() {
+                    let moves = ((voltage - from).abs() / largest).clamp(0.0, MOST_PARTS);
+                    // Rounded up, without a call of the library.
+                    let parts = moves as usize + usize::from((moves as usize as f64) < moves);
+                    let per_arc = parts.div_ceil(parts.div_ceil(MOST_PER_ARC).max(1));
+                    for part in 1..parts {
+                        let share = part as f64 / parts as f64;
+                        knots.push(before + share * (time - before), from + share * (voltage - from), rate);
+                        if part.is_multiple_of(per_arc) {
+                            knots.end_arc();
+                        }
+                    }
+                }
+                while let Some(read) = reads.next_if(|read| **read < time) {
+                    if *read > before {
+                        let share = (read - before) / (time - before);
+                        knots.push(*read, from + share * (voltage - from), rate);
+                        knots.end_arc();
+                    }
                 }
             }
             knots.push(time, voltage, rate);
+            knots.end_arc();
         }
         knots
     }
 
+    fn end_arc(&mut self) {
+        self.times.arcs.push(self.drive_v.len() - 1);
+    }
+
     fn push(&mut self, time_s: f64, drive_v: f64, rate: f64) {
-        let interval_s = self.times_s.last().map_or(0.0, |before| time_s - before);
-        self.times_s.push(time_s);
+        let interval_s = self.times.times_s.last().map_or(0.0, |before| time_s - before);
+        self.times.times_s.push(time_s);
         self.drive_v.push(drive_v);
         if let Some(paces) = &mut self.paces {
             paces.push(Pace { rate, interval_s });
@@ -87,9 +140,9 @@ mod tests {
     #[test]
     fn a_second_knot_stands_where_the_drive_slows_down() {
         let (times_s, u) = ([0.0, 1.0, 3.0, 4.0], [0.0, 1e-3, 1.9e-3, 1.0]);
-        let plain = Knots::new(&times_s, &u, InterSample::Linear, Dependence::Order);
-        let seen = Knots::new(&times_s, &u, InterSample::Linear, Dependence::Rate);
-        assert_eq!(seen.times_s[..4], [0.0, 1.0, 1.0, 3.0]);
+        let plain = Knots::new(&times_s, &u, InterSample::Linear, Dependence::Order, None);
+        let seen = Knots::new(&times_s, &u, InterSample::Linear, Dependence::Rate, None);
+        assert_eq!(seen.times.times_s[..4], [0.0, 1.0, 1.0, 3.0]);
         assert_eq!(seen.drive_v[..4], [0.0, 1e-3, 1e-3, 1.9e-3]);
         let expected = [0.0, 1e-3, 4.5e-4, 4.5e-4];
         let paces = seen.paces.unwrap_or_default();
@@ -97,15 +150,18 @@ mod tests {
         assert!(paces[4..].iter().all(|pace| (pace.rate - 0.9981).abs() < 1e-15));
         assert_eq!([paces[1], paces[2]].map(|pace| pace.interval_s), [1.0, 0.0]);
         assert!((paces.iter().map(|pace| pace.interval_s).sum::<f64>() - 4.0).abs() < 1e-12);
-        assert_eq!((plain.times_s.len(), seen.times_s.len()), (4 + 399, 4 + 1 + 998));
+        assert_eq!((plain.times.times_s.len(), seen.times.times_s.len()), (4 + 399, 4 + 1 + 998));
         // A held drive jumps; it has no corners.
-        assert_eq!(Knots::new(&times_s, &u, InterSample::Hold, Dependence::Rate).times_s, times_s);
+        assert_eq!(
+            Knots::new(&times_s, &u, InterSample::Hold, Dependence::Rate, None).times.times_s,
+            times_s
+        );
     }
 
     #[test]
     fn a_drive_that_stands_still_has_its_samples_as_knots() {
-        let knots = Knots::new(&[0.0, 1.0, 2.0], &[3.0; 3], InterSample::Linear, Dependence::Rate);
-        assert_eq!(knots.times_s, [0.0, 1.0, 2.0]);
+        let knots = Knots::new(&[0.0, 1.0, 2.0], &[3.0; 3], InterSample::Linear, Dependence::Rate, None);
+        assert_eq!(knots.times.times_s, [0.0, 1.0, 2.0]);
         let still = |interval_s| Pace { rate: 0.0, interval_s };
         assert_eq!(knots.paces, Some(vec![still(0.0), still(1.0), still(1.0)]));
     }

@@ -2,7 +2,8 @@
 //!
 //! G as a sum of relaxations and resonances, G(s) = d + Σ wₖ λₖ/(s + λₖ) + Σ (Rᵢ/(s − pᵢ) + R̄ᵢ/(s − p̄ᵢ)):
 //! each is a first-order differential equation, which is solved exactly over every step, whatever its length,
-//! for an input that is linear (or held) between its knots. The output is exact at any time, so that the
+//! for an input that is linear (or held) between its knots; where an arc has knots inside, for the parabola
+//! through its ends with the mean of the input over the arc. The output is exact at any time, so that the
 //! delay needs no interpolation. The rates λₖ are fixed by the record ([`relaxation_fit`]); wₖ follow from G
 //! on the imaginary axis by least squares, pᵢ and Rᵢ are those of G ([`resonant_poles`]). Derivatives in the
 //! parameters and in the delay are those of the same sum.
@@ -20,9 +21,10 @@ mod resonant_poles;
 use super::{DynamicsError, Linearised, Stability, TransferFunction, stability};
 use crate::dynamics_error::{check_finite, check_length};
 use hysteron_numeric::{
-    ABREAST, Abreast, BankWeights, Complex64, InstructionSet, Lines, RelaxationBank, ResonanceBank,
+    ABREAST, Abreast, BankWeights, Complex64, InstructionSet, Parabolas, Propagated, RelaxationBank,
+    ResonanceBank,
 };
-pub use knots::Knots;
+pub use knots::{KnotTimes, Knots};
 use readout::Readout;
 use relaxation_fit::RelaxationFit;
 use resonant_poles::ResonantPole;
@@ -36,7 +38,11 @@ const SHORT_STEPS: f64 = 0.01;
 /// Simulation plan on time stamps: when input and output of the record were sampled.
 #[derive(Clone, Debug)]
 pub struct StampedPlan {
-    knots_s: Vec<f64>,
+    knots: usize,
+    /// Knots at which arcs begin or end.
+    corners: Vec<usize>,
+    /// Their times \[s\].
+    corners_s: Vec<f64>,
     outputs_s: Vec<f64>,
     held: bool,
     fit: RelaxationFit,
@@ -45,7 +51,7 @@ pub struct StampedPlan {
 /// A transfer function with delay on the stamps of a plan, with its derivatives.
 #[derive(Clone, Debug)]
 pub struct StampedResponse {
-    /// Knot before each output, and the time since then \[s\]; `None` before the first knot.
+    /// Arc of each output, and the time since it began \[s\]; `None` before the first one.
     places: Vec<Option<(usize, f64)>>,
     /// \[rad/s\].
     poles: Vec<Complex64>,
@@ -61,35 +67,40 @@ pub struct StampedWorkspace {
     /// Of each output that is read.
     weights: Vec<BankWeights>,
     resonances: ResonanceBank,
-    lines: Lines,
-    /// Inputs at the next knot.
+    parabolas: Parabolas,
+    /// Inputs at the end of the arc.
     next: Vec<Abreast>,
     sums: Vec<Abreast>,
 }
 
 impl StampedPlan {
-    /// A plan for an input given at `knots_s` (held or linear between them) and an output at `outputs_s`
+    /// A plan for an input given at `knots` (held, or a parabola over each arc) and an output at `outputs_s`
     /// \[s\], increasing. Before its first knot the input is 0. Two knots at one time are a jump, before
     /// which an output of that time is read.
     ///
     /// # Errors
     /// [`DynamicsError::TooFewSamples`] below two knots or for a single time.
-    pub fn new(knots_s: Vec<f64>, outputs_s: Vec<f64>, held: bool) -> Result<Self, DynamicsError> {
+    pub fn new(knots: impl Into<KnotTimes>, outputs_s: Vec<f64>, held: bool) -> Result<Self, DynamicsError> {
+        let KnotTimes { times_s, arcs } = knots.into();
+        let knots = times_s.len();
+        debug_assert!(arcs.is_sorted() && arcs.last().is_none_or(|last| last + 1 == knots));
+        let corners: Vec<usize> = std::iter::once(0).chain(arcs).filter(|knot| *knot < knots).collect();
+        let corners_s: Vec<f64> = corners.iter().map(|knot| times_s[*knot]).collect();
         let mut steps: Vec<f64> =
-            knots_s.windows(2).map(|two| two[1] - two[0]).filter(|step| *step > 0.0).collect();
+            corners_s.windows(2).map(|two| two[1] - two[0]).filter(|step| *step > 0.0).collect();
         steps.sort_unstable_by(f64::total_cmp);
         let duration: f64 = steps.iter().sum();
         let shortest = steps.get((SHORT_STEPS * steps.len() as f64) as usize).copied();
         let Some(shortest) = shortest.filter(|step| step.is_finite() && duration.is_finite()) else {
-            return Err(DynamicsError::TooFewSamples { need: 2, found: knots_s.len() });
+            return Err(DynamicsError::TooFewSamples { need: 2, found: knots });
         };
         let fit = RelaxationFit::new(duration, shortest)?;
-        Ok(Self { knots_s, outputs_s, held, fit })
+        Ok(Self { knots, corners, corners_s, outputs_s, held, fit })
     }
 
     /// Knots of the input.
     pub fn knots(&self) -> usize {
-        self.knots_s.len()
+        self.knots
     }
 
     /// Samples of the output.
@@ -149,18 +160,66 @@ impl StampedPlan {
         Ok(())
     }
 
-    /// Places of the delayed output times among the knots.
+    /// Arcs of the delayed output times.
     fn locate(&self, delay_s: f64, places: &mut Vec<Option<(usize, f64)>>) {
         places.clear();
-        let mut knot = 0;
+        let mut arc = 0;
         places.extend(self.outputs_s.iter().map(|output_s| {
             let time = output_s - delay_s;
-            while knot_follows(&self.knots_s, knot, time) {
-                knot += 1;
+            while knot_follows(&self.corners_s, arc, time) {
+                arc += 1;
             }
-            let since = time - self.knots_s.get(knot)?;
-            (since >= 0.0).then_some((knot, since))
+            let since = time - self.corners_s.get(arc)?;
+            (since >= 0.0).then_some((arc, since))
         }));
+    }
+
+    /// Duration of an arc \[s\]; 0 after the last one.
+    fn length_s(&self, arc: usize) -> f64 {
+        match (self.corners_s.get(arc), self.corners_s.get(arc + 1)) {
+            (Some(from), Some(to)) => to - from,
+            _ => 0.0,
+        }
+    }
+
+    /// The inputs over an arc, `next` being their values at its beginning, then at its end. Returns its
+    /// duration \[s\].
+    fn begin_arc(
+        &self,
+        arc: usize,
+        inputs: &[&[f64]],
+        parabolas: &mut Parabolas,
+        next: &mut [Abreast],
+    ) -> f64 {
+        let length_s = self.length_s(arc);
+        parabolas.from.copy_from_slice(next);
+        let (Some(&first), Some(&last)) = (self.corners.get(arc), self.corners.get(arc + 1)) else {
+            parabolas.slope.fill([0.0; ABREAST]);
+            parabolas.bend.fill([0.0; ABREAST]);
+            parabolas.to.copy_from_slice(next);
+            parabolas.straight = true;
+            return length_s;
+        };
+        let per_s = if !self.held && length_s > 0.0 { 1.0 / length_s } else { 0.0 };
+        parabolas.straight = last == first + 1 || per_s == 0.0;
+        let ends = next.as_flattened_mut().iter_mut();
+        let per_part = 1.0 / (last - first) as f64;
+        let slopes = parabolas.slope.as_flattened_mut().iter_mut();
+        let bends = parabolas.bend.as_flattened_mut().iter_mut();
+        for (((next, slope), bend), input) in ends.zip(slopes).zip(bends).zip(inputs) {
+            let from = std::mem::replace(next, input[last]);
+            *slope = (*next - from) * per_s;
+            *bend = 0.0;
+            if !parabolas.straight {
+                let middle = 0.5 * (from + *next);
+                let between: f64 = input[first + 1..last].iter().sum();
+                let excess = (between + middle) * per_part - middle;
+                *slope += 6.0 * excess * per_s;
+                *bend = -6.0 * excess * per_s * per_s;
+            }
+        }
+        parabolas.to.copy_from_slice(if self.held { &parabolas.from } else { next });
+        length_s
     }
 
     /// `output` = the response to `input`, at rest at 0 before.
@@ -256,7 +315,7 @@ impl StampedPlan {
             check_length("output", output.len(), self.samples())?;
         }
         check_length("response", response.places.len(), self.samples())?;
-        let StampedWorkspace { relaxations, weights, resonances, lines, next, sums } = workspace;
+        let StampedWorkspace { relaxations, weights, resonances, parabolas, next, sums } = workspace;
         weights.resize_with(readouts.len(), BankWeights::default);
         for (readout, weights) in readouts.iter().zip(&mut *weights) {
             weights.set(&readout.relaxations);
@@ -264,66 +323,53 @@ impl StampedPlan {
         let rates = if weights.iter().all(BankWeights::is_zero) { &[] } else { &self.fit.rates[..] };
         relaxations.reset(rates, inputs.len());
         let of_poles: Vec<&[_]> = readouts.iter().map(|readout| &readout.resonances[..]).collect();
-        let moved = of_poles.iter().copied().flatten().any(|(_, of_moved)| *of_moved != Complex64::ZERO);
-        resonances.reset(&response.poles, inputs.len(), moved);
+        let propagated = Propagated {
+            derivatives: of_poles.iter().copied().flatten().any(|(_, of_moved)| *of_moved != Complex64::ZERO),
+            bends: self.corners.len() < self.knots,
+        };
+        resonances.reset(&response.poles, inputs.len(), propagated);
         let width = inputs.len().div_ceil(ABREAST);
-        for row in [&mut lines.from, &mut lines.slope, &mut *next] {
-            row.clear();
-            row.resize(width, [0.0; ABREAST]);
-        }
+        parabolas.reset(inputs.len());
+        next.clear();
+        next.resize(width, [0.0; ABREAST]);
+        next.as_flattened_mut().iter_mut().zip(inputs).for_each(|(next, input)| *next = input[0]);
         sums.resize(width * readouts.len(), [0.0; ABREAST]);
         let set = InstructionSet::detected();
-        let length_s = |knot: usize| match (self.knots_s.get(knot), self.knots_s.get(knot + 1)) {
-            (Some(from), Some(to)) => to - from,
-            _ => 0.0,
-        };
         let since_s = |output: usize| response.places.get(output).copied().flatten().map_or(0.0, |(_, s)| s);
-        let at_knot = |knot: usize, values: &mut [Abreast]| {
-            for (value, input) in values.as_flattened_mut().iter_mut().zip(inputs) {
-                *value = input.get(knot).copied().unwrap_or(*value);
-            }
-        };
-        let leave = |knot: usize, lines: &mut Lines, next: &mut [Abreast]| {
-            let length_s = length_s(knot);
-            lines.from.copy_from_slice(next);
-            at_knot(knot + 1, next);
-            let per_s = if !self.held && length_s > 0.0 { 1.0 / length_s } else { 0.0 };
-            for (slope, (from, to)) in lines.slope.iter_mut().zip(lines.from.iter().zip(next)) {
-                *slope = std::array::from_fn(|i| (to[i] - from[i]) * per_s);
-            }
-            length_s
-        };
         let remembers = !rates.is_empty() || !response.poles.is_empty();
-        at_knot(0, next);
-        let (mut at, mut along_s) = (0, leave(0, lines, next));
+        let (mut at, mut along_s) = (0, self.begin_arc(0, inputs, parabolas, next));
+        relaxations.begin(parabolas);
         let mut finite = true;
         for (index, place) in response.places.iter().enumerate() {
-            let Some((knot, since)) = *place else {
+            let Some((arc, since)) = *place else {
                 outputs.iter_mut().for_each(|output| output[index] = 0.0);
                 continue;
             };
-            if at < knot && !remembers {
-                at = knot;
-                at_knot(at, next);
-                along_s = leave(at, lines, next);
-            }
-            while at < knot {
-                if along_s > 0.0 {
-                    relaxations.advance(set, lines, along_s);
-                    resonances.advance(set, lines, at, length_s);
+            while at < arc {
+                if along_s > 0.0 && remembers {
+                    relaxations.advance(set, parabolas, along_s);
+                    resonances.advance(set, parabolas, at, |arc| self.length_s(arc));
                 }
                 at += 1;
-                along_s = leave(at, lines, next);
+                along_s = self.begin_arc(at, inputs, parabolas, next);
+                relaxations.begin(parabolas);
             }
             for (sums, readout) in sums.chunks_exact_mut(width).zip(readouts) {
-                for (sum, (from, slope)) in sums.iter_mut().zip(lines.from.iter().zip(&lines.slope)) {
+                for (row, sum) in sums.iter_mut().enumerate() {
+                    let (from, slope) = (&parabolas.from[row], &parabolas.slope[row]);
                     *sum = std::array::from_fn(|i| {
                         readout.input * (from[i] + slope[i] * since) + readout.slope * slope[i]
                     });
+                    if !parabolas.straight {
+                        let bend = &parabolas.bend[row];
+                        let (of_input, of_slope) =
+                            (readout.input * since * since, 2.0 * readout.slope * since);
+                        (0..ABREAST).for_each(|i| sum[i] += (of_input + of_slope) * bend[i]);
+                    }
                 }
             }
-            relaxations.read(set, lines, since, weights, sums);
-            resonances.read(set, lines, (index, since_s), &of_poles, sums);
+            relaxations.read(set, parabolas, since, weights, sums);
+            resonances.read(set, parabolas, (index, since_s), &of_poles, sums);
             let sums = sums.chunks_exact(width).flat_map(|sums| &sums.as_flattened()[..inputs.len()]);
             for (output, sum) in outputs.iter_mut().zip(sums) {
                 output[index] = *sum;

@@ -1,64 +1,66 @@
 //! Reference for the fast passes: the sum of relaxations and resonances one step and one term at a time, with
 //! the functions of the library.
 
-use super::{Readout, StampedPlan, StampedResponse};
+use super::{KnotTimes, Readout, StampedPlan, StampedResponse};
 use crate::dynamics::{Creep, DynamicForm, Linearised, Modes, StampedWorkspace};
 use hysteron_numeric::Complex64;
 
-/// Coefficients of the response of 1/(s − p) after a time t from x, to the input u + u' t: x e^(pt) + u
-/// first + u' second; then those of the derivative in p.
+/// Coefficients of the response of 1/(s − p) after a time t from x, to the input u + u' t + c t²: x e^(pt) + u
+/// first + u' second + c third; then those of the derivative in p.
 #[derive(Clone, Copy, Debug, Default)]
 struct Stretch {
     decay: Complex64,
-    first: Complex64,
-    second: Complex64,
-    first_tangent: Complex64,
-    second_tangent: Complex64,
+    of_input: [Complex64; 3],
+    of_input_tangent: [Complex64; 3],
 }
 
 impl Stretch {
     fn new(pole: Complex64, time: f64) -> Self {
         let x = pole * time;
         let decay = x.exp();
-        // φₖ(x) = Σ xʲ/(j + k)!, first = t φ₁, second = t² φ₂, and t dφₖ/dx in p.
-        let [phi1, phi2, slope1, slope2] = if x.norm() < 0.5 {
+        // φₖ(x) = Σ xʲ/(j + k)!, first = t φ₁, second = t² φ₂, third = 2 t³ φ₃, and t dφₖ/dx in p.
+        let (phi, slopes) = if x.norm() < 0.5 {
             phi_series(x)
         } else {
-            let phi1 = (decay - 1.0) / x;
-            let phi2 = (phi1 - 1.0) / x;
-            let slope1 = (decay - phi1) / x;
-            [phi1, phi2, slope1, (slope1 - phi2) / x]
+            let (mut last, mut last_slope, mut factorial) = (decay, decay, 1.0);
+            let mut each = [(Complex64::ZERO, Complex64::ZERO); 3];
+            for (k, each) in (1..).zip(&mut each) {
+                (last, last_slope) =
+                    ((last - 1.0 / factorial) / x, (last_slope - (last - 1.0 / factorial) / x) / x);
+                factorial *= f64::from(k);
+                *each = (last, last_slope);
+            }
+            (each.map(|(phi, _)| phi), each.map(|(_, slope)| slope))
         };
+        let powers = [time, time.powi(2), 2.0 * time.powi(3)];
         Self {
             decay,
-            first: phi1 * time,
-            second: phi2 * time * time,
-            first_tangent: slope1 * time * time,
-            second_tangent: slope2 * time * time * time,
+            of_input: std::array::from_fn(|k| phi[k] * powers[k]),
+            of_input_tangent: std::array::from_fn(|k| slopes[k] * powers[k] * time),
         }
     }
-}
 
-/// φ₁, φ₂ and their derivatives for |x| < 0.5; truncation error below 0.5¹⁶/17!.
-fn phi_series(x: Complex64) -> [Complex64; 4] {
-    let mut sums = [Complex64::ZERO; 4];
-    let mut power = Complex64::ONE;
-    let mut factorial = 1.0;
-    for j in 0..16 {
-        factorial *= f64::from((j + 1).max(1));
-        let (first, second) = (1.0 / factorial, 1.0 / (factorial * f64::from(j + 2)));
-        sums[0] += power * first;
-        sums[1] += power * second;
-        // Of the next term, whose derivative has this power.
-        let next = f64::from(j + 1) / f64::from(j + 2);
-        sums[2] += power * (first * next);
-        sums[3] += power * (second * f64::from(j + 1) / f64::from(j + 3));
-        power *= x;
+    fn respond(of: [Complex64; 3], parabola: [f64; 3]) -> Complex64 {
+        of.into_iter().zip(parabola).map(|(of, input)| of * input).sum()
     }
-    sums
 }
 
-/// States ξ, and x with ∂x/∂p, after a time along a line of the input.
+/// φ₁, φ₂, φ₃ and their derivatives for |x| < 0.5; truncation error below 0.5¹⁶/17!.
+fn phi_series(x: Complex64) -> ([Complex64; 3], [Complex64; 3]) {
+    let (mut phi, mut slopes) = ([Complex64::ZERO; 3], [Complex64::ZERO; 3]);
+    for (k, (phi, slope)) in (1..).zip(phi.iter_mut().zip(&mut slopes)) {
+        let mut power = Complex64::ONE;
+        for j in 0..16 {
+            let factorial = |n: i32| (1..=n).map(f64::from).product::<f64>();
+            *phi += power / factorial(j + k);
+            *slope += power * f64::from(j + 1) / factorial(j + 1 + k);
+            power *= x;
+        }
+    }
+    (phi, slopes)
+}
+
+/// States ξ, and x with ∂x/∂p, after a time along a parabola of the input.
 #[derive(Clone)]
 struct States {
     relaxations: Vec<f64>,
@@ -66,16 +68,17 @@ struct States {
 }
 
 impl States {
-    fn after(&self, time: f64, rates: &[f64], poles: &[Complex64], input: f64, slope: f64) -> Self {
+    fn after(&self, time: f64, rates: &[f64], poles: &[Complex64], parabola: [f64; 3]) -> Self {
         let relaxed = self.relaxations.iter().zip(rates).map(|(state, rate)| {
-            let gain = -(-rate * time).exp_m1();
-            state + gain * (input - state) + (time - gain / rate) * slope
+            // ξ = λ x with x' = u − λ x.
+            let of = Stretch::new(Complex64::new(-rate, 0.0), time);
+            (of.decay * state + Stretch::respond(of.of_input, parabola) * rate).re
         });
         let resonant = self.resonances.iter().zip(poles).map(|(&(x, moved), &pole)| {
             let of = Stretch::new(pole, time);
             (
-                of.decay * x + of.first * input + of.second * slope,
-                of.decay * (moved + x * time) + of.first_tangent * input + of.second_tangent * slope,
+                of.decay * x + Stretch::respond(of.of_input, parabola),
+                of.decay * (moved + x * time) + Stretch::respond(of.of_input_tangent, parabola),
             )
         });
         Self { relaxations: relaxed.collect(), resonances: resonant.collect() }
@@ -89,23 +92,32 @@ fn output(plan: &StampedPlan, response: &StampedResponse, readout: &Readout, inp
         resonances: vec![(Complex64::ZERO, Complex64::ZERO); poles.len()],
     };
     let mut at = 0;
-    let slope = |at: usize| match plan.knots_s.get(at + 1) {
-        Some(next) if !plan.held => (input[at + 1] - input[at]) / (next - plan.knots_s[at]),
-        _ => 0.0,
+    // Through the ends, with the mean of the polygon.
+    let parabola = |at: usize| {
+        let knots = match plan.corners[at..] {
+            [first, last, ..] if !plan.held => &input[first..=last],
+            [first, ..] => return [input[first], 0.0, 0.0],
+            [] => return [0.0; 3],
+        };
+        let (from, to) = (knots[0], knots[knots.len() - 1]);
+        let length = plan.corners_s[at + 1] - plan.corners_s[at];
+        let mean =
+            knots.windows(2).map(|two| 0.5 * (two[0] + two[1])).sum::<f64>() / (knots.len() - 1) as f64;
+        [from, (6.0 * mean - 4.0 * from - 2.0 * to) / length, 3.0 * (from + to - 2.0 * mean) / length.powi(2)]
     };
     let each = response.places.iter().map(|place| {
         let Some((knot, since)) = *place else { return 0.0 };
         while at < knot {
-            states =
-                states.after(plan.knots_s[at + 1] - plan.knots_s[at], rates, poles, input[at], slope(at));
+            states = states.after(plan.corners_s[at + 1] - plan.corners_s[at], rates, poles, parabola(at));
             at += 1;
         }
-        let then = states.after(since, rates, poles, input[at], slope(at));
+        let [from, slope, bend] = parabola(at);
+        let then = states.after(since, rates, poles, [from, slope, bend]);
         let resonant = then.resonances.iter().zip(weights).map(|((x, moved), (r, m))| (x * r + moved * m).re);
         hysteron_numeric::dot(&then.relaxations, &readout.relaxations)
             + resonant.sum::<f64>()
-            + readout.input * (input[at] + slope(at) * since)
-            + readout.slope * slope(at)
+            + readout.input * (from + (slope + bend * since) * since)
+            + readout.slope * (slope + 2.0 * bend * since)
     });
     each.collect()
 }
@@ -117,8 +129,22 @@ fn worst(form: DynamicForm, p: &[f64], delay_s: f64, held: bool) -> f64 {
     let mut times_s: Vec<f64> = (0..150_i32).map(|k| 1e-4 * f64::from(k)).collect();
     times_s.extend((0..100_i32).map(|k| 0.3 + 7e-4 * f64::from(k)));
     times_s.extend((0..400_i32).map(|k| 0.5 + 2e-4 * (f64::from(k) + 0.45 * (1.3 * f64::from(k * k)).sin())));
-    let input: Vec<f64> = times_s.iter().map(|t| (40.0 * t).sin() + 0.2 * (900.0 * t).sin()).collect();
-    let plan = StampedPlan::new(times_s.clone(), times_s, held).unwrap();
+    let mut knots = KnotTimes::from(times_s.clone());
+    if !held {
+        // One to five equal parts a step.
+        let (mut last, mut parts) = (times_s[0], 0);
+        knots = KnotTimes { times_s: vec![last], arcs: Vec::new() };
+        for time in &times_s[1..] {
+            parts = parts % 5 + 1;
+            let part = (time - last) / f64::from(parts);
+            knots.times_s.extend((1..parts).map(|k| last + f64::from(k) * part));
+            knots.times_s.push(*time);
+            knots.arcs.push(knots.times_s.len() - 1);
+            last = *time;
+        }
+    }
+    let input: Vec<f64> = knots.times_s.iter().map(|t| (40.0 * t).sin() + 0.2 * (900.0 * t).sin()).collect();
+    let plan = StampedPlan::new(knots, times_s, held).unwrap();
     let mut linearised = Linearised::new();
     form.linearise(p, &mut linearised).unwrap();
     let mut response = plan.empty_response();
