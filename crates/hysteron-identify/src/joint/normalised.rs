@@ -1,9 +1,9 @@
 //! A joint fit searched in normalised coefficients of its second-order factors.
 //!
-//! A second-order factor 1/(b₂ (s/ω₀)^α₂ + b₁ (s/ω₀)^α₁ + 1) is nearly linear in b₂ and b₁ where ω₀ lies
-//! within the band of the records, while natural frequency and damping, b₂ = (ω₀/ω)^α₂ and b₁ = 2ζ (ω₀/ω)^α₁,
-//! compensate for each other and for the orders along a curved valley where the resonance lies beyond it. The
-//! optimum is the same, in fewer evaluations (`docs/theory/joint.md`).
+//! A second-order factor 1/(b₂ (s/ω₀)^α₂ + b₁ (s/ω₀)^α₁ + 1), b₂ = (ω₀/ω)^α₂, b₁ = 2ζ (ω₀/ω)^α₁, with ω₀ at
+//! twice the fastest frequency of the drive. For a resonance beyond the band of the records the output is
+//! nearly linear in b₂ and b₁, while natural frequency and damping compensate for each other and for the
+//! orders along a curved valley. The optimum is the same, in fewer evaluations (`docs/theory/joint.md`).
 
 use super::super::engine::{Engine, Search, Show, quick, rough};
 use super::super::layout::Role;
@@ -77,7 +77,7 @@ impl<'p> Normalised<'p> {
         if !one_resonance || factors.is_empty() {
             return None;
         }
-        let at_hz = problem.inside_hz();
+        let at_hz = problem.normalisation_hz();
         let mut bounds = problem.bounds().clone();
         for factor in &factors {
             let ranges = &problem.bounds().ranges;

@@ -51,7 +51,7 @@ pub(in super::super) struct JointProblem {
     bounds: Bounds,
     identity: String,
     /// Normalisation frequency of the dynamics \[Hz\].
-    inside_hz: f64,
+    normalisation_hz: f64,
     stop: Stop,
     best: Mutex<Option<Evaluated>>,
 }
@@ -121,7 +121,7 @@ impl JointProblem {
             place(*role, SearchedNumber::Memory(record));
         }
         let shaped = layout.shape.iter().map(|role| matches!(role, Role::Searched(_))).collect();
-        let (inside_hz, stop, best) = (1.0, Stop::new(), Mutex::default());
+        let (normalisation_hz, stop, best) = (1.0, Stop::new(), Mutex::default());
         Self {
             records,
             at,
@@ -132,15 +132,15 @@ impl JointProblem {
             shaped,
             bounds,
             identity,
-            inside_hz,
+            normalisation_hz,
             stop,
             best,
         }
     }
 
-    /// This problem with `inside_hz` as the normalisation frequency of the dynamics \[Hz\].
-    pub(super) fn with_inside(self, inside_hz: f64) -> Self {
-        Self { inside_hz, ..self }
+    /// This problem with `normalisation_hz` as the normalisation frequency of the dynamics \[Hz\].
+    pub(super) fn normalised_at(self, normalisation_hz: f64) -> Self {
+        Self { normalisation_hz, ..self }
     }
 
     /// This problem with `stop` as its stop signal, which ends an evaluation early.
@@ -220,8 +220,8 @@ impl JointProblem {
     }
 
     /// Normalisation frequency of the dynamics \[Hz\].
-    pub(super) fn inside_hz(&self) -> f64 {
-        self.inside_hz
+    pub(super) fn normalisation_hz(&self) -> f64 {
+        self.normalisation_hz
     }
 
     pub(in super::super) fn records(&self) -> &[JointRecord] {

@@ -24,7 +24,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 const FAR_DELAY_PERIODS: f64 = 1.6;
 
 /// Normalisation frequency of the dynamics' coefficients, over the fastest frequency of the drive.
-const INSIDE: f64 = 2.0;
+const NORMALISATION: f64 = 2.0;
 
 /// Data and options from which a joint problem of any degree is built.
 #[derive(Clone)]
@@ -146,7 +146,7 @@ impl<'a> JointSetup<'a> {
             self.options.scheme(),
         );
         let problem = JointProblem::new(records, (self.hysteresis, self.form), layout, bounds, identity);
-        Ok(problem.with_inside(INSIDE * self.fastest_hz).stopped_by(&self.stop))
+        Ok(problem.normalised_at(NORMALISATION * self.fastest_hz).stopped_by(&self.stop))
     }
 
     fn prepared(&self, degree: usize, reduced: bool) -> Result<Prepared, IdentifyError> {

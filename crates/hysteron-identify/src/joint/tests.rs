@@ -382,7 +382,7 @@ fn coefficients_and_a_held_memory_are_the_same_fit() {
     ] {
         let records = records(Scheme::BandLimited, false, before, 1);
         let family = (three_plays(), &shape[..], &[Role::Projected; 3][..]);
-        let problem = of_family(family, form, records, [true, false]).with_inside(40.0);
+        let problem = of_family(family, form, records, [true, false]).normalised_at(40.0);
         let normalised = Normalised::new(&problem).unwrap();
         let x = [numbers, &[0.0034, 2.7431]].concat();
         let point = normalised.coefficients(&x);
