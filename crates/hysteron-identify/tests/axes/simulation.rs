@@ -113,3 +113,27 @@ fn the_level_of_a_record_is_that_of_its_drive() {
     assert!((steady.level - 0.4).abs() < 1e-9 && steady.samples() == PERIOD);
     assert!((steady.offset[0] - 3.0).abs() < 0.01);
 }
+
+#[test]
+fn a_drive_that_leaves_its_period_is_followed_from_the_steady_state() {
+    let mut device = device();
+    // The level at the beginning is that of one period here, of many there.
+    device.level.time_constant_s = 1e9;
+    let period = drive(LOW, 9);
+    let other = drive(HIGH, 11);
+    let parts = |settling: usize| -> Vec<Vec<f64>> {
+        let each = period.iter().zip(&other);
+        each.map(|(period, other)| [period.repeat(settling), other.clone()].concat()).collect()
+    };
+    let found = device.simulate(&parts(2), RATE, InterSample::BandLimited, Some(PERIOD)).unwrap();
+    // The reference settles under twenty periods of the same drive.
+    let expected = device.simulate_after(&parts(20), RATE, InterSample::BandLimited, LOW).unwrap();
+    for (found, expected) in found.iter().zip(&expected) {
+        let expected = &expected[18 * PERIOD..];
+        let largest = expected.iter().fold(0.0, |m: f64, y| m.max(y.abs()));
+        let error = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        println!("{:.1e}", error / largest);
+        assert!(error < 1e-4 * largest, "{error} of {largest}");
+        assert!(rms(&found[2 * PERIOD..]) > 1.5 * rms(&found[..PERIOD]));
+    }
+}

@@ -62,9 +62,7 @@ impl SteadyPeriod {
             }
         }
         match found {
-            Some((samples, settling, count))
-                if record.u.iter().all(|u| similarity(u, samples) >= REPEATS) =>
-            {
+            Some((samples, settling, count)) if record.u.iter().all(|u| repeats(u, samples)) => {
                 Self::mean(record, samples, settling, count)
             }
             _ if whole => Self::mean(record, record.len(), 0, 1),
@@ -157,6 +155,11 @@ pub(crate) fn level(u: &[f64], channels: usize) -> f64 {
 }
 
 /// 2Σ x_k x_(k+P) / Σ (x_k² + x_(k+P)²), mean removed; 1 for a constant.
+/// True if `x` repeats after this number of samples, to its noise.
+pub(super) fn repeats(x: &[f64], period: usize) -> bool {
+    similarity(x, period) >= REPEATS
+}
+
 fn similarity(x: &[f64], period: usize) -> f64 {
     let mean = x.iter().sum::<f64>() / x.len().max(1) as f64;
     let (mut product, mut power) = (0.0, 0.0);

@@ -1,7 +1,7 @@
 //! Simulation, step by step.
 
 use super::{AtLevel, ScheduledModes, Streaming};
-use crate::axes::steady::level;
+use crate::axes::steady::{level, repeats};
 use crate::axes::{AxesError, SteadyPeriod};
 use crate::hysteresis::RecordEnds;
 use crate::record::InterSample;
@@ -196,6 +196,11 @@ impl ScheduledModes {
     /// # Errors
     /// [`AxesError::RunsAway`], [`AxesError::NotSettled`].
     pub fn simulate_period(&self, u: &[f64]) -> Result<Vec<f64>, AxesError> {
+        Ok(self.settled(u)?.1)
+    }
+
+    /// [`Self::simulate_period`], and the state at the beginning of the period.
+    fn settled(&self, u: &[f64]) -> Result<(Runner<'_>, Vec<f64>), AxesError> {
         let fine = upsampled(u, self.inputs, self.steps, InterSample::BandLimited, RecordEnds::Periodic)?;
         let s = self.level.state(level(u, self.inputs));
         let count = fine.len() / self.inputs;
@@ -204,7 +209,7 @@ impl ScheduledModes {
         runner.preroll(&fine, settle * count);
         let mut last = runner.period(&fine).ok_or(AxesError::RunsAway)?;
         if self.feedback.is_none() {
-            return Ok(last);
+            return Ok((runner, last));
         }
         // The hysteresis may settle more slowly than the modes.
         let mut change = f64::INFINITY;
@@ -214,18 +219,19 @@ impl ScheduledModes {
             change = y.iter().zip(&last).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt() / size;
             // Without motion there is nothing to settle.
             if change <= SETTLED || size == 0.0 {
-                return Ok(y);
+                return Ok((runner, y));
             }
             last = y;
         }
         Err(AxesError::NotSettled { periods: settle + MOST_PERIODS, change })
     }
 
-    /// Outputs for the samples of each input, one list per output: the steady state under the first `settled`
-    /// samples where given; else from the steady state under the inputs of the first sample.
+    /// Outputs for the samples of each input, one list per output: from the steady state under the first
+    /// `settled` samples where given; else from the steady state under the inputs of the first sample.
     ///
-    /// In a steady state S is that of the first period; from rest it follows the running rms of the drive
-    /// ([`super::LevelTracker`]), from that of the first second on.
+    /// While the drive repeats these samples to its noise, so do the outputs, and S is that of one period;
+    /// otherwise S follows the running rms of the drive ([`super::LevelTracker`]), from that of the period, or
+    /// from rest of the first second, on.
     ///
     /// # Errors
     /// [`AxesError::Channels`], [`AxesError::SampleRate`], [`AxesError::Period`], [`AxesError::RunsAway`],
@@ -239,7 +245,7 @@ impl ScheduledModes {
     ) -> Result<Vec<Vec<f64>>, AxesError> {
         let rows = self.rows(u, sample_rate_hz)?;
         let y = match settled {
-            Some(period_samples) => self.simulate_settled(&rows, period_samples)?,
+            Some(period_samples) => self.simulate_settled(&rows, rule, period_samples)?,
             None => {
                 let second = (self.sample_rate_hz as usize).max(1) * self.inputs;
                 let before = level(&rows[..second.min(rows.len())], self.inputs);
@@ -282,24 +288,42 @@ impl ScheduledModes {
         (0..outputs).map(|m| rows.iter().skip(m).step_by(outputs).copied().collect()).collect()
     }
 
-    /// The steady state under the first period, repeated over the record.
-    fn simulate_settled(&self, u: &[f64], period_samples: usize) -> Result<Vec<f64>, AxesError> {
+    /// The steady state under the first period: repeated over the record where the drive repeats, else followed
+    /// by the response to the rest of the record.
+    fn simulate_settled(
+        &self,
+        u: &[f64],
+        rule: InterSample,
+        period_samples: usize,
+    ) -> Result<Vec<f64>, AxesError> {
         let n = self.inputs;
         let samples = u.len() / n;
         if period_samples < 2 || period_samples > samples {
             return Err(AxesError::Period { samples, period_samples });
         }
         let first = &u[..period_samples * n];
-        let y = self.simulate_period(first)?;
-        Ok(y.iter().cycle().take(samples * self.outputs).copied().collect())
+        let (runner, y) = self.settled(first)?;
+        let channel = |i: usize| u.iter().skip(i).step_by(n).copied().collect::<Vec<f64>>();
+        if (0..n).all(|i| repeats(&channel(i), period_samples)) {
+            return Ok(y.iter().cycle().take(samples * self.outputs).copied().collect());
+        }
+        // The period before keeps the interpolation from beginning at the first sample.
+        let fine = upsampled(&[first, u].concat(), n, self.steps, rule, RecordEnds::Open)?;
+        let record = &fine[period_samples * self.steps * n..];
+        self.follow(Streaming::from(runner, &u[..n], level(first, n)), record, samples)
     }
 
     fn simulate_from_rest(&self, u: &[f64], rule: InterSample, before: f64) -> Result<Vec<f64>, AxesError> {
         let n = self.inputs;
         let first = u.get(..n).unwrap_or(&[]);
         let fine = upsampled(u, n, self.steps, rule, RecordEnds::Open)?;
-        let mut stream = Streaming::new(self, first, before);
-        let mut y = vec![0.0; u.len() / n * self.outputs];
+        self.follow(Streaming::new(self, first, before), &fine, u.len() / n)
+    }
+
+    /// Outputs under inputs given at every step from the first sample to the last.
+    fn follow(&self, mut stream: Streaming<'_>, fine: &[f64], samples: usize) -> Result<Vec<f64>, AxesError> {
+        let n = self.inputs;
+        let mut y = vec![0.0; samples * self.outputs];
         for (k, row) in y.chunks_exact_mut(self.outputs).enumerate() {
             let from = if k == 0 { 0 } else { (k - 1) * self.steps + 1 };
             stream.follow(&fine[from * n..(k * self.steps + 1) * n], row);

@@ -19,6 +19,12 @@ impl<'m> Streaming<'m> {
         let s = model.level.state(level);
         let mut runner = Runner::new(model, s);
         runner.settle(u, s);
+        Self::from(runner, u, level)
+    }
+
+    /// From the state of `runner`, with the inputs `u` next, after a drive of rms `level` \[V\].
+    pub(super) fn from(runner: Runner<'m>, u: &[f64], level: f64) -> Self {
+        let model = runner.model;
         let tracker = LevelTracker::new(&model.level, model.sample_rate_hz, u, level);
         Self {
             runner,
