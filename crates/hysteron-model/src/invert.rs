@@ -1,10 +1,10 @@
 //! Feedforward: the drive that makes a model's output follow a reference known ahead.
 //!
-//! The DAC of a controller is a zero-order hold. The output v of rate-independent hysteresis, the input of the
-//! linear part, is then held as well; of families that depend on rate or time, each step of the voltage counts
-//! as one move over a period, after which v is held. The reference passes the inverse model: the regularised inverse of the dynamics under a zero-order hold
-//! ([`crate::dynamics::Inverse`]: delay, hold and creep included, non-causal), then the inverse hysteresis,
-//! exact in one step ([`Hysteresis::follow`]).
+//! The DAC of a controller is a zero-order hold. The output v of rate-independent hysteresis, the input of
+//! the linear part, is then held as well; of families that depend on rate or time, each step of the voltage
+//! counts as one move over a period, after which v is held. The reference passes the inverse model: the
+//! regularised inverse of the dynamics under a zero-order hold ([`crate::dynamics::Inverse`]: delay, hold
+//! and creep included, non-causal), then the inverse hysteresis, exact in one step ([`Hysteresis::follow`]).
 //!
 //! [`Hysteresis::follow`]: crate::hysteresis::Hysteresis::follow
 

@@ -43,7 +43,7 @@ pub struct ResonanceBank {
     readings: Stretch,
 }
 
-/// What is propagated besides x along straight inputs.
+/// Optional parts of the propagation; x under straight inputs is always there.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Propagated {
     /// ∂x/∂p.

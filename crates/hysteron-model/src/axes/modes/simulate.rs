@@ -245,7 +245,7 @@ impl ScheduledModes {
     ) -> Result<Vec<Vec<f64>>, AxesError> {
         let rows = self.rows(u, sample_rate_hz)?;
         let y = match settled {
-            Some(period_samples) => self.simulate_settled(&rows, rule, period_samples)?,
+            Some(period_samples) => self.simulate_settled(u, &rows, rule, period_samples)?,
             None => {
                 let second = (self.sample_rate_hz as usize).max(1) * self.inputs;
                 let before = level(&rows[..second.min(rows.len())], self.inputs);
@@ -289,9 +289,10 @@ impl ScheduledModes {
     }
 
     /// The steady state under the first period: repeated over the record where the drive repeats, else followed
-    /// by the response to the rest of the record.
+    /// by the response to the rest of the record. `u`: the `channels` of the inputs, interleaved.
     fn simulate_settled(
         &self,
+        channels: &[Vec<f64>],
         u: &[f64],
         rule: InterSample,
         period_samples: usize,
@@ -303,8 +304,7 @@ impl ScheduledModes {
         }
         let first = &u[..period_samples * n];
         let (runner, y) = self.settled(first)?;
-        let channel = |i: usize| u.iter().skip(i).step_by(n).copied().collect::<Vec<f64>>();
-        if (0..n).all(|i| repeats(&channel(i), period_samples)) {
+        if channels.iter().all(|channel| repeats(channel, period_samples)) {
             return Ok(y.iter().cycle().take(samples * self.outputs).copied().collect());
         }
         // The period before keeps the interpolation from beginning at the first sample.
