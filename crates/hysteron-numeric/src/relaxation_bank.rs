@@ -1,9 +1,9 @@
 //! A bank of relaxations for each of several piecewise quadratic inputs, advanced together.
 //!
 //! ξ' = λ (u − ξ) with u = u₀ + s t + c t². The states are η = ξ − u, for which η(t) = η₀ − g η₀ − γ s t − κ c
-//! t², x = λt, g = 1 − e⁻ˣ, γ = g/x, κ = 2 (1 − γ)/x: one exponential per relaxation and step, whatever the
-//! step's length and the number of inputs. Where x is small for a whole row of relaxations, a few terms of the
-//! series of g are enough.
+//! t², x = λt, g = 1 − e⁻ˣ, γ = g/x, κ = 2 (1 − γ)/x, whatever the step's length and the number of inputs. The
+//! rates are a half octave apart, so that all but the first of a chain follow without an exponential:
+//! g(2x) = g (2 − g), γ(2x) = γ (1 − g/2), κ(2x) = (κ + γ²)/2.
 
 use super::dispatch::{InstructionSet, bank_advance, bank_read};
 use super::elementary::exp_m1;
@@ -11,6 +11,9 @@ use super::inner_product::inner_product_kernel;
 
 /// Lengths that differ by less than this share count as equal: the effect of rounding.
 const EQUAL: f64 = 1e-8;
+
+/// States decay towards this, far below any signal, instead of through the subnormal numbers, which are slow.
+pub(super) const LEVEL: f64 = 1e-280;
 
 /// Inputs side by side in vector code.
 pub const ABREAST: usize = 8;
@@ -61,14 +64,14 @@ pub struct RelaxationBank {
     reading: Gains,
 }
 
-/// λₖ, a row at a time.
+/// λₖ = λ₀ 2^(k/2) in rows, each of twice the rates of the one before.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Rates {
-    of: Vec<[f64; LANES]>,
-    /// 1/λₖ.
-    times: Vec<[f64; LANES]>,
-    /// Largest of each row.
-    fastest: Vec<f64>,
+    /// The first row.
+    of: [f64; LANES],
+    /// 1/λ of the first row.
+    times: [f64; LANES],
+    rows: usize,
 }
 
 /// gₖ, γₖ and, for bent inputs, κₖ of one length, kept for the next one of that length.
@@ -81,8 +84,17 @@ struct Gains {
     of_bend: Vec<[f64; LANES]>,
 }
 
-/// Relaxations in a row: much shorter loops are not vectorised.
-const LANES: usize = 32;
+/// Relaxations in a row: [`PER_OCTAVE`] to each of eight octaves.
+const LANES: usize = 16;
+
+/// Relaxations per octave of the rates λₖ = λ₀ 2^(k/2).
+pub const PER_OCTAVE: usize = 2;
+
+/// The row and the place in it of relaxation k. A column holds every second one of 2 · `rows` successive ones.
+fn place(k: usize, rows: usize) -> (usize, usize) {
+    let (column, in_column) = (k / (PER_OCTAVE * rows), k % (PER_OCTAVE * rows));
+    (in_column / PER_OCTAVE, (in_column % PER_OCTAVE) * (LANES / PER_OCTAVE) + column)
+}
 
 impl Default for Gains {
     fn default() -> Self {
@@ -106,16 +118,35 @@ impl Gains {
             return;
         }
         (self.length_s, self.bent) = (length_s, !straight);
+        let [mut x, mut g, mut of_slope, mut of_bend] = [[0.0; LANES]; 4];
         let per_s = 1.0 / length_s;
-        let each = rates.of.iter().zip(&rates.times).zip(&rates.fastest);
-        let each = each.zip(&mut self.of_state).zip(&mut self.of_slope).zip(&mut self.of_bend);
-        for (((((rates, times), fastest), g), of_slope), of_bend) in each {
-            gains(rates, fastest * length_s, length_s, g);
-            for i in 0..LANES {
-                of_slope[i] = g[i] * (times[i] * per_s);
+        for i in 0..LANES {
+            x[i] = rates.of[i] * length_s;
+            g[i] = -exp_m1(-x[i]);
+            of_slope[i] = g[i] * (rates.times[i] * per_s);
+        }
+        if straight {
+            for (to_state, to_slope) in self.of_state.iter_mut().zip(&mut self.of_slope) {
+                (*to_state, *to_slope) = (g, of_slope);
+                for i in 0..LANES {
+                    of_slope[i] -= of_slope[i] * (0.5 * g[i]);
+                    g[i] *= 2.0 - g[i];
+                }
             }
-            if !straight {
-                gains_of_bend(rates, times, fastest * length_s, length_s, of_slope, of_bend);
+            return;
+        }
+        for i in 0..LANES {
+            let series = OF_BEND.iter().fold(0.0, |sum, coefficient| sum * x[i] + coefficient);
+            let closed = (1.0 - of_slope[i]) * (2.0 * (rates.times[i] * per_s));
+            of_bend[i] = if x[i] > SLOW { closed } else { series };
+        }
+        let rows = self.of_state.iter_mut().zip(&mut self.of_slope).zip(&mut self.of_bend);
+        for ((to_state, to_slope), to_bend) in rows {
+            (*to_state, *to_slope, *to_bend) = (g, of_slope, of_bend);
+            for i in 0..LANES {
+                of_bend[i] = 0.5 * (of_bend[i] + of_slope[i] * of_slope[i]);
+                of_slope[i] -= of_slope[i] * (0.5 * g[i]);
+                g[i] *= 2.0 - g[i];
             }
         }
     }
@@ -139,8 +170,15 @@ pub struct BankWeights {
 impl BankWeights {
     /// Sets the weights of ξₖ. Keeps its buffer.
     pub fn set(&mut self, states: &[f64]) {
-        in_lanes(states.iter().copied(), &mut self.states);
-        self.ahead.resize(self.states.len(), [0.0; LANES]);
+        let rows = states.len().div_ceil(LANES);
+        for weights in [&mut self.states, &mut self.ahead] {
+            weights.clear();
+            weights.resize(rows, [0.0; LANES]);
+        }
+        for (k, weight) in states.iter().enumerate() {
+            let (row, lane) = place(k, rows);
+            self.states[row][lane] = *weight;
+        }
         self.total = states.iter().sum();
         self.is_zero = states.iter().all(|w| *w == 0.0);
         (self.length_s, self.bent) = (f64::NAN, false);
@@ -157,34 +195,31 @@ impl BankWeights {
             return;
         }
         (self.length_s, self.bent) = (gains.length_s, gains.bent);
-        let [mut of_slope, mut of_bend] = [[0.0; LANES]; 2];
-        let each = self.states.iter().zip(&mut self.ahead);
-        let each = each.zip(&gains.of_state).zip(&gains.of_slope).zip(&gains.of_bend);
-        for ((((weights, ahead), g), slope), bend) in each {
-            for i in 0..LANES {
-                ahead[i] = weights[i] - weights[i] * g[i];
-                of_slope[i] += weights[i] * slope[i];
-            }
-            if gains.bent {
-                for i in 0..LANES {
-                    of_bend[i] += weights[i] * bend[i];
-                }
-            }
+        let states = self.states.as_flattened();
+        for (ahead, (weight, g)) in
+            self.ahead.as_flattened_mut().iter_mut().zip(states.iter().zip(gains.of_state.as_flattened()))
+        {
+            *ahead = weight - weight * g;
         }
-        (self.of_slope, self.of_bend) = (total(of_slope), total(of_bend));
+        self.of_slope = inner_product_kernel(states, gains.of_slope.as_flattened());
+        if gains.bent {
+            self.of_bend = inner_product_kernel(states, gains.of_bend.as_flattened());
+        }
     }
 }
 
 impl RelaxationBank {
-    /// Sets the rates λₖ > 0 \[rad/s\], best in ascending order, and rest at 0 for this number of inputs.
-    /// Keeps its buffers.
-    pub fn reset(&mut self, rates: &[f64], inputs: usize) {
-        let Rates { of, times, fastest } = &mut self.rates;
-        in_lanes(rates.iter().copied(), of);
-        in_lanes(rates.iter().map(|rate| 1.0 / rate), times);
-        fastest.clear();
-        fastest.extend(of.iter().map(|rates| rates.iter().copied().fold(0.0, f64::max)));
-        let rows = of.len();
+    /// Sets `count` rates λₖ = λ₀ 2^(k/2), λ₀ = `slowest` > 0 \[rad/s\], and rest at 0 for this number of
+    /// inputs. Keeps its buffers.
+    pub fn reset(&mut self, slowest: f64, count: usize, inputs: usize) {
+        let rows = count.div_ceil(LANES);
+        self.rates.rows = rows;
+        for k in 0..LANES * rows {
+            if let (0, lane) = place(k, rows) {
+                self.rates.of[lane] = slowest * (k as f64 / PER_OCTAVE as f64).exp2();
+                self.rates.times[lane] = 1.0 / self.rates.of[lane];
+            }
+        }
         self.states.clear();
         self.states.resize(rows * inputs, [0.0; LANES]);
         self.inputs.clear();
@@ -195,7 +230,7 @@ impl RelaxationBank {
 
     /// Begins the parabola of each input; the inputs may jump there.
     pub fn begin(&mut self, inputs: &Parabolas) {
-        let rows = self.rates.of.len();
+        let rows = self.rates.rows;
         if rows == 0 {
             return;
         }
@@ -212,7 +247,7 @@ impl RelaxationBank {
     /// Advances the states along the parabola of each input, which has begun, to its end after `length_s`
     /// \[s\].
     pub fn advance(&mut self, set: InstructionSet, inputs: &Parabolas, length_s: f64) {
-        if !self.rates.of.is_empty() {
+        if self.rates.rows > 0 {
             bank_advance(set, self, inputs, length_s);
             self.inputs.iter_mut().zip(inputs.to.as_flattened()).for_each(|(input, to)| *input = *to);
         }
@@ -229,39 +264,27 @@ impl RelaxationBank {
         weights: &mut [BankWeights],
         sums: &mut [Abreast],
     ) {
-        if !self.rates.of.is_empty() {
+        if self.rates.rows > 0 {
             bank_read(set, self, inputs, length_s, weights, sums);
         }
     }
-}
-
-/// [`LANES`] at a time, padded with 0 at the front, so that fast ones are together.
-fn in_lanes(numbers: impl ExactSizeIterator<Item = f64>, into: &mut Vec<[f64; LANES]>) {
-    into.clear();
-    into.resize(numbers.len().div_ceil(LANES), [0.0; LANES]);
-    let places = into.as_flattened_mut();
-    let first = places.len() - numbers.len();
-    places.iter_mut().skip(first).zip(numbers).for_each(|(place, number)| *place = number);
 }
 
 #[inline(always)]
 pub(super) fn bank_advance_kernel(bank: &mut RelaxationBank, inputs: &Parabolas, length_s: f64) {
     let RelaxationBank { rates, states, step, .. } = bank;
     step.set(rates, inputs.straight, length_s);
-    for (states, (_, slope, bend)) in states.chunks_exact_mut(rates.of.len()).zip(inputs.each()) {
-        let [change, curve] = [slope * length_s, bend * (length_s * length_s)];
-        let rows = states.iter_mut().zip(&step.of_state).zip(&step.of_slope).zip(&step.of_bend);
+    for (states, (_, slope, bend)) in states.chunks_exact_mut(rates.rows).zip(inputs.each()) {
+        let [change, curve] = [slope * length_s + LEVEL, bend * (length_s * length_s)];
+        let states = states.as_flattened_mut().iter_mut();
+        let gains = step.of_state.as_flattened().iter().zip(step.of_slope.as_flattened());
         if inputs.straight {
-            for (((states, g), of_slope), _) in rows {
-                for i in 0..LANES {
-                    states[i] -= g[i] * states[i] + of_slope[i] * change;
-                }
+            for (state, (g, of_slope)) in states.zip(gains) {
+                *state -= g * *state + of_slope * change;
             }
         } else {
-            for (((states, g), of_slope), of_bend) in rows {
-                for i in 0..LANES {
-                    states[i] -= (g[i] * states[i] + of_slope[i] * change) + of_bend[i] * curve;
-                }
+            for (state, ((g, of_slope), of_bend)) in states.zip(gains.zip(step.of_bend.as_flattened())) {
+                *state -= (g * *state + of_slope * change) + of_bend * curve;
             }
         }
     }
@@ -279,11 +302,14 @@ pub(super) fn bank_read_kernel(
     let is_ahead = length_s > 0.0;
     if is_ahead {
         reading.set(rates, inputs.straight, length_s);
-        weights.iter_mut().for_each(|weights| weights.look_ahead(reading));
+        // A closure would not be compiled for the instruction set.
+        for weights in &mut *weights {
+            weights.look_ahead(reading);
+        }
     }
     let width = ABREAST * inputs.from.len();
     let sums = sums.as_flattened_mut();
-    let each = states.chunks_exact(rates.of.len()).zip(inputs.each());
+    let each = states.chunks_exact(rates.rows).zip(inputs.each());
     for (input, (states, (from, slope, bend))) in each.enumerate() {
         let [change, curve] = [slope * length_s, bend * (length_s * length_s)];
         let now = from + (change + curve);
@@ -301,48 +327,6 @@ pub(super) fn bank_read_kernel(
                     *sum -= weights.of_bend * curve;
                 }
             }
-        }
-    }
-}
-
-#[inline(always)]
-fn total(sums: [f64; LANES]) -> f64 {
-    let mut eighths = [0.0; 8];
-    for row in sums.chunks_exact(8) {
-        eighths.iter_mut().zip(row).for_each(|(sum, of)| *sum += of);
-    }
-    total_of_eight(eighths)
-}
-
-#[inline(always)]
-fn total_of_eight([a, b, c, d, e, f, g, h]: [f64; 8]) -> f64 {
-    // In halves, as vectors are added.
-    ((a + e) + (c + g)) + ((b + f) + (d + h))
-}
-
-/// Up to this x two more terms of 1 − e⁻ˣ = x − x²/2 + … are enough, and up to the other one six.
-const TINY: f64 = 1e-5;
-const SMALL: f64 = 0.015_625;
-
-/// g of a row of rates, the largest of which gives x = `largest`.
-#[inline(always)]
-fn gains(rates: &[f64; LANES], largest: f64, length_s: f64, g: &mut [f64; LANES]) {
-    if largest <= TINY {
-        for (g, rate) in g.iter_mut().zip(rates) {
-            let x = rate * length_s;
-            *g = x - x * x * (1.0 / 2.0 - x * (1.0 / 6.0));
-        }
-    } else if largest <= SMALL {
-        for (g, rate) in g.iter_mut().zip(rates) {
-            let x = rate * length_s;
-            let x2 = x * x;
-            let rest = (1.0 / 2.0 - x * (1.0 / 6.0))
-                + ((1.0 / 24.0 - x * (1.0 / 120.0)) + (1.0 / 720.0 - x * (1.0 / 5040.0)) * x2) * x2;
-            *g = x - x2 * rest;
-        }
-    } else {
-        for (g, rate) in g.iter_mut().zip(rates) {
-            *g = -exp_m1(-(rate * length_s));
         }
     }
 }
@@ -366,36 +350,6 @@ const OF_BEND: [f64; 12] = [
     1.0,
 ];
 
-/// κ of a row of rates, the largest of which gives x = `largest`.
-#[inline(always)]
-fn gains_of_bend(
-    rates: &[f64; LANES],
-    times: &[f64; LANES],
-    largest: f64,
-    length_s: f64,
-    of_slope: &[f64; LANES],
-    of_bend: &mut [f64; LANES],
-) {
-    if largest <= SMALL {
-        for (of_bend, rate) in of_bend.iter_mut().zip(rates) {
-            let x = rate * length_s;
-            *of_bend = OF_BEND[6..].iter().fold(0.0, |sum, coefficient| sum * x + coefficient);
-        }
-        return;
-    }
-    for (of_bend, rate) in of_bend.iter_mut().zip(rates) {
-        let x = rate * length_s;
-        *of_bend = OF_BEND.iter().fold(0.0, |sum, coefficient| sum * x + coefficient);
-    }
-    if largest > SLOW {
-        let per_s = 2.0 / length_s;
-        for i in 0..LANES {
-            let closed = (1.0 - of_slope[i]) * (times[i] * per_s);
-            of_bend[i] = if rates[i] * length_s > SLOW { closed } else { of_bend[i] };
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -414,8 +368,10 @@ mod tests {
         }
     }
 
+    const SLOWEST: f64 = 1e-4;
+
     fn rates() -> Vec<f64> {
-        (0..53).map(|k| 1e-4 * (0.4 * f64::from(k)).exp()).collect()
+        (0..61).map(|k| SLOWEST * 2.0_f64.powf(0.5 * f64::from(k))).collect()
     }
 
     /// The second input is the first one, doubled and turned over.
@@ -454,7 +410,7 @@ mod tests {
         let mut same: Option<Vec<f64>> = None;
         for set in InstructionSet::available() {
             let mut bank = RelaxationBank::default();
-            bank.reset(&rates, 2);
+            bank.reset(SLOWEST, rates.len(), 2);
             let mut states = vec![0.0; rates.len()];
             let mut all = Vec::new();
             for k in 0..3000_i32 {
@@ -491,12 +447,21 @@ mod tests {
 
     #[test]
     fn gains_keep_their_digits_however_small() {
-        for k in 0..4000_i32 {
-            let x = 10_f64.powf(-18.0 + 0.005 * f64::from(k));
-            let mut g = [0.0; LANES];
-            gains(&[x; LANES], x, 1.0, &mut g);
-            let expected = -(-x).exp_m1();
-            assert!((g[0] / expected - 1.0).abs() < 4.0 * f64::EPSILON, "{x:e}: {:e}", g[0]);
+        let rates = rates();
+        let mut bank = RelaxationBank::default();
+        bank.reset(SLOWEST, rates.len(), 1);
+        for k in 0..1600_i32 {
+            let length_s = 10_f64.powf(-14.0 + 0.01 * f64::from(k));
+            bank.step.set(&bank.rates, false, length_s);
+            for (k, rate) in rates.iter().enumerate() {
+                let (row, lane) = place(k, bank.rates.rows);
+                let x = rate * length_s;
+                let g = -(-x).exp_m1();
+                let found = [bank.step.of_state[row][lane], bank.step.of_slope[row][lane]];
+                for (found, expected) in found.into_iter().zip([g, g / x]) {
+                    assert!((found / expected - 1.0).abs() < 16.0 * f64::EPSILON, "{x:e}: {found:e}");
+                }
+            }
         }
     }
 }

@@ -9,7 +9,7 @@
 use super::Complex64;
 use super::complex_exponential::exponentials_less_one;
 use super::dispatch::{InstructionSet, propagators, resonances_advance, resonances_read};
-use super::relaxation_bank::{ABREAST, Abreast, Parabolas};
+use super::relaxation_bank::{ABREAST, Abreast, LEVEL, Parabolas};
 
 /// Lengths whose propagators are computed together.
 const STRETCH: usize = 64;
@@ -212,7 +212,8 @@ pub(super) fn propagators_kernel(
 fn at_end(state: &State, by: &Propagator, inputs: &Parabolas, row: usize, derivatives: bool) -> State {
     let [m, a, b, e, m_moved, a_moved, b_moved, e_moved] = by;
     let State { x: [re, im], moved: [moved_re, moved_im] } = state;
-    let (from, slope, bend) = (&inputs.from[row], &inputs.slope[row], &inputs.bend[row]);
+    let (from, slope, bend) =
+        (inputs.from[row].map(|from| from + LEVEL), &inputs.slope[row], &inputs.bend[row]);
     let mut end = *state;
     for i in 0..ABREAST {
         end.x[0][i] = re[i] + ((m.re * re[i] - m.im * im[i]) + (a.re * from[i] + b.re * slope[i]));

@@ -321,7 +321,7 @@ impl StampedPlan {
             weights.set(&readout.relaxations);
         }
         let rates = if weights.iter().all(BankWeights::is_zero) { &[] } else { &self.fit.rates[..] };
-        relaxations.reset(rates, inputs.len());
+        relaxations.reset(rates.first().copied().unwrap_or(1.0), rates.len(), inputs.len());
         let of_poles: Vec<&[_]> = readouts.iter().map(|readout| &readout.resonances[..]).collect();
         let propagated = Propagated {
             derivatives: of_poles.iter().copied().flatten().any(|(_, of_moved)| *of_moved != Complex64::ZERO),

@@ -7,12 +7,10 @@ use nalgebra::{DMatrix, DVector};
 use super::super::{DynamicsError, TransferFunction};
 use super::Tangents;
 use super::resonant_poles::ResonantPole;
-use hysteron_numeric::Complex64;
+use hysteron_numeric::{Complex64, PER_OCTAVE};
 
-/// Distance of neighbouring rates in ln λ. A single relaxation between two of them is followed to about
-/// e^(−π²/2h) = 5e-6 of its size, the smooth density of a branch cut to 2e-7.
-const SPACING: f64 = 0.4;
-/// The rates reach from this over the duration to this over the shortest step.
+/// The rates reach from this over the duration to this over the shortest step, h = ½ ln 2 apart in ln λ. A
+/// single relaxation between two of them is followed to about e^(−π²/2h) = 7e-7 of its size.
 const RATES: (f64, f64) = (0.02, 60.0);
 /// So do the angular frequencies of the fit.
 const FREQUENCIES: (f64, f64) = (0.1, 4.0 * PI);
@@ -49,7 +47,8 @@ impl RelaxationFit {
     pub fn new(duration_s: f64, shortest_step_s: f64) -> Result<Self, DynamicsError> {
         let between = |(low, high): (f64, f64)| (low / duration_s, high / shortest_step_s);
         let (slowest, fastest) = between(RATES);
-        let rates = spread(slowest, fastest, ((fastest / slowest).ln() / SPACING).ceil() as usize);
+        let count = (PER_OCTAVE as f64 * (fastest / slowest).log2()).ceil() as usize;
+        let rates: Vec<f64> = (0..=count).map(|k| slowest * (k as f64 / PER_OCTAVE as f64).exp2()).collect();
         let (lowest, highest) = between(FREQUENCIES);
         let decades = (highest / lowest).log10();
         let omegas = spread(lowest, highest, (decades * PER_DECADE as f64).ceil() as usize);
