@@ -393,7 +393,7 @@ fn delayed(knots_s: &[f64], v: &[f64], wanted_s: &[f64], delay_s: f64, hold: boo
         }
         match (knots_s.get(at), v.get(at), knots_s.get(at + 1), v.get(at + 1)) {
             (Some(&from), Some(_), ..) if time < from => 0.0,
-            (Some(&from), Some(&a), Some(&to), Some(&b)) if !hold && to > from => {
+            (Some(&from), Some(&a), Some(&to), Some(&b)) if !hold && to > from && time > from => {
                 a + (b - a) * (time - from) / (to - from)
             }
             (_, a, ..) => a.copied().unwrap_or(0.0),

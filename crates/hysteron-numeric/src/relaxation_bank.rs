@@ -12,9 +12,6 @@ use super::inner_product::inner_product_kernel;
 /// Lengths that differ by less than this share count as equal: the effect of rounding.
 const EQUAL: f64 = 1e-8;
 
-/// States decay towards this, far below any signal, instead of through the subnormal numbers, which are slow.
-pub(super) const LEVEL: f64 = 1e-280;
-
 /// Inputs side by side in vector code.
 pub const ABREAST: usize = 8;
 
@@ -34,16 +31,30 @@ pub struct Parabolas {
     pub to: Vec<Abreast>,
     /// True if every c is 0, so that it is not used.
     pub straight: bool,
+    /// Far below any signal: states decay towards it instead of through the subnormal numbers, which are slow.
+    pub(super) level: Vec<Abreast>,
 }
+
+/// [`Parabolas::level`] as a share of the last u that is not 0.
+const LEVEL: f64 = 1e-280;
 
 impl Parabolas {
     /// Zeros for this number of inputs. Keeps its buffers.
     pub fn reset(&mut self, inputs: usize) {
-        for row in [&mut self.from, &mut self.slope, &mut self.bend, &mut self.to] {
+        for row in [&mut self.from, &mut self.slope, &mut self.bend, &mut self.to, &mut self.level] {
             row.clear();
             row.resize(inputs.div_ceil(ABREAST), [0.0; ABREAST]);
         }
         self.straight = true;
+    }
+
+    /// Sets u₀ of all inputs.
+    pub fn begin_at(&mut self, from: &[Abreast]) {
+        self.from.copy_from_slice(from);
+        let levels = self.level.as_flattened_mut().iter_mut();
+        for (level, from) in levels.zip(from.as_flattened()).filter(|(_, from)| **from != 0.0) {
+            *level = from * LEVEL;
+        }
     }
 
     fn each(&self) -> impl Iterator<Item = (f64, f64, f64)> {
@@ -136,9 +147,8 @@ impl Gains {
             return;
         }
         for i in 0..LANES {
-            let series = OF_BEND.iter().fold(0.0, |sum, coefficient| sum * x[i] + coefficient);
             let closed = (1.0 - of_slope[i]) * (2.0 * (rates.times[i] * per_s));
-            of_bend[i] = if x[i] > SLOW { closed } else { series };
+            of_bend[i] = if x[i] > SLOW { closed } else { slow_bend(x[i]) };
         }
         let rows = self.of_state.iter_mut().zip(&mut self.of_slope).zip(&mut self.of_bend);
         for ((to_state, to_slope), to_bend) in rows {
@@ -274,8 +284,9 @@ impl RelaxationBank {
 pub(super) fn bank_advance_kernel(bank: &mut RelaxationBank, inputs: &Parabolas, length_s: f64) {
     let RelaxationBank { rates, states, step, .. } = bank;
     step.set(rates, inputs.straight, length_s);
-    for (states, (_, slope, bend)) in states.chunks_exact_mut(rates.rows).zip(inputs.each()) {
-        let [change, curve] = [slope * length_s + LEVEL, bend * (length_s * length_s)];
+    let each = inputs.each().zip(inputs.level.as_flattened());
+    for (states, ((_, slope, bend), level)) in states.chunks_exact_mut(rates.rows).zip(each) {
+        let [change, curve] = [slope * length_s + level, bend * (length_s * length_s)];
         let states = states.as_flattened_mut().iter_mut();
         let gains = step.of_state.as_flattened().iter().zip(step.of_slope.as_flattened());
         if inputs.straight {
@@ -334,21 +345,34 @@ pub(super) fn bank_read_kernel(
 /// Up to this x the closed form of κ loses digits, and [`OF_BEND`] keeps them.
 const SLOW: f64 = 0.25;
 
-/// Coefficients of κ = 1 − x/3 + x²/12 − …, the last one first: 2 (−1)ᵏ/(k + 2)!.
+/// Coefficients of κ = 1 − x/3 + x²/12 − …: 2 (−1)ᵏ/(k + 2)!.
 const OF_BEND: [f64; 12] = [
-    -1.0 / 3_113_510_400.0,
-    1.0 / 239_500_800.0,
-    -1.0 / 19_958_400.0,
-    1.0 / 1_814_400.0,
-    -1.0 / 181_440.0,
-    1.0 / 20_160.0,
-    -1.0 / 2520.0,
-    1.0 / 360.0,
-    -1.0 / 60.0,
-    1.0 / 12.0,
-    -1.0 / 3.0,
     1.0,
+    -1.0 / 3.0,
+    1.0 / 12.0,
+    -1.0 / 60.0,
+    1.0 / 360.0,
+    -1.0 / 2520.0,
+    1.0 / 20_160.0,
+    -1.0 / 181_440.0,
+    1.0 / 1_814_400.0,
+    -1.0 / 19_958_400.0,
+    1.0 / 239_500_800.0,
+    -1.0 / 3_113_510_400.0,
 ];
+
+/// κ for x ≤ [`SLOW`].
+#[inline(always)]
+fn slow_bend(x: f64) -> f64 {
+    let c = &OF_BEND;
+    let x2 = x * x;
+    let x4 = x2 * x2;
+    // Pairs (Estrin) shorten the dependency chain.
+    let low = (c[0] + c[1] * x) + (c[2] + c[3] * x) * x2;
+    let middle = (c[4] + c[5] * x) + (c[6] + c[7] * x) * x2;
+    let high = (c[8] + c[9] * x) + (c[10] + c[11] * x) * x2;
+    low + (middle + high * x4) * x4
+}
 
 #[cfg(test)]
 mod tests {
@@ -385,6 +409,7 @@ mod tests {
             inputs.to[0][input] = factor * (from + (slope + bend * length_s) * length_s);
         }
         inputs.straight = bend == 0.0;
+        inputs.begin_at(&inputs.from.clone());
         inputs
     }
 
@@ -443,6 +468,18 @@ mod tests {
             assert!(same.as_ref().is_none_or(|same| *same == all), "{set:?} rounds differently");
             same = Some(all);
         }
+    }
+
+    #[test]
+    fn a_long_rest_leaves_no_subnormal_number_behind() {
+        let mut bank = RelaxationBank::default();
+        bank.reset(SLOWEST, rates().len(), 2);
+        let [moving, still] = [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]].map(|line| inputs(line, 1.0));
+        bank.advance(InstructionSet::detected(), &moving, 1.0);
+        for _ in 0..5000 {
+            bank.advance(InstructionSet::detected(), &still, 1.0);
+        }
+        assert!(bank.states.as_flattened().iter().all(|state| state.is_normal()), "{:?}", bank.states);
     }
 
     #[test]

@@ -9,7 +9,7 @@
 use super::Complex64;
 use super::complex_exponential::exponentials_less_one;
 use super::dispatch::{InstructionSet, propagators, resonances_advance, resonances_read};
-use super::relaxation_bank::{ABREAST, Abreast, LEVEL, Parabolas};
+use super::relaxation_bank::{ABREAST, Abreast, Parabolas};
 
 /// Lengths whose propagators are computed together.
 const STRETCH: usize = 64;
@@ -212,8 +212,8 @@ pub(super) fn propagators_kernel(
 fn at_end(state: &State, by: &Propagator, inputs: &Parabolas, row: usize, derivatives: bool) -> State {
     let [m, a, b, e, m_moved, a_moved, b_moved, e_moved] = by;
     let State { x: [re, im], moved: [moved_re, moved_im] } = state;
-    let (from, slope, bend) =
-        (inputs.from[row].map(|from| from + LEVEL), &inputs.slope[row], &inputs.bend[row]);
+    let (slope, bend, level) = (&inputs.slope[row], &inputs.bend[row], &inputs.level[row]);
+    let from: Abreast = std::array::from_fn(|i| inputs.from[row][i] + level[i]);
     let mut end = *state;
     for i in 0..ABREAST {
         end.x[0][i] = re[i] + ((m.re * re[i] - m.im * im[i]) + (a.re * from[i] + b.re * slope[i]));
@@ -367,5 +367,24 @@ mod tests {
             assert!(same.as_ref().is_none_or(|same| *same == all), "{set:?} rounds differently");
             same = Some(all);
         }
+    }
+
+    #[test]
+    fn a_long_rest_leaves_no_subnormal_number_behind() {
+        let mut bank = ResonanceBank::default();
+        bank.reset(&[Complex64::new(-0.3, 2.0)], 1, Propagated { derivatives: true, bends: false });
+        let mut inputs = Parabolas::default();
+        inputs.reset(1);
+        inputs.begin_at(&[[1.0; ABREAST]]);
+        bank.advance(InstructionSet::detected(), &inputs, 0, |_| 1.0);
+        inputs.begin_at(&[[0.0; ABREAST]]);
+        for k in 1..5000 {
+            bank.advance(InstructionSet::detected(), &inputs, k, |_| 1.0);
+        }
+        let State { x, moved } = bank.states[0];
+        assert!(
+            [x, moved].as_flattened().as_flattened().iter().all(|part| part.is_normal()),
+            "{x:?} {moved:?}"
+        );
     }
 }

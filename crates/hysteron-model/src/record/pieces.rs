@@ -47,7 +47,7 @@ impl TimeBase {
                     period_s: 1.0 / sample_rate_hz,
                 }]
             }
-            Self::NonUniform { times_s } => pieces(times_s),
+            Self::NonUniform { times_s } => pieces(times_s).collect(),
             Self::Unknown => Vec::new(),
         }
     }
@@ -58,14 +58,14 @@ impl TimeBase {
         if *self == Self::Unknown {
             return None;
         }
-        Some(times_of(&self.pieces(samples)))
+        Some(times_of(self.pieces(samples).into_iter(), samples))
     }
 
     /// Shortest time between samples that many of them have \[s\]: that of the fastest piece, or the median
     /// of single stamps. `None` where it is unknown.
     pub fn shortest_period_s(&self, samples: usize) -> Option<f64> {
         if let Self::NonUniform { times_s } = self {
-            let pieces = pieces(times_s).into_iter().map(|piece| piece.period_s);
+            let pieces = pieces(times_s).map(|piece| piece.period_s);
             let fastest = pieces.filter(|period| *period > 0.0).min_by(f64::total_cmp);
             return fastest.or_else(|| {
                 let mut steps: Vec<f64> = times_s.windows(2).map(|two| two[1] - two[0]).collect();
@@ -80,32 +80,35 @@ impl TimeBase {
 
 /// Stamps on the even grids of their pieces.
 pub fn even_times(times_s: &[f64]) -> Vec<f64> {
-    times_of(&pieces(times_s))
+    times_of(pieces(times_s), times_s.len())
 }
 
-fn times_of(pieces: &[UniformSegment]) -> Vec<f64> {
-    let of = |piece: &UniformSegment| {
-        let (start_s, period_s) = (piece.start_s, piece.period_s);
-        (0..piece.samples.len()).map(move |k| start_s + k as f64 * period_s)
-    };
-    pieces.iter().flat_map(of).collect()
-}
-
-fn pieces(times_s: &[f64]) -> Vec<UniformSegment> {
-    let mut pieces = Vec::new();
-    let mut from = 0;
-    while from < times_s.len() {
-        let end = end_of_piece(times_s, from);
-        if end - from >= FEWEST_SAMPLES {
-            let period_s = (times_s[end - 1] - times_s[from]) / (end - 1 - from) as f64;
-            pieces.push(UniformSegment { samples: from..end, start_s: times_s[from], period_s });
-        } else {
-            let single = |k: usize| UniformSegment { samples: k..k + 1, start_s: times_s[k], period_s: 0.0 };
-            pieces.extend((from..end).map(single));
-        }
-        from = end;
+fn times_of(pieces: impl Iterator<Item = UniformSegment>, samples: usize) -> Vec<f64> {
+    let mut times_s = Vec::with_capacity(samples);
+    for UniformSegment { samples, start_s, period_s } in pieces {
+        times_s.extend((0..samples.len()).map(|k| start_s + k as f64 * period_s));
     }
-    pieces
+    times_s
+}
+
+fn pieces(times_s: &[f64]) -> impl Iterator<Item = UniformSegment> {
+    // Next sample, and the end of the single stamps found.
+    let (mut next, mut singles_end) = (0, 0);
+    std::iter::from_fn(move || {
+        let from = next;
+        let start_s = *times_s.get(from)?;
+        if from >= singles_end {
+            let end = end_of_piece(times_s, from);
+            if end - from >= FEWEST_SAMPLES {
+                next = end;
+                let period_s = (times_s[end - 1] - start_s) / (end - 1 - from) as f64;
+                return Some(UniformSegment { samples: from..end, start_s, period_s });
+            }
+            singles_end = end;
+        }
+        next += 1;
+        Some(UniformSegment { samples: from..next, start_s, period_s: 0.0 })
+    })
 }
 
 /// One past the last sample that lies on the even grid through those from `from` on.

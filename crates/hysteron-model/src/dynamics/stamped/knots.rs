@@ -54,7 +54,8 @@ impl Knots {
     /// narrowed and shifted their states: the output jumps there.
     ///
     /// `read_s`: where the output of the hysteresis is read at these times only \[s\], increasing, knots there
-    /// replace the others, unless the hysteresis changes with time.
+    /// replace the others, unless the hysteresis changes with time; where it depends on the order of the
+    /// drive's values alone, samples that the drive only passes are left out, too.
     pub fn new(
         times_s: &[f64],
         u: &[f64],
@@ -63,13 +64,13 @@ impl Knots {
         read_s: Option<&[f64]>,
     ) -> Self {
         let read_s = read_s.filter(|_| depends_on != Dependence::Time);
-        let (low, high) = u.iter().fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));
         let largest = match depends_on {
-            Dependence::Order => LARGEST_MOVE,
-            Dependence::Time | Dependence::Rate => LARGEST_MOVE_IN_TIME,
-        } * (high - low);
-        let travel: f64 = u.windows(2).map(|two| (two[1] - two[0]).abs()).sum();
-        let between = read_s.map_or(travel / largest, |read_s| read_s.len() as f64);
+            _ if read_s.is_some() => f64::INFINITY,
+            Dependence::Order => LARGEST_MOVE * range(u),
+            Dependence::Time | Dependence::Rate => LARGEST_MOVE_IN_TIME * range(u),
+        };
+        let travel = || u.windows(2).map(|two| (two[1] - two[0]).abs()).sum::<f64>();
+        let between = read_s.map_or_else(|| travel() / largest, |read_s| read_s.len() as f64);
         let between = Some(between).filter(|knots| knots.is_finite() && rule != InterSample::Hold);
         let count = u.len() + between.unwrap_or(0.0) as usize;
         let paces = (depends_on != Dependence::Order).then(|| paces_on(times_s, u));
@@ -84,25 +85,25 @@ impl Knots {
         if let (Some(&time), Some(&voltage)) = (times_s.first(), u.first()) {
             knots.push(time, voltage, 0.0);
         }
-        for (sample, (times, u)) in times_s.windows(2).zip(u.windows(2)).enumerate() {
-            let ([before, time], [from, voltage]) = ([times[0], times[1]], [u[0], u[1]]);
+        for (sample, times) in times_s.windows(2).enumerate() {
+            let Some(&[from, voltage, ref after @ ..]) = u.get(sample..) else { break };
+            let [before, time] = [times[0], times[1]];
             let [rate_before, rate] = [rate_to(sample), rate_to(sample + 1)];
             if rule != InterSample::Hold {
                 if depends_on == Dependence::Rate && rate < rate_before {
                     knots.push(before, from, rate);
                     knots.end_arc();
                 }
-                if read_s.is_none() {
-                    let moves = ((voltage - from).abs() / largest).clamp(0.0, MOST_PARTS);
-                    // Rounded up, without a call of the library.
-                    let parts = moves as usize + usize::from((moves as usize as f64) < moves);
-                    let per_arc = parts.div_ceil(parts.div_ceil(MOST_PER_ARC).max(1));
-                    for part in 1..parts {
-                        let share = part as f64 / parts as f64;
-                        knots.push(before + share * (time - before), from + share * (voltage - from), rate);
-                        if part.is_multiple_of(per_arc) {
-                            knots.end_arc();
-                        }
+                let moves = ((voltage - from).abs() / largest).clamp(0.0, MOST_PARTS);
+                // Rounded up, without a call of the library.
+                let parts = moves as usize + usize::from((moves as usize as f64) < moves);
+                // Of one part a division would only take time.
+                let per_arc = if parts > 1 { parts.div_ceil(parts.div_ceil(MOST_PER_ARC)) } else { 1 };
+                for part in 1..parts {
+                    let share = part as f64 / parts as f64;
+                    knots.push(before + share * (time - before), from + share * (voltage - from), rate);
+                    if part.is_multiple_of(per_arc) {
+                        knots.end_arc();
                     }
                 }
                 while let Some(read) = reads.next_if(|read| **read < time) {
@@ -111,6 +112,11 @@ impl Knots {
                         knots.push(*read, from + share * (voltage - from), rate);
                         knots.end_arc();
                     }
+                }
+                let is_passed = after.first().is_some_and(|next| (voltage - from) * (next - voltage) > 0.0);
+                let is_read = reads.peek().is_some_and(|read| **read == time);
+                if is_passed && !is_read && read_s.is_some() && depends_on == Dependence::Order {
+                    continue;
                 }
             }
             knots.push(time, voltage, rate);
@@ -124,13 +130,18 @@ impl Knots {
     }
 
     fn push(&mut self, time_s: f64, drive_v: f64, rate: f64) {
-        let interval_s = self.times.times_s.last().map_or(0.0, |before| time_s - before);
-        self.times.times_s.push(time_s);
-        self.drive_v.push(drive_v);
         if let Some(paces) = &mut self.paces {
+            let interval_s = self.times.times_s.last().map_or(0.0, |before| time_s - before);
             paces.push(Pace { rate, interval_s });
         }
+        self.times.times_s.push(time_s);
+        self.drive_v.push(drive_v);
     }
+}
+
+fn range(u: &[f64]) -> f64 {
+    let (low, high) = u.iter().fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));
+    high - low
 }
 
 #[cfg(test)]
@@ -156,6 +167,18 @@ mod tests {
             Knots::new(&times_s, &u, InterSample::Hold, Dependence::Rate, None).times.times_s,
             times_s
         );
+    }
+
+    #[test]
+    fn where_only_some_times_are_read_samples_that_are_passed_are_left_out() {
+        let knots = |read_s: &[f64]| {
+            let (times_s, u) = ([0.0, 1.0, 2.0, 3.0], [0.0, 1.0, 2.0, 0.0]);
+            let knots = Knots::new(&times_s, &u, InterSample::Linear, Dependence::Order, Some(read_s));
+            assert_eq!(knots.times.arcs, KnotTimes::from(knots.times.times_s.clone()).arcs);
+            (knots.times.times_s, knots.drive_v)
+        };
+        assert_eq!(knots(&[0.5, 2.5]), (vec![0.0, 0.5, 2.0, 2.5, 3.0], vec![0.0, 0.5, 2.0, 1.0, 0.0]));
+        assert_eq!(knots(&[1.0]), (vec![0.0, 1.0, 2.0, 3.0], vec![0.0, 1.0, 2.0, 0.0]));
     }
 
     #[test]

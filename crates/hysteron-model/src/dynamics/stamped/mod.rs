@@ -88,9 +88,9 @@ impl StampedPlan {
         let corners_s: Vec<f64> = corners.iter().map(|knot| times_s[*knot]).collect();
         let mut steps: Vec<f64> =
             corners_s.windows(2).map(|two| two[1] - two[0]).filter(|step| *step > 0.0).collect();
-        steps.sort_unstable_by(f64::total_cmp);
         let duration: f64 = steps.iter().sum();
-        let shortest = steps.get((SHORT_STEPS * steps.len() as f64) as usize).copied();
+        let rank = (SHORT_STEPS * steps.len() as f64) as usize;
+        let shortest = (rank < steps.len()).then(|| *steps.select_nth_unstable_by(rank, f64::total_cmp).1);
         let Some(shortest) = shortest.filter(|step| step.is_finite() && duration.is_finite()) else {
             return Err(DynamicsError::TooFewSamples { need: 2, found: knots });
         };
@@ -192,7 +192,7 @@ impl StampedPlan {
         next: &mut [Abreast],
     ) -> f64 {
         let length_s = self.length_s(arc);
-        parabolas.from.copy_from_slice(next);
+        parabolas.begin_at(next);
         let (Some(&first), Some(&last)) = (self.corners.get(arc), self.corners.get(arc + 1)) else {
             parabolas.slope.fill([0.0; ABREAST]);
             parabolas.bend.fill([0.0; ABREAST]);

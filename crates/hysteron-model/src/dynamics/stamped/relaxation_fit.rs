@@ -17,7 +17,7 @@ const FREQUENCIES: (f64, f64) = (0.1, 4.0 * PI);
 /// Frequencies per decade.
 const PER_DECADE: usize = 16;
 /// Singular values below this share of the largest are left out: they gain accuracy by weights that cancel.
-const SMALLEST: f64 = 1e-11;
+const SMALLEST: f64 = 1e-7;
 /// Largest deviation from a constant, as a share of the largest response, that needs no relaxations:
 /// resonances and real poles describe the rest.
 const CONSTANT: f64 = 1e-12;
