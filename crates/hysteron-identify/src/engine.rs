@@ -24,6 +24,19 @@ pub struct Search {
     pub outcome: Outcome,
 }
 
+impl Search {
+    /// Takes the optimum of `other`, if there is one, where it is better, and adds its starts to these.
+    pub(super) fn take_better(&mut self, other: Option<Self>) {
+        let Some(Self { outcome: other, .. }) = other else { return };
+        self.outcome.evaluations += other.evaluations;
+        self.outcome.generations += other.generations;
+        self.outcome.starts.extend(other.starts);
+        if other.cost < self.outcome.cost {
+            (self.outcome.best, self.outcome.cost) = (other.best, other.cost);
+        }
+    }
+}
+
 /// Model at a point of a search, for display; `None`: it is not shown.
 pub(super) type Show<'s> = Option<&'s dyn Fn(&[f64]) -> Option<Model>>;
 

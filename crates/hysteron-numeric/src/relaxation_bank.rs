@@ -1,8 +1,8 @@
 //! A bank of relaxations for each of several piecewise quadratic inputs, advanced together.
 //!
-//! ξ' = λ (u − ξ) with u = u₀ + s t + c t². The states are η = ξ − u, for which η(t) = η₀ − g η₀ − γ s t − κ c
-//! t², x = λt, g = 1 − e⁻ˣ, γ = g/x, κ = 2 (1 − γ)/x, whatever the step's length and the number of inputs. The
-//! rates are a half octave apart, so that all but the first of a chain follow without an exponential:
+//! ξ' = λ (u − ξ) with u = u₀ + s t + c t². The states are η = ξ − u, for which η(t) = η₀ − g η₀ − γ s t − κ
+//! c t², x = λt, g = 1 − e⁻ˣ, γ = g/x, κ = 2 (1 − γ)/x, whatever the step's length and the number of inputs.
+//! The rates are a half octave apart, so that all but the first of a chain follow without an exponential:
 //! g(2x) = g (2 − g), γ(2x) = γ (1 − g/2), κ(2x) = (κ + γ²)/2.
 
 use super::dispatch::{InstructionSet, bank_advance, bank_read};
@@ -31,11 +31,12 @@ pub struct Parabolas {
     pub to: Vec<Abreast>,
     /// True if every c is 0, so that it is not used.
     pub straight: bool,
-    /// Far below any signal: states decay towards it instead of through the subnormal numbers, which are slow.
+    /// An input far below any signal, added so that states at rest stay above the subnormal numbers, which
+    /// are slow.
     pub(super) level: Vec<Abreast>,
 }
 
-/// [`Parabolas::level`] as a share of the last u that is not 0.
+/// [`Parabolas::level`] as a share of the last u₀ that was not 0.
 const LEVEL: f64 = 1e-280;
 
 impl Parabolas {
@@ -101,7 +102,8 @@ const LANES: usize = 16;
 /// Relaxations per octave of the rates λₖ = λ₀ 2^(k/2).
 pub const PER_OCTAVE: usize = 2;
 
-/// The row and the place in it of relaxation k. A column holds every second one of 2 · `rows` successive ones.
+/// Row and lane of relaxation k; relaxation k + [`PER_OCTAVE`] is in the next row of the same lane, or else in
+/// the first row of the next lane.
 fn place(k: usize, rows: usize) -> (usize, usize) {
     let (column, in_column) = (k / (PER_OCTAVE * rows), k % (PER_OCTAVE * rows));
     (in_column / PER_OCTAVE, (in_column % PER_OCTAVE) * (LANES / PER_OCTAVE) + column)

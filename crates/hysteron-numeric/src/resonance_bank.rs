@@ -1,10 +1,10 @@
 //! A bank of resonances for each of several piecewise quadratic inputs, advanced together.
 //!
-//! x' = p x + u with u = u₀ + s t + c t² has the solution x(t) = x₀ + m x₀ + a u₀ + b s + e c, m = e^(pt) − 1,
-//! a = m/p, b = (a − t)/p, e = (2b − t²)/p. If requested, derivatives D = ∂x/∂p are carried along: D(t) = D₀ +
-//! m D₀ + m' x₀ + a' u₀ + b' s + e' c, with m' = t e^(pt), a' = (m' − a)/p, b' = (a' − b)/p, e' = (2b' − e)/p.
-//! Eight numbers per pole and length are needed; they are computed for a stretch of lengths at once and shared
-//! by all inputs.
+//! x' = p x + u with u = u₀ + s t + c t² has the solution x(t) = x₀ + m x₀ + a u₀ + b s + e c, m = e^(pt) −
+//! 1, a = m/p, b = (a − t)/p, e = (2b − t²)/p. If requested, derivatives D = ∂x/∂p are carried along: D(t) =
+//! D₀ + m D₀ + m' x₀ + a' u₀ + b' s + e' c, with m' = t e^(pt), a' = (m' − a)/p, b' = (a' − b)/p, e' = (2b' −
+//! e)/p. Eight numbers per pole and length are needed; they are computed for a stretch of lengths at once and
+//! shared by all inputs.
 
 use super::Complex64;
 use super::complex_exponential::exponentials_less_one;

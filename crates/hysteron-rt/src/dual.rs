@@ -55,7 +55,8 @@ impl<T: Real, const P: usize> Add for Dual<T, P> {
 impl<T: Real, const P: usize> Neg for Dual<T, P> {
     type Output = Self;
     #[inline(always)]
-    // Not in place: rustc 1.95 at optimisation level 1 lets a closure that inlines it change the caller's copy.
+    // Not in place: rustc 1.95 at optimisation level 1 lets a closure that inlines it change the caller's
+    // copy.
     fn neg(self) -> Self {
         Self { value: -self.value, partials: self.partials.map(|p| -p) }
     }

@@ -177,7 +177,8 @@ pub fn study(number: usize) -> Outcome<()> {
 /// Sines of a cycle that was left out, measured and as the model of the others has them.
 type Answers = Vec<(Segment, Segment)>;
 
-/// Leaves out each of the last `number` cycles in turn and runs the model of the others freely over all cycles.
+/// Leaves out each of the last `number` cycles in turn and runs the model of the others freely over all
+/// cycles.
 fn left_out_in_turn(
     cycles: &[InputOutput],
     number: usize,

@@ -21,8 +21,8 @@ use crate::table;
 
 const SAMPLES: usize = 100_000;
 const RATE_HZ: f64 = 10_000.0;
-/// The slow drive moves by less than 1/400 of its range from one sample to the next: on stamps every sample is
-/// a knot; the fast one asks for four or five knots a sample.
+/// The slow drive moves by less than 1/400 of its range from one sample to the next: on stamps every sample
+/// is a knot; the fast one asks for four or five knots a sample.
 const FREQUENCIES_HZ: [f64; 2] = [5.0, 50.0];
 const PLAYS: usize = 12;
 const DEGREE: usize = 2;

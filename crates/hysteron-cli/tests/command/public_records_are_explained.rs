@@ -92,8 +92,8 @@ fn soft_actuator_is_said_to_be_described_poorly() {
 }
 
 /// One sine and steps do not determine a fractional resonance: no number has an error bar that is rounding,
-/// no correlation leaves ±1. With both its orders the same, natural frequency and damping are one number: they
-/// have no error bar at all.
+/// no correlation leaves ±1. With both its orders the same, natural frequency and damping are one number:
+/// they have no error bar at all.
 #[test]
 fn what_records_do_not_determine_has_no_error_bar() {
     let Some(sine) = public("hasel-multifreq/sine_1p5Hz.csv") else { return };

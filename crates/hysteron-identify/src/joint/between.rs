@@ -85,9 +85,9 @@ impl InterSampleChoice {
     }
 }
 
-/// Largest excess of the delay \[s\] if the drive is held between its samples. `None` where that is excluded: by
-/// the options, which give the rule, by the records, which determine it or have non-uniform stamps, or by the
-/// scheme, which uses the samples alone; and where the delay has no interval.
+/// Largest excess of the delay \[s\] if the drive is held between its samples. `None` where that is excluded:
+/// by the options, which give the rule, by the records, which determine it or have non-uniform stamps, or by
+/// the scheme, which uses the samples alone; and where the delay has no interval.
 pub(in super::super) fn excess_if_held(options: &Options, found: &Identification) -> Option<f64> {
     let choice = found.structure.between.as_ref();
     let is_open = options.inter_sample == Choice::Auto

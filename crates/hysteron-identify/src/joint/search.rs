@@ -79,7 +79,7 @@ pub(super) fn search<'a>(
         let wider = search_globally((&wide, reduced), (&longer, None), engine, Some(&grown));
         if let Some(mut wider) = engine.unless_stopped(wider)? {
             let from_edge = quick_fit(engine, "joint fit", &wide, vec![search.outcome.best.clone()]);
-            engine.unless_stopped(from_edge)?.into_iter().for_each(|fit| take_better(&mut wider, fit));
+            wider.take_better(engine.unless_stopped(from_edge)?);
             (setup, problem, search, found) = (longer, wide, wider, None);
         }
     }
@@ -257,7 +257,7 @@ fn search_globally(
         let starts = guesses.map(|guess| from_other(&plain, &found.outcome.best, problem, &guess)).collect();
         let fit = quick_fit(engine, "joint fit with creep", problem, starts);
         let Some(fit) = engine.unless_stopped(fit)? else { return Ok(search) };
-        take_better(&mut search, fit);
+        search.take_better(Some(fit));
     }
     let population = Algorithm::DeAbc(DeAbcOptions::default());
     let generations = (setup.options.generations / 20).max(5);
@@ -266,7 +266,7 @@ fn search_globally(
     let Some(wide) = engine.unless_stopped(wide)? else { return Ok(search) };
     search.outcome.evaluations += wide.outcome.evaluations;
     let polished = quick_fit(engine, "joint fit, population polished", problem, vec![wide.outcome.best]);
-    engine.unless_stopped(polished)?.into_iter().for_each(|fit| take_better(&mut search, fit));
+    search.take_better(engine.unless_stopped(polished)?);
     Ok(search)
 }
 
@@ -290,18 +290,8 @@ fn search_from_places(
     let others = setup.fitted(problem, &places, FIRST_STARTS..usize::MAX, engine)?;
     search.outcome.evaluations += others.evaluations;
     let others = engine.search("joint fit, other starts", problem, others.points, show);
-    engine.unless_stopped(others)?.into_iter().for_each(|fit| take_better(&mut search, fit));
+    search.take_better(engine.unless_stopped(others)?);
     Ok(search)
-}
-
-/// Takes the optimum of `other` if better, and adds its starts to those of `search`.
-fn take_better(search: &mut Search, other: Search) {
-    search.outcome.evaluations += other.outcome.evaluations;
-    search.outcome.generations += other.outcome.generations;
-    search.outcome.starts.extend(other.outcome.starts);
-    if other.outcome.cost < search.outcome.cost {
-        (search.outcome.best, search.outcome.cost) = (other.outcome.best, other.outcome.cost);
-    }
 }
 
 /// Evidence for a creep factor: the fall of −2 ln of the likelihood, the BIC penalty of its parameters, and
@@ -356,9 +346,7 @@ fn try_creep(
     let search = quick_fit(engine, "joint fit with creep", &problem, starts);
     let search = engine.unless_stopped(search)?.filter(|_| !engine.is_stopped());
     Ok(search.map(|mut search| {
-        if let Some((_, found)) = found {
-            take_better(&mut search, found);
-        }
+        search.take_better(found.map(|(_, found)| found));
         (problem, search)
     }))
 }

@@ -10,8 +10,8 @@ law_numbers! {
     /// Quasi-static Jiles–Atherton: one state, the irreversible part p; the output is the magnetisation m =
     /// p + c (m_an − p), m_an = coth(h/a) − a/h, h = u + α m, dp/dh = s (m_an − p)/k where s (m_an − p) > 0,
     /// otherwise 0 (D. C. Jiles, D. L. Atherton 1986, doi:10.1016/0304-8853(86)90066-1). A move
-    /// is divided into panels as long as the smaller of a and k, eight Gauss points each, and is exact to 1e-12
-    /// where |Δu| + 2α is up to [`MOST_PANELS`] times that length; longer ones are divided into
+    /// is divided into panels as long as the smaller of a and k, eight Gauss points each, and is exact to
+    /// 1e-12 where |Δu| + 2α is up to [`MOST_PANELS`] times that length; longer ones are divided into
     /// [`MOST_PANELS`] longer panels. Panels of up to a tenth of that length have four points.
     JilesAtherton {
         /// a > 0.

@@ -230,8 +230,8 @@ impl ScheduledModes {
     /// `settled` samples where given; else from the steady state under the inputs of the first sample.
     ///
     /// While the drive repeats these samples to its noise, so do the outputs, and S is that of one period;
-    /// otherwise S follows the running rms of the drive ([`super::LevelTracker`]), from that of the period, or
-    /// from rest of the first second, on.
+    /// otherwise S follows the running rms of the drive ([`super::LevelTracker`]), from that of the period,
+    /// or from rest of the first second, on.
     ///
     /// # Errors
     /// [`AxesError::Channels`], [`AxesError::SampleRate`], [`AxesError::Period`], [`AxesError::RunsAway`],
@@ -288,8 +288,8 @@ impl ScheduledModes {
         (0..outputs).map(|m| rows.iter().skip(m).step_by(outputs).copied().collect()).collect()
     }
 
-    /// The steady state under the first period: repeated over the record where the drive repeats, else followed
-    /// by the response to the rest of the record. `u`: the `channels` of the inputs, interleaved.
+    /// The steady state under the first period: repeated over the record where the drive repeats, else
+    /// followed by the response to the rest of the record. `u`: the `channels` of the inputs, interleaved.
     fn simulate_settled(
         &self,
         channels: &[Vec<f64>],

@@ -53,9 +53,9 @@ impl Knots {
     /// at a sample, a second knot at its time represents the instant after it, at which the plays have
     /// narrowed and shifted their states: the output jumps there.
     ///
-    /// `read_s`: where the output of the hysteresis is read at these times only \[s\], increasing, knots there
-    /// replace the others, unless the hysteresis changes with time; where it depends on the order of the
-    /// drive's values alone, samples that the drive only passes are left out, too.
+    /// `read_s`: where the output of the hysteresis is read at these times only \[s\], increasing, knots
+    /// there replace the others, unless the hysteresis changes with time; where it depends on the order of
+    /// the drive's values alone, samples behind such a knot that the drive only passes are left out, too.
     pub fn new(
         times_s: &[f64],
         u: &[f64],
@@ -106,8 +106,10 @@ impl Knots {
                         knots.end_arc();
                     }
                 }
+                let mut has_knot = false;
                 while let Some(read) = reads.next_if(|read| **read < time) {
                     if *read > before {
+                        has_knot = true;
                         let share = (read - before) / (time - before);
                         knots.push(*read, from + share * (voltage - from), rate);
                         knots.end_arc();
@@ -115,7 +117,7 @@ impl Knots {
                 }
                 let is_passed = after.first().is_some_and(|next| (voltage - from) * (next - voltage) > 0.0);
                 let is_read = reads.peek().is_some_and(|read| **read == time);
-                if is_passed && !is_read && read_s.is_some() && depends_on == Dependence::Order {
+                if has_knot && is_passed && !is_read && depends_on == Dependence::Order {
                     continue;
                 }
             }
@@ -178,6 +180,7 @@ mod tests {
             (knots.times.times_s, knots.drive_v)
         };
         assert_eq!(knots(&[0.5, 2.5]), (vec![0.0, 0.5, 2.0, 2.5, 3.0], vec![0.0, 0.5, 2.0, 1.0, 0.0]));
+        assert_eq!(knots(&[2.5]), (vec![0.0, 1.0, 2.0, 2.5, 3.0], vec![0.0, 1.0, 2.0, 1.0, 0.0]));
         assert_eq!(knots(&[1.0]), (vec![0.0, 1.0, 2.0, 3.0], vec![0.0, 1.0, 2.0, 0.0]));
     }
 

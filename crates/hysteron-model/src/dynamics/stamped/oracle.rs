@@ -1,12 +1,12 @@
 //! Reference for the fast passes: the sum of relaxations and resonances one step and one term at a time, with
 //! the functions of the library.
 
-use super::{KnotTimes, Readout, StampedPlan, StampedResponse};
+use super::{KnotTimes, Readout, RelaxationFit, StampedPlan, StampedResponse};
 use crate::dynamics::{Creep, DynamicForm, Linearised, Modes, StampedWorkspace};
 use hysteron_numeric::Complex64;
 
-/// Coefficients of the response of 1/(s − p) after a time t from x, to the input u + u' t + c t²: x e^(pt) + u
-/// first + u' second + c third; then those of the derivative in p.
+/// Coefficients of the response of 1/(s − p) after a time t from x, to the input u + u' t + c t²: x e^(pt) +
+/// u first + u' second + c third; then those of the derivative in p.
 #[derive(Clone, Copy, Debug, Default)]
 struct Stretch {
     decay: Complex64,
@@ -204,6 +204,21 @@ fn the_fast_pass_is_the_sum_term_by_term() {
             let worst = worst(DynamicForm { modes, creep }, p, delay_s, held);
             println!("{modes:?} {creep:?} delay {delay_s} held {held}: {worst:.1e}");
             assert!(worst < 2e-12, "{modes:?} {creep:?}: {worst:e}");
+        }
+    }
+}
+
+#[test]
+fn creep_of_any_size_and_duration_is_a_sum_of_relaxations() {
+    let form = DynamicForm { modes: Modes::None, creep: Creep::Fractional };
+    for (duration_s, step_s) in [(1.0, 1e-4), (100.0, 1e-4), (1e3, 1e-4), (1e3, 1e-5)] {
+        let fit = RelaxationFit::new(duration_s, step_s).unwrap();
+        for gain in [1e-4, 1e-2, 0.1, 0.3, 1.0] {
+            for order in [0.01, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6] {
+                let tf = form.transfer_function(&[gain, order]).unwrap();
+                let weights = fit.weights(&tf, None, &[]);
+                assert!(weights.is_ok(), "{duration_s} {step_s} {gain} {order}: {weights:?}");
+            }
         }
     }
 }

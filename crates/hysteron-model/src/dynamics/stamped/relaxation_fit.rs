@@ -9,15 +9,15 @@ use super::Tangents;
 use super::resonant_poles::ResonantPole;
 use hysteron_numeric::{Complex64, PER_OCTAVE};
 
-/// The rates reach from this over the duration to this over the shortest step, h = ½ ln 2 apart in ln λ. A
-/// single relaxation between two of them is followed to about e^(−π²/2h) = 7e-7 of its size.
+/// The rates reach from this over the duration to this over the shortest step. They are h = ½ ln 2 apart in
+/// ln λ: a single relaxation between two of them is met to about e^(−π²/2h) = 7e-7 of its size.
 const RATES: (f64, f64) = (0.02, 60.0);
-/// So do the angular frequencies of the fit.
+/// The angular frequencies of the fit reach from this over the duration to this over the shortest step.
 const FREQUENCIES: (f64, f64) = (0.1, 4.0 * PI);
 /// Frequencies per decade.
 const PER_DECADE: usize = 16;
 /// Singular values below this share of the largest are left out: they gain accuracy by weights that cancel.
-const SMALLEST: f64 = 1e-7;
+const SMALLEST: f64 = 1e-9;
 /// Largest deviation from a constant, as a share of the largest response, that needs no relaxations:
 /// resonances and real poles describe the rest.
 const CONSTANT: f64 = 1e-12;

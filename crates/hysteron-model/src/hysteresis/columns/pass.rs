@@ -11,7 +11,8 @@ use super::rows::Rows;
 use crate::record::Pace;
 use crate::start::Start;
 
-/// K columns and their derivatives at every `factor`-th sample of a drive. The buffers are kept between calls.
+/// K columns and their derivatives at every `factor`-th sample of a drive. The buffers are kept between
+/// calls.
 #[derive(Clone, Debug, Default)]
 pub struct ColumnSensitivities {
     /// The columns.
