@@ -32,7 +32,9 @@ pub use inner_product::{dot, project_out, root_mean_square, subtract};
 pub use least_squares::{LeastSquares, least_squares};
 pub use non_negative::non_negative_least_squares;
 pub use relaxation::Relaxations;
-pub use relaxation_bank::{ABREAST, Abreast, BankWeights, PER_OCTAVE, Parabolas, RelaxationBank};
+pub use relaxation_bank::{
+    ABREAST, Abreast, BankWeights, PER_OCTAVE, Parabolas, RelaxationBank, relaxation_rate,
+};
 pub use resonance_bank::{Propagated, ResonanceBank};
 pub use rustfft::num_complex::Complex;
 pub use series::SeriesPanel;

@@ -99,8 +99,13 @@ struct Gains {
 /// Relaxations in a row: [`PER_OCTAVE`] to each of eight octaves.
 const LANES: usize = 16;
 
-/// Relaxations per octave of the rates λₖ = λ₀ 2^(k/2).
+/// Relaxations per octave of the rates.
 pub const PER_OCTAVE: usize = 2;
+
+/// λₖ = λ₀ 2^(k/2) of the slowest rate λ₀.
+pub fn relaxation_rate(slowest: f64, k: usize) -> f64 {
+    slowest * (k as f64 / PER_OCTAVE as f64).exp2()
+}
 
 /// Row and lane of relaxation k; relaxation k + [`PER_OCTAVE`] is in the next row of the same lane, or else in
 /// the first row of the next lane.
@@ -228,7 +233,7 @@ impl RelaxationBank {
         self.rates.rows = rows;
         for k in 0..LANES * rows {
             if let (0, lane) = place(k, rows) {
-                self.rates.of[lane] = slowest * (k as f64 / PER_OCTAVE as f64).exp2();
+                self.rates.of[lane] = relaxation_rate(slowest, k);
                 self.rates.times[lane] = 1.0 / self.rates.of[lane];
             }
         }

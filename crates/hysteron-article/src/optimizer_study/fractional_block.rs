@@ -75,7 +75,7 @@ impl FractionalBlock {
     }
 }
 
-/// b/(s^α₂ + c₁ s^α₁ + c₀) with placeholder coefficients.
+/// b/(s^α₂ + c₁ s^α₁ + c₀) with every number 1 or 0, until [`write`] sets them.
 fn blank() -> TransferFunction {
     TransferFunction { numerator: vec![Term::new(1.0, 0.0)], denominator: vec![Term::new(1.0, 0.0); 3] }
 }

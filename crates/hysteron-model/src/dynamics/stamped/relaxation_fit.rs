@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use super::super::{DynamicsError, TransferFunction};
 use super::Tangents;
 use super::resonant_poles::ResonantPole;
-use hysteron_numeric::{Complex64, PER_OCTAVE};
+use hysteron_numeric::{Complex64, PER_OCTAVE, relaxation_rate};
 
 /// The rates reach from this over the duration to this over the shortest step. They are h = ½ ln 2 apart in
 /// ln λ: a single relaxation between two of them is met to about e^(−π²/2h) = 7e-7 of its size.
@@ -48,7 +48,7 @@ impl RelaxationFit {
         let between = |(low, high): (f64, f64)| (low / duration_s, high / shortest_step_s);
         let (slowest, fastest) = between(RATES);
         let count = (PER_OCTAVE as f64 * (fastest / slowest).log2()).ceil() as usize;
-        let rates: Vec<f64> = (0..=count).map(|k| slowest * (k as f64 / PER_OCTAVE as f64).exp2()).collect();
+        let rates: Vec<f64> = (0..=count).map(|k| relaxation_rate(slowest, k)).collect();
         let (lowest, highest) = between(FREQUENCIES);
         let decades = (highest / lowest).log10();
         let omegas = spread(lowest, highest, (decades * PER_DECADE as f64).ceil() as usize);
