@@ -11,11 +11,11 @@
 use crate::Memory;
 use crate::dynamics::delay::delay_in_place;
 use crate::dynamics::{
-    Dynamics, Knots, Sampling, Scheme, SimulationPlan, StampedPlan, StampedWorkspace, knot_follows,
+    Dynamics, Knots, Readings, Sampling, Scheme, SimulationPlan, StampedPlan, StampedWorkspace,
 };
 use crate::dynamics_error::check_length;
 use crate::hysteresis::{DriveGrid, Hysteresis, RecordEnds, polygon_of_means};
-use crate::record::{InterSample, Timing, even_times, paces_on};
+use crate::record::{Dependence, InterSample, Pace, Timing, even_times, paces_on};
 pub use crate::simulation_error::SimulationError;
 use crate::start::Start;
 use hysteron_numeric::Complex64;
@@ -171,26 +171,26 @@ impl Model {
         let (extended, prologue, rest_voltage_v) = extend(start, u)?;
         let times_s = with_prologue(even_times(times_s), prologue);
         let scored = times_s.get(prologue..).unwrap_or_default();
-        let read_s = matches!(self.dynamics, Dynamics::None)
-            .then(|| scored.iter().map(|time| time - self.delay_s).collect::<Vec<f64>>());
         let depends_on = self.hysteresis.form().depends_on();
-        let knots = Knots::new(&times_s, &extended, self.inter_sample, depends_on, read_s.as_deref());
         let (memory, origin) = self.origin(start, rest_voltage_v)?;
-        let mut v = vec![0.0; knots.drive_v.len()];
-        self.hysteresis.simulate_every(
-            DriveGrid { paces: knots.paces.as_deref(), ..DriveGrid::from(1) },
-            &knots.drive_v,
-            origin,
-            &mut v,
-        )?;
         let rest = self.hysteresis.at_rest(rest_voltage_v, memory);
-        v.iter_mut().for_each(|v| *v -= rest);
+        let run = |drive_v: &[f64], paces: Option<&[Pace]>| {
+            let mut v = vec![0.0; drive_v.len()];
+            let grid = DriveGrid { paces, ..DriveGrid::from(1) };
+            self.hysteresis.simulate_every(grid, drive_v, origin, &mut v).map(|_| v)
+        };
+        let knots = || Knots::new(&times_s, &extended, self.inter_sample, depends_on);
         let g = match &self.dynamics {
             Dynamics::None => {
-                let hold = self.inter_sample == InterSample::Hold;
-                let mut y = delayed(&knots.times.times_s, &v, scored, self.delay_s, hold);
-                y.iter_mut().for_each(|y| *y += rest + self.offset);
-                return Ok(y);
+                // Where the drive speeds up, hysteresis that depends on time is not exact over long moves.
+                let dense = (depends_on == Dependence::Time).then(knots);
+                let (knots_s, drive_v) = dense.as_ref().map_or((&times_s[..], &extended[..]), |knots| {
+                    (&knots.times.times_s[..], &knots.drive_v[..])
+                });
+                let read_s = scored.iter().map(|time| time - self.delay_s);
+                let readings = Readings::new(knots_s, drive_v, self.inter_sample, depends_on, read_s);
+                let v = run(&readings.drive_v, readings.paces.as_deref())?;
+                return Ok(readings.of(&v, rest).map(|v| v + self.offset).collect());
             }
             Dynamics::Arx(_) => return Err(SimulationError::NoSampleRate),
             Dynamics::Integer(g) | Dynamics::Fractional(g) => g,
@@ -198,6 +198,9 @@ impl Model {
         if self.scheme.parameters_belong_to_sample_rate() {
             return Err(SimulationError::NoSampleRate);
         }
+        let knots = knots();
+        let mut v = run(&knots.drive_v, knots.paces.as_deref())?;
+        v.iter_mut().for_each(|v| *v -= rest);
         let plan = StampedPlan::new(knots.times, scored.to_vec(), self.inter_sample == InterSample::Hold)?;
         let mut response = plan.empty_response();
         plan.response(g, None, self.delay_s, &mut response)?;
@@ -380,24 +383,4 @@ fn between(x: &[f64], at: f64) -> f64 {
     let next = (k + 1).min(x.len().saturating_sub(1));
     let fraction = (at - k as f64).clamp(0.0, 1.0);
     (1.0 - fraction) * x.get(k).copied().unwrap_or(0.0) + fraction * x.get(next).copied().unwrap_or(0.0)
-}
-
-/// `v`, given at its knots, delayed and read at the times `wanted_s`: held or linear between knots, 0 before
-/// the first.
-fn delayed(knots_s: &[f64], v: &[f64], wanted_s: &[f64], delay_s: f64, hold: bool) -> Vec<f64> {
-    let mut at = 0;
-    let read = |time: &f64| {
-        let time = time - delay_s;
-        while knot_follows(knots_s, at, time) {
-            at += 1;
-        }
-        match (knots_s.get(at), v.get(at), knots_s.get(at + 1), v.get(at + 1)) {
-            (Some(&from), Some(_), ..) if time < from => 0.0,
-            (Some(&from), Some(&a), Some(&to), Some(&b)) if !hold && to > from && time > from => {
-                a + (b - a) * (time - from) / (to - from)
-            }
-            (_, a, ..) => a.copied().unwrap_or(0.0),
-        }
-    };
-    wanted_s.iter().map(read).collect()
 }

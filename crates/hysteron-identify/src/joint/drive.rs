@@ -107,7 +107,7 @@ impl TimedDrive {
             Timing::Stamps(times_s) => {
                 let outputs_s = even_times(times_s);
                 let Knots { times: knots, drive_v, paces } =
-                    Knots::new(&outputs_s, u, inter_sample, depends_on, None);
+                    Knots::new(&outputs_s, u, inter_sample, depends_on);
                 // Without dynamics a sample is read from the polygon itself.
                 let knots = if averaged { knots } else { knots.times_s.into() };
                 let held = inter_sample == InterSample::Hold;

@@ -60,9 +60,7 @@ pub use record_plan::{PlanInput, PlanResponse, PlanWorkspace, RecordPlan};
 pub use response::{Response, Sampling};
 pub use second_order::SecondOrder;
 pub use stability::{Stability, stability};
-#[doc(hidden)]
-pub use stamped::knot_follows;
-pub use stamped::{KnotTimes, Knots, StampedPlan, StampedResponse, StampedWorkspace};
+pub use stamped::{KnotTimes, Knots, Readings, StampedPlan, StampedResponse, StampedWorkspace};
 pub use transfer_function::TransferFunction;
 
 /// The dynamic block of a Hammerstein model. The pure delay is not here: it belongs to the model.

@@ -52,26 +52,13 @@ impl Knots {
     /// `depends_on`: dependence of the hysteresis on the drive. Where it is the rate and the drive slows down
     /// at a sample, a second knot at its time represents the instant after it, at which the plays have
     /// narrowed and shifted their states: the output jumps there.
-    ///
-    /// `read_s`: where the output of the hysteresis is read at these times only \[s\], increasing, knots
-    /// there replace the others, unless the hysteresis changes with time; where it depends on the order of
-    /// the drive's values alone, samples behind such a knot that the drive only passes are left out, too.
-    pub fn new(
-        times_s: &[f64],
-        u: &[f64],
-        rule: InterSample,
-        depends_on: Dependence,
-        read_s: Option<&[f64]>,
-    ) -> Self {
-        let read_s = read_s.filter(|_| depends_on != Dependence::Time);
+    pub fn new(times_s: &[f64], u: &[f64], rule: InterSample, depends_on: Dependence) -> Self {
         let largest = match depends_on {
-            _ if read_s.is_some() => f64::INFINITY,
             Dependence::Order => LARGEST_MOVE * range(u),
             Dependence::Time | Dependence::Rate => LARGEST_MOVE_IN_TIME * range(u),
         };
-        let travel = || u.windows(2).map(|two| (two[1] - two[0]).abs()).sum::<f64>();
-        let between = read_s.map_or_else(|| travel() / largest, |read_s| read_s.len() as f64);
-        let between = Some(between).filter(|knots| knots.is_finite() && rule != InterSample::Hold);
+        let travel: f64 = u.windows(2).map(|two| (two[1] - two[0]).abs()).sum();
+        let between = Some(travel / largest).filter(|knots| knots.is_finite() && rule != InterSample::Hold);
         let count = u.len() + between.unwrap_or(0.0) as usize;
         let paces = (depends_on != Dependence::Order).then(|| paces_on(times_s, u));
         let mut knots = Self {
@@ -81,12 +68,11 @@ impl Knots {
         };
         let rate_to =
             |sample: usize| paces.as_ref().and_then(|paces| paces.get(sample)).map_or(0.0, |to| to.rate);
-        let mut reads = read_s.unwrap_or_default().iter().peekable();
         if let (Some(&time), Some(&voltage)) = (times_s.first(), u.first()) {
             knots.push(time, voltage, 0.0);
         }
         for (sample, times) in times_s.windows(2).enumerate() {
-            let Some(&[from, voltage, ref after @ ..]) = u.get(sample..) else { break };
+            let Some(&[from, voltage, ..]) = u.get(sample..) else { break };
             let [before, time] = [times[0], times[1]];
             let [rate_before, rate] = [rate_to(sample), rate_to(sample + 1)];
             if rule != InterSample::Hold {
@@ -105,20 +91,6 @@ impl Knots {
                     if part.is_multiple_of(per_arc) {
                         knots.end_arc();
                     }
-                }
-                let mut has_knot = false;
-                while let Some(read) = reads.next_if(|read| **read < time) {
-                    if *read > before {
-                        has_knot = true;
-                        let share = (read - before) / (time - before);
-                        knots.push(*read, from + share * (voltage - from), rate);
-                        knots.end_arc();
-                    }
-                }
-                let is_passed = after.first().is_some_and(|next| (voltage - from) * (next - voltage) > 0.0);
-                let is_read = reads.peek().is_some_and(|read| **read == time);
-                if has_knot && is_passed && !is_read && depends_on == Dependence::Order {
-                    continue;
                 }
             }
             knots.push(time, voltage, rate);
@@ -153,8 +125,8 @@ mod tests {
     #[test]
     fn a_second_knot_stands_where_the_drive_slows_down() {
         let (times_s, u) = ([0.0, 1.0, 3.0, 4.0], [0.0, 1e-3, 1.9e-3, 1.0]);
-        let plain = Knots::new(&times_s, &u, InterSample::Linear, Dependence::Order, None);
-        let seen = Knots::new(&times_s, &u, InterSample::Linear, Dependence::Rate, None);
+        let plain = Knots::new(&times_s, &u, InterSample::Linear, Dependence::Order);
+        let seen = Knots::new(&times_s, &u, InterSample::Linear, Dependence::Rate);
         assert_eq!(seen.times.times_s[..4], [0.0, 1.0, 1.0, 3.0]);
         assert_eq!(seen.drive_v[..4], [0.0, 1e-3, 1e-3, 1.9e-3]);
         let expected = [0.0, 1e-3, 4.5e-4, 4.5e-4];
@@ -165,28 +137,12 @@ mod tests {
         assert!((paces.iter().map(|pace| pace.interval_s).sum::<f64>() - 4.0).abs() < 1e-12);
         assert_eq!((plain.times.times_s.len(), seen.times.times_s.len()), (4 + 399, 4 + 1 + 998));
         // A held drive jumps; it has no corners.
-        assert_eq!(
-            Knots::new(&times_s, &u, InterSample::Hold, Dependence::Rate, None).times.times_s,
-            times_s
-        );
-    }
-
-    #[test]
-    fn where_only_some_times_are_read_samples_that_are_passed_are_left_out() {
-        let knots = |read_s: &[f64]| {
-            let (times_s, u) = ([0.0, 1.0, 2.0, 3.0], [0.0, 1.0, 2.0, 0.0]);
-            let knots = Knots::new(&times_s, &u, InterSample::Linear, Dependence::Order, Some(read_s));
-            assert_eq!(knots.times.arcs, KnotTimes::from(knots.times.times_s.clone()).arcs);
-            (knots.times.times_s, knots.drive_v)
-        };
-        assert_eq!(knots(&[0.5, 2.5]), (vec![0.0, 0.5, 2.0, 2.5, 3.0], vec![0.0, 0.5, 2.0, 1.0, 0.0]));
-        assert_eq!(knots(&[2.5]), (vec![0.0, 1.0, 2.0, 2.5, 3.0], vec![0.0, 1.0, 2.0, 1.0, 0.0]));
-        assert_eq!(knots(&[1.0]), (vec![0.0, 1.0, 2.0, 3.0], vec![0.0, 1.0, 2.0, 0.0]));
+        assert_eq!(Knots::new(&times_s, &u, InterSample::Hold, Dependence::Rate).times.times_s, times_s);
     }
 
     #[test]
     fn a_drive_that_stands_still_has_its_samples_as_knots() {
-        let knots = Knots::new(&[0.0, 1.0, 2.0], &[3.0; 3], InterSample::Linear, Dependence::Rate, None);
+        let knots = Knots::new(&[0.0, 1.0, 2.0], &[3.0; 3], InterSample::Linear, Dependence::Rate);
         assert_eq!(knots.times.times_s, [0.0, 1.0, 2.0]);
         let still = |interval_s| Pace { rate: 0.0, interval_s };
         assert_eq!(knots.paces, Some(vec![still(0.0), still(1.0), still(1.0)]));

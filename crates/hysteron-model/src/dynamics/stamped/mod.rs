@@ -14,6 +14,7 @@
 mod knots;
 #[cfg(test)]
 mod oracle;
+mod readings;
 mod readout;
 mod relaxation_fit;
 mod resonant_poles;
@@ -25,6 +26,7 @@ use hysteron_numeric::{
     ResonanceBank,
 };
 pub use knots::{KnotTimes, Knots};
+pub use readings::Readings;
 use readout::Readout;
 use relaxation_fit::RelaxationFit;
 use resonant_poles::ResonantPole;
@@ -381,8 +383,7 @@ impl StampedPlan {
 }
 
 /// True if a time is read from a knot after this one: up to a jump at that time, not beyond it.
-#[doc(hidden)]
-pub fn knot_follows(knots_s: &[f64], knot: usize, time_s: f64) -> bool {
+fn knot_follows(knots_s: &[f64], knot: usize, time_s: f64) -> bool {
     match (knots_s.get(knot), knots_s.get(knot + 1)) {
         (Some(this), Some(next)) => *next < time_s || (*next == time_s && next > this),
         _ => false,
