@@ -83,13 +83,17 @@ impl Knots {
                 let moves = ((voltage - from).abs() / largest).clamp(0.0, MOST_PARTS);
                 // Rounded up, without a call of the library.
                 let parts = moves as usize + usize::from((moves as usize as f64) < moves);
-                // Of one part a division would only take time.
-                let per_arc = if parts > 1 { parts.div_ceil(parts.div_ceil(MOST_PER_ARC)) } else { 1 };
+                // Of few parts a division would only take time.
+                let per_arc =
+                    if parts > MOST_PER_ARC { parts.div_ceil(parts.div_ceil(MOST_PER_ARC)) } else { parts };
+                let mut left_in_arc = per_arc;
+                let (part_s, part_v) = ((time - before) / parts as f64, (voltage - from) / parts as f64);
                 for part in 1..parts {
-                    let share = part as f64 / parts as f64;
-                    knots.push(before + share * (time - before), from + share * (voltage - from), rate);
-                    if part.is_multiple_of(per_arc) {
+                    knots.push(before + part as f64 * part_s, from + part as f64 * part_v, rate);
+                    left_in_arc -= 1;
+                    if left_in_arc == 0 {
                         knots.end_arc();
+                        left_in_arc = per_arc;
                     }
                 }
             }
