@@ -40,7 +40,7 @@ pub fn objective(
     let form = DynamicForm { modes: Modes::Fractional, creep: Creep::None };
     let [order2, order1] = ORDERS;
     let model = Model {
-        hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![3.2, -0.02], 1.1, BETA, GAMMA, 1.0)?),
+        hysteresis: Hysteresis::from(BoucWen::new(vec![3.2, -0.02], 1.1, BETA, GAMMA, 1.0)?),
         dynamics: Dynamics::Fractional(form.transfer_function(&[
             NATURAL_FREQUENCY_HZ,
             DAMPING,

@@ -35,7 +35,7 @@ fn record(name: &str, rate: f64, u: Vec<f64>, y: Vec<f64>) -> CampaignRecord {
 
 fn truth(dynamics: Dynamics, delay_s: f64) -> Model {
     Model {
-        hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![3.2, -0.02], 1.1, 0.35, 0.08, 1.0).unwrap()),
+        hysteresis: Hysteresis::from(BoucWen::new(vec![3.2, -0.02], 1.1, 0.35, 0.08, 1.0).unwrap()),
         dynamics,
         offset: -7.5,
         delay_s,
@@ -65,9 +65,8 @@ fn static_campaign() -> Vec<CampaignRecord> {
     vec![record("loop", 200.0, u, y)]
 }
 
-fn block(model: &Model) -> &BoucWen {
-    let Hysteresis::BoucWen(b) = &model.hysteresis else { panic!("another family") };
-    b
+fn block(model: &Model) -> BoucWen {
+    BoucWen::of(&model.hysteresis).unwrap()
 }
 
 fn assert_close(found: f64, truth: f64, relative: f64, name: &str) {

@@ -1,6 +1,6 @@
 //! Default structure for records that the usual one cannot describe.
 //!
-//! The minor loops of a Bouc–Wen model do not close: a small oscillation after large moves drifts for as long
+//! The minor loops of the default family do not close: a small oscillation after large moves drifts for as long
 //! as it lasts. And creep follows large moves but not small ones, which linear creep after the hysteresis
 //! cannot describe. Plays with activated edges do both: they remember reversals, and creep depending on how
 //! the drive came to rest. The residual at the small oscillations, a falling gain with a small phase lag at

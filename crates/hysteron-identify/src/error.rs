@@ -6,7 +6,7 @@ use hysteron_model::Advice;
 use hysteron_model::axes::AxesError;
 use hysteron_model::dynamics::DynamicsError;
 use hysteron_model::hammerstein::SimulationError;
-use hysteron_model::hysteresis::HysteresisError;
+use hysteron_model::hysteresis::{HysteresisError, HysteresisForm};
 use hysteron_model::model::{RunError, Unsupported};
 use hysteron_model::model_file::{Kind, ModelFileError};
 use hysteron_model::record::RecordError;
@@ -28,9 +28,10 @@ pub enum IdentifyError {
          have it"
     )]
     CreepTakesJointFit,
-    /// The two-step method, and the blocks that need it, are for Bouc–Wen only.
+    /// The two-step method, and the blocks that need it, are for the default family only.
     #[error(
-        "the two-step method, which ARX, OE, BJ and SRIVC blocks need, identifies Bouc–Wen hysteresis only"
+        "the two-step method, which ARX, OE, BJ and SRIVC blocks need, identifies hysteresis {} only",
+        HysteresisForm::default().name()
     )]
     FamilyTakesJointFit,
     /// A demand names a parameter that this fit does not have.

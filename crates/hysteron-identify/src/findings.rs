@@ -208,6 +208,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
         }
     }
 
+    let family = result.model.hysteresis.form().description();
     if amplitudes(fitted_statically.iter().map(|(f, _)| *f)) <= 1 && !fitted_statically.is_empty() {
         say(
             &mut findings,
@@ -216,14 +217,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             format!(
                 "All loops have the same amplitude: {}, and models cannot be ranked. Minor loops are \
                  extrapolated. Add a record with loops of half and a quarter of the amplitude.",
-                match result.model.hysteresis {
-                    Hysteresis::BoucWen(_) =>
-                        "β and γ are distinguished only by the virgin curve, polynomial degree and exponent \
-                         n only by the shape of one loop",
-                    Hysteresis::Family(_) =>
-                        "the polynomial is distinguished from the hysteretic part only by the shape of one \
-                         loop",
-                }
+                family.undetermined_by_one_loop()
             ),
         );
     }
@@ -239,14 +233,14 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
                  motion, whatever its duration.{}",
                 short(small),
                 short(wide),
-                if matches!(result.model.hysteresis, Hysteresis::BoucWen(_)) {
-                    " The small loops of a Bouc–Wen model do not close: it drifts where the device does not."
+                if family.small_loops_drift() {
+                    " The small loops of this family do not close: the model drifts where the device does not."
                 } else {
                     ""
                 }
             ),
         );
-        if matches!(result.model.hysteresis, Hysteresis::BoucWen(_)) {
+        if family.small_loops_drift() {
             told.advise(Advice::OtherHysteresis);
         }
     }
@@ -377,10 +371,8 @@ fn verdict(
     let span = format!("{} to {} {unit}", short(low), short(high));
     let span = span.trim_end();
     let name = hysteresis.form().name();
-    let bound = match hysteresis {
-        Hysteresis::BoucWen(operator) => format!("{}; ", operator.admissibility()),
-        Hysteresis::Family(_) => String::new(),
-    };
+    let bounded = hysteresis.form().description().boundedness(hysteresis.own_shape(), hysteresis.weights());
+    let bound = bounded.map_or_else(String::new, |verdict| format!("{verdict}; "));
     let inverse = match hysteresis.invertibility(drives) {
         Ok(Invertibility::Everywhere) => {
             format!("every move raises the output with the drive from {span}, so that it has an inverse")
@@ -424,7 +416,7 @@ mod tests {
         for operator in examples([0.0, 10.0], 50.0, 1.0).unwrap() {
             for linear in [1.0, 0.2, -0.1, -0.5] {
                 let form = operator.form();
-                let model = form.operator(vec![linear], &operator.weights(), &operator.shape()).unwrap();
+                let model = form.operator(vec![linear], operator.weights(), &operator.shape()).unwrap();
                 let said = verdict(&model, &drives, (0.0, 10.0), "V");
                 let (which, part) = match model.invertibility(&drives).unwrap() {
                     Invertibility::Everywhere => (0, "so that it has an inverse"),

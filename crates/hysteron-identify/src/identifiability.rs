@@ -8,7 +8,6 @@ use super::result::{Identification, Parameter};
 use super::{Finding, FindingKind};
 use hysteron_model::Advice;
 use hysteron_model::dynamics::{DynamicForm, ParameterKind};
-use hysteron_model::hysteresis::Hysteresis;
 use hysteron_numeric::display::short;
 
 /// A standard error above this share of the parameter's scale leaves it undetermined.
@@ -153,10 +152,10 @@ fn on_edge(result: &Identification, p: &Parameter) -> bool {
 
 /// True if every loop is far from saturation of the operator.
 fn far_from_saturation(result: &Identification, range_v: f64) -> bool {
-    let Hysteresis::BoucWen(operator) = &result.model.hysteresis else { return false };
-    let shape = operator.unit_shape();
-    let bend = (shape.beta + shape.gamma.abs()) * range_v.powf(shape.n);
-    operator.alpha != 0.0 && bend < SHARE_OF_SATURATION
+    let operator = &result.model.hysteresis;
+    let family = operator.form().description();
+    let share = family.share_of_saturation(operator.own_shape(), operator.weights(), range_v);
+    share.is_some_and(|share| share < SHARE_OF_SATURATION)
 }
 
 /// Strongly correlated parameters.

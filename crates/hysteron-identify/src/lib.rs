@@ -138,7 +138,7 @@ fn identify_records(
         if options.creep != Creep::None {
             return Err(IdentifyError::CreepTakesJointFit);
         }
-        if options.family() != HysteresisForm::BoucWen {
+        if options.family() != HysteresisForm::default() {
             return Err(IdentifyError::FamilyTakesJointFit);
         }
         return two_step::identify(&facts, &roles, options, engine);

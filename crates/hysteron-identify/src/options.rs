@@ -226,7 +226,7 @@ pub enum Choice<T> {
 pub struct Options {
     /// Joint fit or two steps.
     pub method: Method,
-    /// Family of the hysteresis block; any but Bouc–Wen needs the joint fit. `Auto`: Bouc–Wen; plays with
+    /// Family of the hysteresis block; any but the default needs the joint fit. `Auto`: the default; plays with
     /// activated edges where a non-uniformly sampled record holds small oscillations beside large moves, then
     /// with [`DynamicsChoice::Auto`] and [`Creep::None`] fractional dynamics without creep.
     pub hysteresis: Choice<HysteresisForm>,
@@ -255,7 +255,7 @@ pub struct Options {
     pub threads: Option<usize>,
     /// Polynomial degree of l\[u\].
     pub degree: Choice<usize>,
-    /// Bouc–Wen exponent n; `Auto` searches it (`--n free`).
+    /// Exponent n of the hysteresis family; `Auto` searches it (`--n free`).
     pub n: Choice<f64>,
     /// Delay \[s\]. A given delay is the whole time shift between input and output: unless dynamics are
     /// requested, no lag is fitted to a quasi-static record.
@@ -314,11 +314,11 @@ impl Options {
         }
     }
 
-    /// The family given, else Bouc–Wen.
+    /// The family given, else the default.
     pub fn family(&self) -> HysteresisForm {
         match self.hysteresis {
             Choice::Given(form) => form,
-            Choice::Auto => HysteresisForm::BoucWen,
+            Choice::Auto => HysteresisForm::default(),
         }
     }
 
@@ -390,7 +390,7 @@ mod tests {
     fn options_are_read_back_and_what_is_left_out_is_the_default() {
         let hysteresis = BoucWen { polynomial: vec![0.1, 0.02], alpha: 0.3, beta: 0.2, gamma: -0.1, n: 1.0 };
         let start = Model {
-            hysteresis: Hysteresis::BoucWen(hysteresis),
+            hysteresis: Hysteresis::from(hysteresis),
             dynamics: Dynamics::None,
             offset: 0.5,
             delay_s: 0.0,

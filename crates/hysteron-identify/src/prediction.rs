@@ -89,7 +89,7 @@ fn scatter(file: &ModelFile) -> f64 {
 mod tests {
     use super::*;
     use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
-    use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+    use hysteron_model::hysteresis::Hysteresis;
     use hysteron_model::model_file::SignalUnits;
     use hysteron_model::record::InterSample;
     use nalgebra::DMatrix;
@@ -101,7 +101,7 @@ mod tests {
             denominator: vec![term(1.0, 0.0), term(0.01, 1.0)],
         };
         Model {
-            hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![2.0], 0.0, 0.0, 0.0, 1.0).unwrap()),
+            hysteresis: Hysteresis::without_memory(vec![2.0]).unwrap(),
             dynamics: Dynamics::Integer(g),
             offset: 0.0,
             delay_s: 0.002,

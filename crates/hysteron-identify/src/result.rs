@@ -9,7 +9,6 @@ use hysteron_model::Finding;
 use hysteron_model::Start;
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hammerstein::Model;
-use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::model::{Score, Simulation};
 use hysteron_model::model_file::{ModelFile, typographic};
 use hysteron_model::record::{InputOutput, MeasurementRun, RunPart, Unit};
@@ -105,7 +104,7 @@ impl Parameter {
             "delay" | "lag" | "creep_start" => "s".into(),
             name if name.starts_with("creep_time_") => "s".into(),
             name if name.starts_with("memory_") => {
-                let remembers_output = file.hysteresis.kind.family() == HysteresisForm::BoucWen;
+                let remembers_output = file.hysteresis.kind.family().description().remembers_output();
                 let unit = if remembers_output { &file.units.output } else { &file.units.input };
                 Unit::new(unit).to_string()
             }

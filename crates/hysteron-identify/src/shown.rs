@@ -17,7 +17,7 @@ pub(super) fn shown(
     first: &RecordFacts,
 ) -> Option<hysteron_model::Model> {
     let law = Model {
-        hysteresis: Hysteresis::BoucWen(hysteresis.clone()),
+        hysteresis: Hysteresis::from(hysteresis.clone()),
         dynamics,
         offset: 0.0,
         delay_s,

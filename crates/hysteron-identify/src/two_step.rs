@@ -240,7 +240,7 @@ fn assemble(
     };
     let rate = |records: &[&RecordFacts]| records.first().and_then(|f| f.data.sample_rate_hz());
     Model {
-        hysteresis: Hysteresis::BoucWen(solution.hysteresis.clone()),
+        hysteresis: Hysteresis::from(solution.hysteresis.clone()),
         dynamics,
         offset: solution.offsets.first().copied().unwrap_or(0.0),
         delay_s,

@@ -19,7 +19,7 @@ fn stage(rule: InterSample) -> Model {
     let w = TAU * 150.0;
     let denominator = vec![Term::new(1.0, 0.0), Term::new(0.2 / w, 1.0), Term::new(1.0 / (w * w), 2.0)];
     Model {
-        hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![0.4], 0.08, 0.3, 0.1, 1.0).unwrap()),
+        hysteresis: Hysteresis::from(BoucWen::new(vec![0.4], 0.08, 0.3, 0.1, 1.0).unwrap()),
         dynamics: Dynamics::Integer(TransferFunction::new(vec![Term::new(1.0, 0.0)], denominator).unwrap()),
         offset: 0.0,
         delay_s: DELAY_S,

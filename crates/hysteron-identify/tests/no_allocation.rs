@@ -244,7 +244,7 @@ fn a_sample_of_a_realised_model_allocates_nothing() {
     use hysteron_model::realise::{RealiseOptions, StreamParts, realise};
 
     let model = Model {
-        hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![2.0, 0.01], 0.5, 0.1, 0.02, 1.0).unwrap()),
+        hysteresis: Hysteresis::from(BoucWen::new(vec![2.0, 0.01], 0.5, 0.1, 0.02, 1.0).unwrap()),
         dynamics: Dynamics::Fractional(TransferFunction::article_eq13()),
         offset: 0.0,
         delay_s: 3.4e-4,

@@ -19,7 +19,7 @@ fn record(name: &str, u: impl Fn(f64) -> f64, seconds: f64) -> CampaignRecord {
 /// The same behind a delay.
 fn late(name: &str, u: impl Fn(f64) -> f64, seconds: f64, delay_s: f64) -> CampaignRecord {
     let model = Model {
-        hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![0.4, 0.004], 0.08, 0.3, 0.1, 1.0).unwrap()),
+        hysteresis: Hysteresis::from(BoucWen::new(vec![0.4, 0.004], 0.08, 0.3, 0.1, 1.0).unwrap()),
         dynamics: Dynamics::None,
         offset: 0.0,
         delay_s,
@@ -72,7 +72,7 @@ fn a_delay_that_slow_drive_does_not_tell_is_in_the_errors() {
         let p = found.parameters.iter().find(|p| p.name == name).unwrap();
         (p.value, p.std_error)
     };
-    let bouc_wen = Choice::Given(HysteresisForm::BoucWen);
+    let bouc_wen = Choice::Given(HysteresisForm::bouc_wen());
     let (late, prompt) = (of(bouc_wen, 1.5e-3), of(bouc_wen, 0.0));
     assert_eq!(number(&late, "delay"), (0.0, None));
     let mut moved = 0.0f64;

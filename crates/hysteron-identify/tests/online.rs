@@ -56,7 +56,7 @@ fn model() -> Model {
     let numerator = vec![term(c0, 0.0)];
     let denominator = vec![term(c0, 0.0), term(c1, order1), term(1.0, order2)];
     Model {
-        hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![3.2, -0.02], 1.1, 0.35, 0.08, 1.0).unwrap()),
+        hysteresis: Hysteresis::from(BoucWen::new(vec![3.2, -0.02], 1.1, 0.35, 0.08, 1.0).unwrap()),
         dynamics: Dynamics::Fractional(TransferFunction::new(numerator, denominator).unwrap()),
         offset: 0.0,
         delay_s: 2e-4,
@@ -282,7 +282,7 @@ fn regressors_do_not_look_ahead() {
 fn a_creep_column_is_the_first_order_lag_of_the_model() {
     // A static straight line: w = 3t, x = 3(t − τ(1 − e^(−t/τ))) from rest.
     let line = Model {
-        hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![1.0], 0.0, 1.0, 0.0, 1.0).unwrap()),
+        hysteresis: Hysteresis::from(BoucWen::new(vec![1.0], 0.0, 1.0, 0.0, 1.0).unwrap()),
         dynamics: Dynamics::None,
         delay_s: 0.0,
         ..model()

@@ -32,7 +32,7 @@ fn truth() -> Model {
     let w = TAU * 90.0;
     let denominator = vec![Term::new(1.0, 0.0), Term::new(0.8 / w, 1.0), Term::new(1.0 / (w * w), 2.0)];
     Model {
-        hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![0.4], 0.08, 0.3, 0.1, 1.0).unwrap()),
+        hysteresis: Hysteresis::from(BoucWen::new(vec![0.4], 0.08, 0.3, 0.1, 1.0).unwrap()),
         dynamics: Dynamics::Integer(TransferFunction::new(vec![Term::new(1.0, 0.0)], denominator).unwrap()),
         offset: 0.0,
         delay_s: 0.4e-3,
@@ -69,7 +69,7 @@ fn record() -> InputOutput {
 
 fn identified() -> Identification {
     let options = Options {
-        hysteresis: Choice::Given(HysteresisForm::BoucWen),
+        hysteresis: Choice::Given(HysteresisForm::bouc_wen()),
         dynamics: DynamicsChoice::Integer,
         degree: Choice::Given(1),
         initial: Initial::Zero,

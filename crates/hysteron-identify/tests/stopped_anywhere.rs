@@ -34,7 +34,7 @@ fn campaign() -> Vec<CampaignRecord> {
         vec![term(1.0, 0.0), term(2.0 * 0.2 / omega, 1.0), term(1.0 / (omega * omega), 2.0)],
     );
     let device = Model {
-        hysteresis: Hysteresis::BoucWen(hysteresis),
+        hysteresis: Hysteresis::from(hysteresis),
         dynamics: Dynamics::Integer(g.unwrap()),
         offset: 0.4,
         delay_s: 2e-4,

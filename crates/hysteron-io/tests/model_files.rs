@@ -12,7 +12,7 @@ use hysteron_model::{Model, hammerstein};
 fn a_file_written_is_the_file_read_and_what_is_not_sound_is_not_written() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("model.json");
-    let hysteresis = Hysteresis::BoucWen(BoucWen::new(vec![15.0, -0.25], 3.5, 0.6, 0.2, 1.0).unwrap());
+    let hysteresis = Hysteresis::from(BoucWen::new(vec![15.0, -0.25], 3.5, 0.6, 0.2, 1.0).unwrap());
     let law = hammerstein::Model {
         hysteresis,
         dynamics: Dynamics::None,

@@ -32,7 +32,7 @@ const SAMPLES: usize = 20_000;
 const MEMORY: usize = 1000;
 
 fn bouc_wen(n: f64) -> Hysteresis {
-    Hysteresis::BoucWen(BoucWen::new(vec![2.0, 0.01, 1e-4], 0.5, 0.1, 0.02, n).unwrap())
+    Hysteresis::from(BoucWen::new(vec![2.0, 0.01, 1e-4], 0.5, 0.1, 0.02, n).unwrap())
 }
 
 fn model(hysteresis: Hysteresis, scheme: Scheme) -> Model {
@@ -149,7 +149,7 @@ fn main() {
     let drive = sweep((0.0, 10.0), (1.0, 100.0), FS, samples);
     let plays =
         PrandtlIshlinskii::new(vec![1.0], (1..=12).map(|k| 0.4 * f64::from(k)).collect(), vec![0.1; 12]);
-    let nothing = Hysteresis::BoucWen(BoucWen::new(vec![1.0], 0.0, 0.0, 0.0, 1.0).unwrap());
+    let nothing = Hysteresis::without_memory(vec![1.0]).unwrap();
     let of_n = |n, scheme| model(bouc_wen(n), scheme);
     let double = |model: &Model| contestant::<f64>(model, &drive);
     let single = |model: &Model| contestant::<f32>(model, &drive);

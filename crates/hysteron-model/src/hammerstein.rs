@@ -40,8 +40,8 @@ pub struct Model {
     pub sample_rate_hz: Option<f64>,
 }
 
-/// Periods simulated before a record that starts [`Start::Settled`]: Bouc–Wen memory fades as e^(−β · path
-/// length).
+/// Periods simulated before a record that starts [`Start::Settled`]: memory that fades does so as e^(−path
+/// length/length of saturation).
 pub const SETTLING_PERIODS: usize = 4;
 
 /// Hysteresis steps per sample period under a band-limited drive: a turning point between samples is missed

@@ -48,10 +48,10 @@ pub type LinearStart = Start<std::convert::Infallible>;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Memory {
-    /// Hysteretic displacement z \[µm\], for Bouc–Wen.
+    /// Hysteretic displacement z \[µm\], for families that remember an output.
     Displacement(f64),
-    /// Voltage \[V\] at which the device was virgin before it moved monotonically to rest; for every other
-    /// family.
+    /// Voltage \[V\] at which the device was virgin before it moved monotonically to rest, for the
+    /// others.
     VirginAt(f64),
 }
 

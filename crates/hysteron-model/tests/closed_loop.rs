@@ -30,7 +30,7 @@ fn model(alpha: f64) -> Model {
         vec![term(square, 0.0), term(0.04 * natural, 1.0), term(1.0, 2.0)],
     );
     Model {
-        hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![2.0], alpha, 0.5, 0.1, 1.0).unwrap()),
+        hysteresis: Hysteresis::from(BoucWen::new(vec![2.0], alpha, 0.5, 0.1, 1.0).unwrap()),
         dynamics: Dynamics::Integer(mode.unwrap()),
         offset: 1.0,
         delay_s: 1.2e-4,

@@ -265,7 +265,7 @@ fn drive_between_samples() {
 #[test]
 fn band_limited_drive_finds_the_turning_points_between_samples() {
     // Seven samples a period; truth: the same drive at 7 000.
-    let model = Hysteresis::BoucWen(BoucWen::new(vec![1.0], 0.7, 0.4, 0.1, 1.0).unwrap());
+    let model = Hysteresis::from(BoucWen::new(vec![1.0], 0.7, 0.4, 0.1, 1.0).unwrap());
     let drive = |per_period: usize| -> Vec<f64> {
         (0..per_period).map(|k| 5.0 * (2.0 * PI * k as f64 / per_period as f64 + 0.2).cos()).collect()
     };

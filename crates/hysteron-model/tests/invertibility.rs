@@ -18,7 +18,7 @@ fn drive() -> Vec<f64> {
 }
 
 fn bouc_wen(linear: f64, alpha: f64) -> Hysteresis {
-    Hysteresis::BoucWen(BoucWen::new(vec![linear], alpha, 0.6, 0.2, 1.0).unwrap())
+    Hysteresis::from(BoucWen::new(vec![linear], alpha, 0.6, 0.2, 1.0).unwrap())
 }
 
 #[test]

@@ -17,12 +17,12 @@ use proptest::prelude::*;
 const RATE_HZ: f64 = 1e4;
 
 fn bouc_wen(n: f64) -> Hysteresis {
-    Hysteresis::BoucWen(BoucWen::new(vec![2.0, 0.01], 0.5, 0.1, 0.02, n).unwrap())
+    Hysteresis::from(BoucWen::new(vec![2.0, 0.01], 0.5, 0.1, 0.02, n).unwrap())
 }
 
 /// v = u.
 fn nothing() -> Hysteresis {
-    Hysteresis::BoucWen(BoucWen::new(vec![1.0], 0.0, 0.0, 0.0, 1.0).unwrap())
+    Hysteresis::from(BoucWen::new(vec![1.0], 0.0, 0.0, 0.0, 1.0).unwrap())
 }
 
 fn model(dynamics: Dynamics, scheme: Scheme, delay_s: f64) -> Model {

@@ -3,7 +3,6 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // Helpers outside the test functions; a failure is a failed test.
 
-use hysteron_model::Memory;
 use hysteron_model::Start;
 use hysteron_model::compensator::{Compensation, CompensatorOptions, CompensatorParts, Prediction};
 use hysteron_model::dynamics::Dynamics;
@@ -25,7 +24,6 @@ const RANGE: [f64; 2] = [-2.0, 10.0];
 /// with a knee below 1.
 fn models(inter_sample: InterSample) -> Vec<Model> {
     let all = examples(RANGE, 500.0, 1.0).unwrap().into_iter();
-    let families = all.filter(|hysteresis| matches!(hysteresis, Hysteresis::Family(_)));
     let lagging: [(&str, &[f64], f64); 5] = [
         ("dahl", &[1.7, 1.4], -0.2),
         ("dahl", &[2.5, 0.4], -0.2),
@@ -39,7 +37,7 @@ fn models(inter_sample: InterSample) -> Vec<Model> {
         let all = (0..form.columns()).map(|k| weight * (1.0 + 0.7 * (k as f64 * 1.7).sin()));
         form.operator(vec![1.0, 0.004], &all.collect::<Vec<f64>>(), shape).unwrap()
     });
-    families.chain(lagging).map(|hysteresis| model(hysteresis, inter_sample)).collect()
+    all.chain(lagging).map(|hysteresis| model(hysteresis, inter_sample)).collect()
 }
 
 fn model(hysteresis: Hysteresis, inter_sample: InterSample) -> Model {
@@ -55,8 +53,7 @@ fn model(hysteresis: Hysteresis, inter_sample: InterSample) -> Model {
 }
 
 fn stream(model: &Model) -> FamilyStream {
-    let Hysteresis::Family(family) = &model.hysteresis else { panic!("no family") };
-    FamilyStream::new(family, Some(1.0 / RATE_HZ)).unwrap()
+    FamilyStream::new(&model.hysteresis, Some(1.0 / RATE_HZ)).unwrap()
 }
 
 fn realised(model: &Model) -> Realisation {
@@ -139,7 +136,8 @@ fn a_rest_in_mid_stroke_and_the_batch_simulation_agree() {
             let start = if voltage_v == virgin_v {
                 Start::Rest { voltage_v }
             } else {
-                Start::Remembering { voltage_v, memory: Memory::VirginAt(virgin_v) }
+                let memory = model.hysteresis.memory_of_move(virgin_v, voltage_v).unwrap();
+                Start::Remembering { voltage_v, memory: model.hysteresis.memory(memory) }
             };
             let batch = model.simulate(&u, Some(RATE_HZ), &start).unwrap();
             runtime.rest_after(virgin_v, voltage_v).unwrap();

@@ -72,7 +72,7 @@ fn hammerstein(asked: HammersteinOptions) -> PyResult<Options> {
     let hysteresis = match (of(&asked.hysteresis), asked.elements) {
         (None, None) => Choice::Auto,
         (name, elements) => {
-            let form = name.map_or(Ok(HysteresisForm::BoucWen), |name| name.parse().map_err(raised))?;
+            let form = name.map_or(Ok(HysteresisForm::default()), |name| name.parse().map_err(raised))?;
             Choice::Given(elements.map_or(Ok(form), |count| form.with_elements(count).map_err(option))?)
         }
     };

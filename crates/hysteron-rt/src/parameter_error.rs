@@ -7,7 +7,7 @@ use core::fmt::{Debug, Display, Formatter, Result};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ParameterError<T> {
-    /// A parameter of Bouc–Wen is infinite or not a number.
+    /// A parameter of hysteresis is infinite or not a number.
     NotFinite {
         /// Its name.
         name: &'static str,
@@ -82,8 +82,10 @@ pub enum ParameterError<T> {
 impl<T: Display> Display for ParameterError<T> {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
-            Self::NotFinite { name, value } => write!(f, "Bouc–Wen parameter {name} = {value} is not finite"),
-            Self::Exponent { n } => write!(f, "Bouc–Wen exponent n = {n} is below 1, the smallest allowed"),
+            Self::NotFinite { name, value } => {
+                write!(f, "hysteresis parameter {name} = {value} is not finite")
+            }
+            Self::Exponent { n } => write!(f, "hysteresis exponent n = {n} is below 1, the smallest allowed"),
             Self::Lengths { thresholds, weights } => {
                 write!(f, "{thresholds} thresholds but {weights} weights: give one weight a threshold")
             }

@@ -98,7 +98,7 @@ impl Device {
     /// The same as a model to start from.
     pub fn model(&self) -> Outcome<Model> {
         Ok(Model {
-            hysteresis: Hysteresis::BoucWen(self.hysteresis.clone()),
+            hysteresis: Hysteresis::from(self.hysteresis.clone()),
             dynamics: Dynamics::Fractional(self.dynamics.to_transfer_function()?),
             offset: 0.0,
             delay_s: self.delay_s,

@@ -229,7 +229,7 @@ pub fn study(seed: usize) -> Outcome<()> {
         }
     }
     let whole = Strategy::new("whole", Forward::Inverse(CompensatorOptions::default()));
-    let bouc_wen = Loop::new(&fit(HysteresisForm::BoucWen)?, &settings, &whole)?;
+    let bouc_wen = Loop::new(&fit(HysteresisForm::bouc_wen())?, &settings, &whole)?;
     errors.push(row("inverse of a Bouc–Wen model, preview", &scored(&bouc_wen)?));
     let runs = references.iter().map(|(_, reference)| learned(&model, reference, seed));
     errors.push(row("inverse, whole reference, one run learned", &runs.collect::<Outcome<Vec<_>>>()?));

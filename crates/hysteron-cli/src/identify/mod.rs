@@ -178,7 +178,7 @@ pub struct Identify {
     )]
     degree: ChoiceArg<usize>,
 
-    /// Exponent n of the Bouc–Wen model [default: 1; free for an oscillator]
+    /// Exponent n of a hysteresis family that has one [default: 1; free for an oscillator]
     #[arg(long, value_name = "VALUE|free", value_parser = exponent, allow_hyphen_values = true)]
     n: Option<ChoiceArg<f64>>,
 

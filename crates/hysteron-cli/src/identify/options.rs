@@ -42,7 +42,7 @@ impl Identify {
         Ok(match (self.hysteresis, self.elements) {
             (None, None) => Choice::Auto,
             (form, elements) => {
-                Choice::Given(with_elements(form.unwrap_or(HysteresisForm::BoucWen), elements)?)
+                Choice::Given(with_elements(form.unwrap_or(HysteresisForm::default()), elements)?)
             }
         })
     }

@@ -72,7 +72,7 @@ impl Bench {
 /// A Bouc–Wen model with a counter-clockwise loop and no dynamics.
 pub fn static_model() -> Model {
     Model {
-        hysteresis: Hysteresis::BoucWen(BoucWen {
+        hysteresis: Hysteresis::from(BoucWen {
             polynomial: vec![0.3, 1e-4],
             alpha: 0.08,
             beta: 0.05,

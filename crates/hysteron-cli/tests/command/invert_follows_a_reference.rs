@@ -176,8 +176,8 @@ fn what_cannot_be_followed_is_refused_without_a_file() {
     bench.write("kilograms.csv", scan("kg", 1.0));
     bench.write("inches.csv", scan("in", 1.0));
     bench.write("huge.csv", "t_s,r_um\n0,1e308\n0.001,1e308\n");
-    let Hysteresis::BoucWen(rising) = static_model().hysteresis else { panic!("another family") };
-    let falls = Hysteresis::BoucWen(BoucWen { polynomial: vec![0.3, -1e-4], ..rising });
+    let rising = BoucWen::of(&static_model().hysteresis).unwrap();
+    let falls = Hysteresis::from(BoucWen { polynomial: vec![0.3, -1e-4], ..rising });
     bench.write_model("falls.json", &Model { hysteresis: falls, ..dynamic_model() }, SignalUnits::default());
     let term = |coefficient, order| Term { coefficient, order };
     let creep = TransferFunction::new(vec![term(1.0, 0.0)], vec![term(1.0, 0.1), term(2e-3, 1.0)]).unwrap();

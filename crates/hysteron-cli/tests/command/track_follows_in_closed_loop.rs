@@ -21,7 +21,7 @@ fn stage() -> Model {
         vec![term(square, 0.0), term(0.06 * natural, 1.0), term(1.0, 2.0)],
     );
     Model {
-        hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![2.6, 0.01], -0.9, 0.3, 0.0, 1.0).unwrap()),
+        hysteresis: Hysteresis::from(BoucWen::new(vec![2.6, 0.01], -0.9, 0.3, 0.0, 1.0).unwrap()),
         dynamics: Dynamics::Integer(mode.unwrap()),
         offset: 0.0,
         delay_s: 2e-4,

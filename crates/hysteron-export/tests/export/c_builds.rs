@@ -137,9 +137,9 @@ fn the_selftest_sees_every_pole_behind_a_long_delay() {
 
 #[test]
 fn what_stands_still_has_no_selftest() {
-    let Hysteresis::BoucWen(operator) = models::stage().hysteresis else { unreachable!() };
+    let operator = BoucWen::of(&models::stage().hysteresis).unwrap();
     let dead = BoucWen { polynomial: vec![0.0], alpha: 0.0, ..operator };
-    let model = Model { hysteresis: Hysteresis::BoucWen(dead), ..models::stage() };
+    let model = Model { hysteresis: Hysteresis::from(dead), ..models::stage() };
     for precision in [Precision::F32, Precision::F64] {
         let refused = models::subject_at("stage", &model, precision, models::RATE_HZ);
         let refused = refused.and_then(|subject| c_files(&subject)).unwrap_err();

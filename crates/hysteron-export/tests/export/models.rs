@@ -13,7 +13,7 @@ use hysteron_model::record::{Dependence, InterSample};
 pub const RATE_HZ: f64 = 1e4;
 
 fn bouc_wen(n: f64) -> Hysteresis {
-    Hysteresis::BoucWen(BoucWen { polynomial: vec![0.3, 1e-4], alpha: 0.08, beta: 0.05, gamma: 0.01, n })
+    Hysteresis::from(BoucWen { polynomial: vec![0.3, 1e-4], alpha: 0.08, beta: 0.05, gamma: 0.01, n })
 }
 
 /// The stage of article Eq. 13 behind n = 1.
@@ -44,7 +44,7 @@ fn parallel() -> Hysteresis {
 /// Families of the library, by name.
 fn families() -> Vec<(&'static str, Hysteresis)> {
     let all = examples([0.0, 100.0], 2e3, 0.3).unwrap().into_iter();
-    let families = all.filter(|hysteresis| matches!(hysteresis, Hysteresis::Family(_)));
+    let families = all.filter(|hysteresis| hysteresis.form() != HysteresisForm::default());
     // Names of files and of functions.
     let name = |hysteresis: &Hysteresis| &*hysteresis.form().name().replace('-', "_").leak();
     families.map(|hysteresis| (name(&hysteresis), hysteresis)).collect()
@@ -80,7 +80,7 @@ pub fn all() -> Vec<(&'static str, Model)> {
             // Nothing but a Bouc–Wen operator, of the other sense of rotation.
             "memory",
             Model {
-                hysteresis: Hysteresis::BoucWen(BoucWen {
+                hysteresis: Hysteresis::from(BoucWen {
                     polynomial: vec![0.0],
                     alpha: -0.08,
                     beta: 0.05,
@@ -94,7 +94,7 @@ pub fn all() -> Vec<(&'static str, Model)> {
             // Without a bound: z escapes in a move of some hundred thousand volts.
             "unbounded",
             Model {
-                hysteresis: Hysteresis::BoucWen(BoucWen {
+                hysteresis: Hysteresis::from(BoucWen {
                     polynomial: vec![0.1],
                     alpha: 0.08,
                     beta: -1e-9,

@@ -21,7 +21,7 @@ const NOISE_UM: f64 = 0.01;
 /// A Bouc–Wen loop: rate-independent, so that a polynomial can approximate it and no linear model can.
 fn device() -> Model {
     Model {
-        hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![3.0, -0.08], 0.9, 0.9, 0.3, 1.0).unwrap()),
+        hysteresis: Hysteresis::from(BoucWen::new(vec![3.0, -0.08], 0.9, 0.9, 0.3, 1.0).unwrap()),
         dynamics: Dynamics::None,
         offset: 1.0,
         delay_s: 0.0,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use hysteron_model::dynamics::{Dynamics, Scheme};
 use hysteron_model::hammerstein::Model;
-use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+use hysteron_model::hysteresis::Hysteresis;
 use hysteron_model::model_file::{Maker, ModelFile, Provenance, SignalUnits};
 use hysteron_model::record::InterSample;
 use hysteron_model::{Advice, Finding, FindingKind};
@@ -125,7 +125,7 @@ impl Explained {
         let response = &self.response;
         let (output, input) = response.unit.split_once("_per_").unwrap_or(("", ""));
         let model = Model {
-            hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![1.0], 0.0, 0.0, 0.0, 1.0)?),
+            hysteresis: Hysteresis::without_memory(vec![1.0])?,
             dynamics,
             offset: 0.0,
             delay_s,

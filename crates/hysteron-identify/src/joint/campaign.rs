@@ -248,7 +248,7 @@ impl<'a> JointMember<'a> {
             Start::AsIdentified => Start::AsIdentified,
             Start::Rest { voltage_v } => Start::Rest { voltage_v },
             Start::Remembering { voltage_v, .. } => {
-                let own = hysteresis.form().own_memory(memory, &hysteresis.weights());
+                let own = hysteresis.form().own_memory(memory, hysteresis.weights());
                 Start::Remembering { voltage_v, memory: hysteresis.memory(own) }
             }
             Start::Settled { period_samples: Some(period), .. } => Start::settled(period),

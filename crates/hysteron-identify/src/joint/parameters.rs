@@ -9,7 +9,6 @@ use super::problem::JointProblem;
 use super::setup::memory_name;
 use hysteron_model::dynamics::{Creep, DynamicForm, Dynamics, Modes};
 use hysteron_model::hammerstein::Model;
-use hysteron_model::hysteresis::Hysteresis;
 use hysteron_model::model_file::{polynomial_name, transfer_function_numbers};
 
 /// Index of each parameter among the estimates, and its value where it is held.
@@ -26,7 +25,7 @@ impl Places {
             names.into_iter().zip(held).map(|(name, &held)| place(name, held)).collect()
         };
         Self {
-            weights: of(family.weight_names(), &solution.hysteresis.weights()),
+            weights: of(family.weight_names(), solution.hysteresis.weights()),
             shape: of(family.shape_names(), &solution.shape),
         }
     }
@@ -161,7 +160,7 @@ pub(super) fn parameters(
     for (index, role) in problem.layout().memory.iter().enumerate() {
         if matches!(role, Role::Searched(_)) {
             let name = memory_name(index);
-            let memory = family.own_memory(solution.memory[index], &b.weights());
+            let memory = family.own_memory(solution.memory[index], b.weights());
             list.push(Parameter::new("start", &name, memory, error(&name)));
         }
     }
@@ -175,27 +174,27 @@ pub(super) fn give_intervals(
     own: &[Option<Interval>],
     solution: &JointSolution,
 ) {
-    // The unit-α form's β', γ' and n; other families are searched in the symbols that they are reported in.
-    let unit = match &solution.hysteresis {
-        Hysteresis::BoucWen(b) => Some(b.unit_shape()),
-        Hysteresis::Family(_) => None,
-    };
+    let operator = &solution.hysteresis;
+    let form = operator.form();
+    let (searched, reported) = (operator.shape(), operator.own_shape());
+    let memory_is_searched = form.own_memory(1.0, operator.weights()) == 1.0;
+    let shape_names = form.shape_names();
     for p in parameters {
         let Some(error) = p.std_error else { continue };
         let same = names.iter().position(|name| *name == p.name).and_then(|i| *own.get(i)?);
         p.interval = Some(match (p.name.as_str(), same) {
             ("b" | "c0" | "c1", _) if p.value > 0.0 => Interval::logarithmic(p.value, error),
-            // For n = 1, β = β' and γ = ±γ'; otherwise they also depend on α.
-            ("beta" | "gamma", found) if let Some(unit) = unit => match found {
-                Some(i) if unit.n == 1.0 => {
-                    let unit = if p.name == "beta" { unit.beta } else { unit.gamma };
-                    let (a, b) = if unit * p.value < 0.0 { (-i.high, -i.low) } else { (i.low, i.high) };
-                    Interval { low: a, high: b, ..i }
+            (name, Some(i)) if let Some(index) = shape_names.iter().position(|own| own == name) => {
+                match (searched.get(index), reported.get(index)) {
+                    (Some(searched), Some(reported)) if searched == reported => i,
+                    (Some(searched), Some(reported)) if *searched == -reported => {
+                        Interval { low: -i.high, high: -i.low, ..i }
+                    }
+                    // It depends on the weights, too.
+                    _ => Interval::symmetric(p.value, error, IntervalMethod::Unchecked),
                 }
-                _ => Interval::symmetric(p.value, error, IntervalMethod::Unchecked),
-            },
-            // z(0) = α ζ(0).
-            (name, Some(i)) if unit.is_some() && name.starts_with("memory_") => {
+            }
+            (name, Some(i)) if !memory_is_searched && name.starts_with("memory_") => {
                 Interval::symmetric(p.value, error, i.method)
             }
             (_, Some(interval)) => interval,

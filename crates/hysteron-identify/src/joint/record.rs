@@ -8,7 +8,7 @@
 //! G(θ) ∗ (H_j(θ) − H_j(rest)),
 //!
 //! with the columns H_j, weights w_j and the sign s of the family of hysteresis operators
-//! ([`HysteresisForm`]): for Bouc–Wen one column ζ with weight α and sign −1.
+//! ([`HysteresisForm`]).
 //!
 //! The hysteresis is simulated at the rate of the drive or a finer one, so that every turning point is
 //! resolved. For a reduced record, simulated and measured output pass the same low-pass before decimation

@@ -398,7 +398,7 @@ fn of_model(model: &Model, bounds: &Bounds) -> Vec<f64> {
     let family = hysteresis.form();
     let names = family.weight_names().into_iter().chain(family.shape_names());
     let own: Vec<(String, f64)> =
-        names.zip(hysteresis.weights().into_iter().chain(hysteresis.shape())).collect();
+        names.zip(hysteresis.weights().iter().copied().chain(hysteresis.shape())).collect();
     let form = match &model.dynamics {
         Dynamics::Fractional(g) | Dynamics::Integer(g) => g.second_order().ok(),
         Dynamics::None | Dynamics::Arx(_) => None,

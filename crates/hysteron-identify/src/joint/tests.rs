@@ -72,7 +72,7 @@ const BOUC_WEN: [(&str, f64, f64); 2] = [("beta", 0.0, 3.0), ("gamma", -3.0, 3.0
 fn problem(form: DynamicForm, n: Option<f64>, records: Vec<JointRecord>, memory: [bool; 2]) -> JointProblem {
     let n = n.map_or(("n", 1.0, 4.0), |n| ("n", n, n));
     let shape = [BOUC_WEN[0], BOUC_WEN[1], n];
-    of_family((HysteresisForm::BoucWen, &shape, &[Role::Projected]), form, records, memory)
+    of_family((HysteresisForm::bouc_wen(), &shape, &[Role::Projected]), form, records, memory)
 }
 
 fn of_family(
@@ -156,7 +156,7 @@ fn check(problem: &JointProblem, x: &[f64]) {
         // A play that starts or stops to move between the steps has no difference there: short steps, and
         // what rounding leaves of them.
         let jumps = range.name.contains("threshold")
-            || (range.name.contains("memory") && problem.hysteresis() != HysteresisForm::BoucWen);
+            || (range.name.contains("memory") && problem.hysteresis() != HysteresisForm::bouc_wen());
         let h = match (jumps, hysteretic) {
             (true, _) => 2e-5,
             (_, true) => 2e-4,
@@ -246,7 +246,7 @@ fn weights_of_one_sign_are_the_best_that_have_it() {
             of_family((three_plays(), &shape, &roles), fractional(), records, [false; 2])
         };
         let cost = |problem: &JointProblem| problem.cost(&x, &mut problem.workspace());
-        let weights = |problem: &JointProblem| problem.solve(&x).unwrap().hysteresis.weights();
+        let weights = |problem: &JointProblem| problem.solve(&x).unwrap().hysteresis.weights().to_vec();
         for sign in [1.0, -1.0] {
             let signed = problem([Role::OneSided(sign); 3]);
             check(&signed, &x);

@@ -4,7 +4,7 @@ use super::Term;
 use crate::IdentifyError;
 use hysteron_model::Start;
 use hysteron_model::hammerstein::Model;
-use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+use hysteron_model::hysteresis::Hysteresis;
 use hysteron_model::record::range_of;
 
 /// Highest power of the drive that may be corrected.
@@ -189,13 +189,13 @@ impl<const N: usize> Row<N> {
     }
 }
 
-/// v = uⁿ, a Bouc–Wen operator without hysteresis.
+/// v = uⁿ, without hysteresis.
 fn power_of_drive(power: u32) -> Result<Hysteresis, IdentifyError> {
     let mut polynomial = vec![0.0; power as usize];
     if let Some(last) = polynomial.last_mut() {
         *last = 1.0;
     }
-    Ok(Hysteresis::BoucWen(BoucWen::new(polynomial, 0.0, 1.0, 0.0, 1.0)?))
+    Ok(Hysteresis::without_memory(polynomial)?)
 }
 
 fn without_memory(start: &Start) -> Start {

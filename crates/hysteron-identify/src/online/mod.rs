@@ -14,7 +14,7 @@
 //! use hysteron_rt::{FitMonitor, MonitorSettings, Rls, RlsSettings, Unexcited};
 //!
 //! let model = Model {
-//!     hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![3.2, -0.02], 1.1, 0.35, 0.08, 1.0)?),
+//!     hysteresis: Hysteresis::from(BoucWen::new(vec![3.2, -0.02], 1.1, 0.35, 0.08, 1.0)?),
 //!     dynamics: Dynamics::None,
 //!     offset: 0.0,
 //!     delay_s: 0.0,

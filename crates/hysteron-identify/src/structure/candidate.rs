@@ -39,7 +39,7 @@ pub struct Candidate {
     pub creep: Creep,
     /// Polynomial degree of l\[u\].
     pub degree: usize,
-    /// The Bouc–Wen exponent n is searched instead of held at 1.
+    /// The exponent n of the family is searched instead of held at 1.
     pub n_free: bool,
     /// Family of the hysteresis block.
     pub hysteresis: HysteresisForm,
@@ -64,7 +64,7 @@ pub enum StructurePart {
     Creep,
     /// The family of hysteresis.
     Family,
-    /// Degree of the polynomial, and the exponent n of Bouc–Wen.
+    /// Degree of the polynomial, and the exponent n of the family.
     Shape,
 }
 
@@ -137,11 +137,12 @@ impl Block {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "'{name}' is no structure: expected BLOCK[+CREEP][+degreeN][+n-free][+FAMILY] with BLOCK one of {}, \
-     CREEP one of creep, log-creep, kelvin-voigt, N from 1 to {HIGHEST_DEGREE}, FAMILY (n-free is bouc-wen's \
-     own) one of {}, and neither creep nor another family than bouc-wen with arx, oe, bj and srivc; e.g. \
+     CREEP one of creep, log-creep, kelvin-voigt, N from 1 to {HIGHEST_DEGREE}, FAMILY (n-free is {usual}'s \
+     own) one of {}, and neither creep nor another family than {usual} with arx, oe, bj and srivc; e.g. \
      integer2+creep",
     NAMES,
-    HysteresisForm::usual().into_iter().map(HysteresisForm::name).collect::<Vec<_>>().join(", ")
+    HysteresisForm::usual().into_iter().map(HysteresisForm::name).collect::<Vec<_>>().join(", "),
+    usual = HysteresisForm::default().name(),
 )]
 pub struct UnknownCandidate {
     /// As given.
@@ -156,12 +157,12 @@ impl Candidate {
             creep: Creep::None,
             degree: USUAL_DEGREE,
             n_free: false,
-            hysteresis: HysteresisForm::BoucWen,
+            hysteresis: HysteresisForm::default(),
         }
     }
 
     /// This structure and those compared by default that differ from it in `part` alone. Blocks identified in
-    /// two steps are combined with Bouc–Wen without creep only.
+    /// two steps are combined with the default family without creep only.
     pub fn alternatives(self, part: StructurePart) -> Vec<Self> {
         let list: Vec<Self> = match part {
             StructurePart::Block => Block::USUAL.map(|block| Self { block, ..self }).into(),
@@ -177,12 +178,12 @@ impl Candidate {
                 .collect(),
             StructurePart::Shape => {
                 let degrees = (1..=HIGHEST_USUAL_DEGREE).map(|degree| Self { degree, ..self });
-                let free =
-                    (self.hysteresis == HysteresisForm::BoucWen).then_some(Self { n_free: true, ..self });
+                let has_exponent = self.hysteresis.description().has_exponent();
+                let free = has_exponent.then_some(Self { n_free: true, ..self });
                 degrees.chain(free).collect()
             }
         };
-        let of_its_own = |c: &Self| c.creep == Creep::None && c.hysteresis == HysteresisForm::BoucWen;
+        let of_its_own = |c: &Self| c.creep == Creep::None && c.hysteresis == HysteresisForm::default();
         list.into_iter().filter(|c| !c.block.takes_two_steps() || of_its_own(c)).collect()
     }
 
@@ -213,7 +214,7 @@ impl fmt::Display for Candidate {
         if self.n_free {
             f.write_str("+n-free")?;
         }
-        if self.hysteresis != HysteresisForm::BoucWen {
+        if self.hysteresis != HysteresisForm::default() {
             write!(f, "+{}", self.hysteresis.name())?;
         }
         Ok(())
@@ -242,8 +243,8 @@ impl FromStr for Candidate {
                 }
             }
         }
-        let of_bouc_wen = candidate.n_free || block.takes_two_steps();
-        if of_bouc_wen && candidate.hysteresis != HysteresisForm::BoucWen {
+        let of_default_family = candidate.n_free || block.takes_two_steps();
+        if of_default_family && candidate.hysteresis != HysteresisForm::default() {
             return Err(unknown());
         }
         Ok(candidate)

@@ -20,7 +20,6 @@ use super::folds;
 use crate::IdentifyError;
 use crate::watch::{Event, Plan, Watch};
 use hysteron_model::dynamics::Creep;
-use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_optimize::Settings;
 
 /// Highest polynomial degree tried.
@@ -124,7 +123,7 @@ fn identified(options: &Options, found: &Identification) -> Candidate {
         block: Block::of_options(options),
         creep: found.structure.creep,
         degree: found.structure.degree,
-        n_free: options.n == Choice::Auto && hysteresis == HysteresisForm::BoucWen,
+        n_free: options.n == Choice::Auto && hysteresis.description().has_exponent(),
         hysteresis,
     }
 }

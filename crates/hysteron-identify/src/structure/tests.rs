@@ -21,7 +21,7 @@ fn truth() -> Model {
         denominator: vec![term(omega * omega, 0.0), term(0.3 * omega, 1.0), term(1.0, 2.0)],
     };
     Model {
-        hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![3.0, -0.08], 0.9, 0.9, 0.3, 1.0).unwrap()),
+        hysteresis: Hysteresis::from(BoucWen::new(vec![3.0, -0.08], 0.9, 0.9, 0.3, 1.0).unwrap()),
         dynamics: Dynamics::Integer(g),
         offset: 0.0,
         delay_s: 3e-4,

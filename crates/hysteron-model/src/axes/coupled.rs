@@ -119,7 +119,7 @@ pub fn branch(actuator: &BoucWen, path: &Path) -> Result<Model, SimulationError>
         alpha0: 0.0,
     };
     Ok(Model {
-        hysteresis: Hysteresis::BoucWen(actuator.clone()),
+        hysteresis: Hysteresis::from(actuator.clone()),
         dynamics: Dynamics::Integer(pair.to_transfer_function()?),
         offset: 0.0,
         delay_s: path.delay_s,

@@ -8,7 +8,7 @@ use super::ControlError;
 use crate::dynamics::{Dynamics, TransferFunction};
 use crate::fractional::{Scheme, Term};
 use crate::hammerstein::Model;
-use crate::hysteresis::{BoucWen, Hysteresis};
+use crate::hysteresis::Hysteresis;
 use crate::realise::{LinearParts, LinearRealisation, RealiseOptions, held};
 use crate::record::InterSample;
 use hysteron_numeric::Complex64;
@@ -116,7 +116,7 @@ impl FeedbackLaw {
         };
         let model = |dynamics| -> Result<Model, ControlError> {
             Ok(Model {
-                hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![1.0], 0.0, 1.0, 0.0, 1.0)?),
+                hysteresis: Hysteresis::without_memory(vec![1.0])?,
                 dynamics,
                 offset: 0.0,
                 delay_s: 0.0,

@@ -10,7 +10,7 @@ use super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, GRID_ENDS, NumberUnit, RuntimeOperator,
     ShapeNumber, ends,
 };
-use super::{FamilyForm, HysteresisError, HysteresisForm};
+use super::{HysteresisError, HysteresisForm};
 use crate::record::{Dependence, Pace};
 
 /// Smallest and largest half-width of the plays, as shares of the range of the grid: no loop moves wider
@@ -162,7 +162,7 @@ const USUAL: usize = 3;
 impl HysteresisForm {
     /// Plays with thermally activated edges, the family for records of small oscillations beside wide moves.
     pub fn activated_plays() -> Self {
-        Self::Family(FamilyForm::of(&Entry, USUAL))
+        Self::of(&Entry, USUAL)
     }
 }
 

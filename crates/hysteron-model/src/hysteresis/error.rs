@@ -21,7 +21,7 @@ pub enum HysteresisError {
         value: f64,
     },
     /// A shape parameter is infinite or not a number.
-    #[error("Bouc–Wen parameter {name} is {value}: it must be finite")]
+    #[error("hysteresis parameter {name} is {value}: it must be finite")]
     Parameter {
         /// Its name.
         name: &'static str,
@@ -29,7 +29,7 @@ pub enum HysteresisError {
         value: f64,
     },
     /// n < 1.
-    #[error("Bouc–Wen exponent n is {n}: it must be at least 1")]
+    #[error("hysteresis exponent n is {n}: it must be at least 1")]
     Exponent {
         /// The exponent given.
         n: f64,

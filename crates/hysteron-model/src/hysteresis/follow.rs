@@ -8,7 +8,7 @@
 use hysteron_rt::Limited;
 
 use super::columns::ColumnKernel;
-use super::{Hysteresis, HysteresisError, polynomial};
+use super::{Hysteresis, HysteresisError};
 
 /// Limits of a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,31 +70,15 @@ impl Hysteresis {
         if let Some(index) = wanted.iter().position(|v| !v.is_finite()) {
             return Err(HysteresisError::Wanted { index });
         }
-        match self {
-            Self::BoucWen(model) => {
-                let operator = model.operator()?;
-                let start = super::BoucWenState { u: rest, z: memory.unwrap_or(0.0) };
-                along(start, rest, wanted, limits, |state, u| {
-                    let z = operator
-                        .step(state, u)
-                        .map_err(|cause| HysteresisError::RunsAway { index: 0, cause })?;
-                    Ok(model.polynomial_at(u) - z)
-                })
-            }
-            Self::Family(model) => {
-                let anhysteretic = |u: f64| polynomial::value(&model.polynomial, u);
-                model.form.follow(&model.shape, &model.weights, anhysteretic, wanted, (rest, memory), limits)
-            }
-        }
+        let interval_s = self.form().interval(limits.interval_s)?;
+        self.form().family().follow(self, interval_s, wanted, (rest, memory), limits)
     }
 }
 
-/// [`Hysteresis::follow`] for the columns of a kernel.
+/// [`Hysteresis::follow`] for the columns of a kernel of this shape.
 pub(super) fn columns<K: ColumnKernel>(
     kernel: &K,
-    shape: &[f64],
-    weights: &[f64],
-    anhysteretic: impl Fn(f64) -> f64,
+    (shape, model): (&[f64], &Hysteresis),
     wanted: &[f64],
     (rest, memory): (f64, Option<f64>),
     limits: &DriveLimits,
@@ -106,7 +90,7 @@ pub(super) fn columns<K: ColumnKernel>(
     let mut row = vec![0.0; kernel.columns()];
     along(state, rest, wanted, limits, |state, u| {
         kernel.step(shape, state, u, &mut row)?;
-        Ok(anhysteretic(u) + hysteron_numeric::dot(weights, &row))
+        Ok(model.polynomial_at(u) + hysteron_numeric::dot(model.weights(), &row))
     })
 }
 
@@ -118,7 +102,7 @@ struct Point {
 }
 
 /// Every output of `wanted` in turn; `step` moves a state and returns the output.
-fn along<S: Clone>(
+pub(super) fn along<S: Clone>(
     mut state: S,
     rest: f64,
     wanted: &[f64],

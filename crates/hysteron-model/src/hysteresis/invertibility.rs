@@ -2,9 +2,7 @@
 
 use std::fmt;
 
-use super::{
-    Admissibility, BoucWen, DriveGrid, Family, Hysteresis, HysteresisError, PrandtlIshlinskii, polynomial,
-};
+use super::{DriveGrid, Hysteresis, HysteresisError, PrandtlIshlinskii};
 use crate::record::{Timing, paces_on};
 use crate::start::Start;
 use hysteron_numeric::display::short;
@@ -91,12 +89,10 @@ impl Hysteresis {
     /// family where that decides, else by the slopes of the moves along the drives, each from rest at its
     /// first sample.
     ///
-    /// - Bouc–Wen in the bounded class: dζ/du lies between 0 and max(1, 2β'/(β' + γ')), so that l' above α
-    ///   times that (above 0 for α < 0) is sufficient. Where it is not met only a saturated loop need fall,
-    ///   and the drives decide.
     /// - Plays: l' + w₁ + … + w_k > 0 for every k ≥ 0, necessary and sufficient (P. Krejčí, K. Kuhnen 2001,
     ///   doi:10.1049/ip-cta:20010375).
     /// - Families that are plays in other coordinates: as plays.
+    /// - Families with a condition of their own: see there.
     /// - Families whose columns all rise: weights ≥ 0 and l' > 0 are sufficient. Where plays widen with the
     ///   rate, by λ for 1 V/s, so is l' > Σ w (λ/T − 1) for λ > T, T the least time between samples: a move
     ///   then pushes a play back by λ/T − 1 for each volt.
@@ -115,22 +111,9 @@ impl Hysteresis {
         let least =
             |least: Option<f64>, (_, timing): &TimedDrive<'_>| Some(least?.min(least_interval_s(*timing)?));
         let interval_s = drives.iter().fold(Some(f64::INFINITY), least);
-        match self.by_condition([low, high], interval_s) {
+        match self.form().family().invertibility(self, [low, high], interval_s) {
             Some(answer) => Ok(answer),
             None => self.along(drives, SHORTEST_MOVE * (high - low)),
-        }
-    }
-
-    fn by_condition(&self, range: [f64; 2], interval_s: Option<f64>) -> Option<Invertibility> {
-        match self {
-            Self::BoucWen(model) => bouc_wen(model, range),
-            Self::Family(model) => {
-                let Family { polynomial, form, shape, weights } = model;
-                match form.description().as_plays(form.elements(), polynomial, shape, weights) {
-                    Some(same) => plays(&same, range),
-                    None => rises(model, range, interval_s).then_some(Invertibility::Everywhere),
-                }
-            }
         }
     }
 
@@ -162,29 +145,11 @@ impl Hysteresis {
     }
 }
 
-fn bouc_wen(model: &BoucWen, range: [f64; 2]) -> Option<Invertibility> {
-    let Admissibility::Bounded { .. } = model.admissibility() else { return None };
-    let shape = model.unit_shape();
-    let steepest = (2.0 * shape.beta / (shape.beta + shape.gamma)).max(1.0);
-    let needed = if model.alpha > 0.0 { model.alpha * steepest } else { 0.0 };
-    match polynomial::not_steeper(&model.polynomial, needed, range) {
-        None => Some(Invertibility::Everywhere),
-        Some(_) => None,
-    }
-}
-
-fn plays(model: &PrandtlIshlinskii, range: [f64; 2]) -> Option<Invertibility> {
+/// By the exact condition of plays.
+pub(super) fn plays(model: &PrandtlIshlinskii, range: [f64; 2]) -> Option<Invertibility> {
     match model.step_inverse(range) {
         Ok(_) => Some(Invertibility::Everywhere),
         Err(HysteresisError::NotSteep { u, .. }) => Some(Invertibility::Nowhere { at_v: u }),
         Err(_) => None,
     }
-}
-
-fn rises(model: &Family, range: [f64; 2], interval_s: Option<f64>) -> bool {
-    let Family { polynomial, form, shape, weights } = model;
-    let pushed_back = form.description().pushes_back(shape, weights, interval_s);
-    form.is_monotone()
-        && weights.iter().all(|w| *w >= 0.0)
-        && pushed_back.is_some_and(|by| polynomial::not_steeper(polynomial, by, range).is_none())
 }

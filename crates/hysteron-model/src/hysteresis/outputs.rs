@@ -3,8 +3,8 @@
 use hysteron_numeric::Stop;
 
 use super::HysteresisError;
+use super::bouc_wen::Sensitivities;
 use super::columns::ColumnSensitivities;
-use super::sensitivities::Sensitivities;
 
 /// Columns H_j of a family over a record, and their derivatives. The buffers are kept between calls.
 #[derive(Clone, Debug, Default)]

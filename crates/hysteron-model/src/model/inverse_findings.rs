@@ -78,7 +78,7 @@ mod tests {
     use super::*;
     use crate::dynamics::{Scheme, Term, TransferFunction};
     use crate::hammerstein;
-    use crate::hysteresis::{BoucWen, Hysteresis};
+    use crate::hysteresis::Hysteresis;
     use crate::model::{Capability, Model};
     use crate::model_file::{ModelFile, SignalUnits, ValidRange};
     use crate::record::InterSample;
@@ -86,7 +86,7 @@ mod tests {
     /// A straight line before 1/(`c` s^`order`) or 1/(1 + `c` s), identified from 1 to 10 Hz.
     fn model(denominator: Vec<Term>) -> Model {
         let law = hammerstein::Model {
-            hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![1.0], 0.0, 0.0, 0.0, 1.0).unwrap()),
+            hysteresis: Hysteresis::without_memory(vec![1.0]).unwrap(),
             dynamics: Dynamics::Fractional(
                 TransferFunction::new(vec![Term::new(1.0, 0.0)], denominator).unwrap(),
             ),

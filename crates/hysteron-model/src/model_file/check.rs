@@ -4,15 +4,13 @@ use super::start::StartKind;
 use super::{
     DynamicsKind, FORMAT, Interval, Kind, ModelFile, ModelFileError, ModesScoreEntry, Parameters, Quantity,
     ScoreEntry, TermEntry, VERSION, ValidRange,
-    convert::{Units, numbers_of, sized},
+    convert::{EXPONENT, Units, sized},
     polynomial_name,
 };
-use crate::hysteresis::{FamilyForm, HysteresisForm};
+use crate::hysteresis::{HysteresisForm, ModelNumber, Place};
 
-const BOUC_WEN_NAMES: &str =
-    "linear, quadratic, cubic, quartic, quintic, degree_6 … without gaps, and alpha, beta, gamma, n";
-const FAMILY_NAMES: &str = "linear, quadratic, cubic, quartic, quintic, degree_6 … without gaps, the shape \
-                            numbers of the kind, and weight_1, weight_2 … without gaps";
+const NAMES: &str = "linear, quadratic, cubic, quartic, quintic, degree_6 … without gaps, and the numbers of \
+                     the kind, numbered ones as weight_1, weight_2 … without gaps";
 
 impl ModelFile {
     /// Checks everything that is not a matter of types: version, finite numbers, ranges, units, parameter
@@ -24,10 +22,7 @@ impl ModelFile {
         header(&self.format, self.version, (self.kind, Kind::Hammerstein))?;
         let units = Units::new(&self.units);
         let parameters = &self.hysteresis.parameters;
-        match self.hysteresis.kind.family() {
-            HysteresisForm::BoucWen => bouc_wen(parameters, &units)?,
-            HysteresisForm::Family(form) => family(form, parameters, &units)?,
-        }
+        family(self.hysteresis.kind.family(), parameters, &units)?;
         self.dynamics()?;
         quantity("delay", &self.delay, "s", Some(0.0))?;
         quantity("offset", &self.offset, &units.output, None)?;
@@ -102,52 +97,36 @@ fn polynomial(parameters: &Parameters, units: &Units) -> Result<usize, ModelFile
     Ok(degree)
 }
 
-fn family(form: FamilyForm, parameters: &Parameters, units: &Units) -> Result<(), ModelFileError> {
+fn family(form: HysteresisForm, parameters: &Parameters, units: &Units) -> Result<(), ModelFileError> {
     let degree = polynomial(parameters, units)?;
     let form = sized(form, parameters)?;
-    let numbers = numbers_of(form);
-    for (name, unit) in &numbers {
-        let quantity_of = parameters.get(name);
-        let found = quantity_of.ok_or_else(|| ModelFileError::MissingParameter { name: name.clone() })?;
-        quantity(&format!("hysteresis.parameters.{name}"), found, &units.product(*unit), None)?;
+    let numbers = form.model_numbers();
+    let exponent = parameters.get(EXPONENT).map(|n| n.value);
+    let missing = |name: &str| ModelFileError::MissingParameter { name: name.to_owned() };
+    // Units may depend on the exponent, which has to be right first.
+    if numbers.iter().any(|number| number.unit.falls_with_exponent) {
+        let exponent = parameters.get(EXPONENT).ok_or_else(|| missing(EXPONENT))?;
+        quantity(&format!("hysteresis.parameters.{EXPONENT}"), exponent, "1", Some(1.0))?;
     }
-    let known: std::collections::HashSet<&str> = numbers.iter().map(|(name, _)| name.as_str()).collect();
+    for ModelNumber { name, unit, .. } in &numbers {
+        let found = parameters.get(name).ok_or_else(|| missing(name))?;
+        // A unit with the exponent in it is right for n = 1 as well.
+        let [plain, general] = [exponent, None].map(|exponent| units.product(*unit, exponent));
+        let expected = if found.unit == general { general } else { plain };
+        quantity(&format!("hysteresis.parameters.{name}"), found, &expected, None)?;
+    }
+    let known: std::collections::HashSet<&str> = numbers.iter().map(|number| number.name.as_str()).collect();
     let is_known = |name: &str| known.contains(name) || (1..=degree).any(|i| polynomial_name(i) == name);
     if let Some((name, _)) = parameters.iter().find(|(name, _)| !is_known(name)) {
-        return Err(ModelFileError::UnknownParameter { name: name.to_owned(), expected: FAMILY_NAMES });
+        return Err(ModelFileError::UnknownParameter { name: name.to_owned(), expected: NAMES });
     }
-    let value = |(name, _): (String, _)| parameters.get(&name).map_or(f64::NAN, |q| q.value);
-    let shape: Vec<f64> = form.shape_numbers().into_iter().map(value).collect();
+    let mut shape = vec![f64::NAN; form.shape_names().len()];
+    for number in &numbers {
+        if let Place::Shape(index) = number.place {
+            shape[index] = parameters.get(&number.name).map_or(f64::NAN, |q| q.value);
+        }
+    }
     form.check(&shape).map_err(|problem| ModelFileError::Shape { problem })
-}
-
-fn bouc_wen(parameters: &Parameters, units: &Units) -> Result<(), ModelFileError> {
-    let need = |name: &str| {
-        parameters.get(name).ok_or_else(|| ModelFileError::MissingParameter { name: name.to_owned() })
-    };
-    let path = |name: &str| format!("hysteresis.parameters.{name}");
-    let degree = polynomial(parameters, units)?;
-    let n = need("n")?;
-    quantity(&path("n"), n, "1", Some(1.0))?;
-    quantity(&path("alpha"), need("alpha")?, &units.polynomial(1), None)?;
-    for name in ["beta", "gamma"] {
-        let parameter = need(name)?;
-        // The general form is right for n = 1 as well.
-        if parameter.unit != units.shape_of_any_n() {
-            quantity(&path(name), parameter, &units.shape(n.value), None)?;
-        } else {
-            quantity(&path(name), parameter, &units.shape_of_any_n(), None)?;
-        }
-    }
-    let known = |name: &str| {
-        ["alpha", "beta", "gamma", "n"].contains(&name) || (1..=degree).any(|i| polynomial_name(i) == name)
-    };
-    match parameters.iter().find(|(name, _)| !known(name)) {
-        None => Ok(()),
-        Some((name, _)) => {
-            Err(ModelFileError::UnknownParameter { name: name.to_owned(), expected: BOUC_WEN_NAMES })
-        }
-    }
 }
 
 fn terms(path: &str, list: &[TermEntry], kind: DynamicsKind) -> Result<(), ModelFileError> {

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::dynamics::{Arx, Dynamics, Term, TransferFunction};
 use crate::hammerstein::Model;
-use crate::hysteresis::{BoucWen, DriveSpan, Family, FamilyForm, Hysteresis, HysteresisForm, NumberUnit};
+use crate::hysteresis::{Hysteresis, HysteresisForm, ModelNumber, NumberUnit, Place};
 
 /// Units of a model's numbers, from the units of its signals.
 pub(super) struct Units {
@@ -28,18 +28,11 @@ impl Units {
         }
     }
 
-    /// Of β and γ.
-    pub fn shape(&self, n: f64) -> String {
-        if n == 1.0 { format!("1/{}", self.input) } else { self.shape_of_any_n() }
-    }
-
-    pub fn shape_of_any_n(&self) -> String {
-        format!("{}^(1-n)/{}", self.output, self.input)
-    }
-
-    /// Of a number of a family.
-    pub fn product(&self, unit: NumberUnit) -> String {
-        unit.of(&self.input, &self.output)
+    /// Of a number of a family with this exponent n, if it has one.
+    pub fn product(&self, unit: NumberUnit, exponent: Option<f64>) -> String {
+        let without_exponent = unit.falls_with_exponent && exponent == Some(1.0);
+        NumberUnit { falls_with_exponent: unit.falls_with_exponent && !without_exponent, ..unit }
+            .of(&self.input, &self.output)
     }
 
     /// Of |du/dt|.
@@ -127,10 +120,7 @@ impl ModelFile {
             }),
         };
         let parameters = &self.hysteresis.parameters;
-        let hysteresis = match self.hysteresis.kind.family() {
-            HysteresisForm::BoucWen => Hysteresis::BoucWen(bouc_wen(parameters)?),
-            HysteresisForm::Family(form) => Hysteresis::Family(family(form, parameters)?),
-        };
+        let hysteresis = operator(self.hysteresis.kind.family(), parameters)?;
         Ok(Model {
             hysteresis,
             dynamics,
@@ -148,65 +138,44 @@ fn parameters(block: &Hysteresis, units: &Units) -> Parameters {
     for (i, &coefficient) in block.polynomial().iter().enumerate() {
         parameters.set(&polynomial_name(i + 1), Quantity::new(coefficient, units.polynomial(i + 1)));
     }
-    let own: Vec<String> = match block {
-        // Of α, β, γ, n: in the file β and γ are those of the article, whose unit goes with n.
-        Hysteresis::BoucWen(b) => {
-            vec![units.polynomial(1), units.shape(b.n), units.shape(b.n), "1".into()]
-        }
-        Hysteresis::Family(_) => {
-            let (form, elements) = (block.form().description(), block.form().elements());
-            let shape = form.shape_numbers(elements, &DriveSpan::UNIT).into_iter().map(|number| number.unit);
-            let weights = (0..block.form().columns()).map(|index| form.weight_unit(index));
-            shape.chain(weights).map(|unit| units.product(unit)).collect()
-        }
-    };
-    for ((name, value), unit) in block.numbers().into_iter().zip(own) {
-        parameters.set(&name, Quantity::new(value, unit));
+    let units_of = block.form().model_numbers().into_iter().map(|number| number.unit);
+    let exponent = block.number(EXPONENT);
+    for ((name, value), unit) in block.numbers().into_iter().zip(units_of) {
+        parameters.set(&name, Quantity::new(value, units.product(unit, exponent)));
     }
     parameters
 }
 
-/// Names and units of a family's numbers, in file order.
-pub(super) fn numbers_of(form: FamilyForm) -> Vec<(String, NumberUnit)> {
-    form.shape_numbers().into_iter().chain(form.weight_numbers()).collect()
-}
+/// Name of a family's exponent n.
+pub(super) const EXPONENT: &str = "n";
 
 /// The family with as many weights as the file has.
-pub(super) fn sized(form: FamilyForm, parameters: &Parameters) -> Result<FamilyForm, ModelFileError> {
+pub(super) fn sized(form: HysteresisForm, parameters: &Parameters) -> Result<HysteresisForm, ModelFileError> {
+    if form.description().elements().is_none() {
+        return Ok(form);
+    }
     let weights = (1..).take_while(|i| parameters.get(&format!("weight_{i}")).is_some()).count();
     let missing = || ModelFileError::MissingParameter { name: format!("weight_{}", weights + 1) };
     form.with_weights(weights).ok_or_else(missing)
 }
 
-fn family(form: FamilyForm, parameters: &Parameters) -> Result<Family, ModelFileError> {
+fn operator(form: HysteresisForm, parameters: &Parameters) -> Result<Hysteresis, ModelFileError> {
     let form = sized(form, parameters)?;
-    let values = |numbers: Vec<(String, NumberUnit)>| {
-        let value = |name: String| match parameters.get(&name) {
-            Some(quantity) => Ok(quantity.value),
-            None => Err(ModelFileError::MissingParameter { name }),
+    let (mut shape, mut weights) = (vec![0.0; form.shape_names().len()], vec![0.0; form.columns()]);
+    for ModelNumber { name, place, .. } in form.model_numbers() {
+        let Some(quantity) = parameters.get(&name) else {
+            return Err(ModelFileError::MissingParameter { name });
         };
-        numbers.into_iter().map(|(name, _)| value(name)).collect::<Result<Vec<f64>, _>>()
-    };
-    let (shape, weights) = (values(form.shape_numbers())?, values(form.weight_numbers())?);
-    Ok(Family { polynomial: polynomial(parameters), form, shape, weights })
+        match place {
+            Place::Shape(index) => shape[index] = quantity.value,
+            Place::Weight(index) => weights[index] = quantity.value,
+        }
+    }
+    Ok(Hysteresis::unchecked(polynomial(parameters), form, shape, weights))
 }
 
 fn polynomial(parameters: &Parameters) -> Vec<f64> {
     (1..).map_while(|i| parameters.get(&polynomial_name(i))).map(|q| q.value).collect()
-}
-
-fn bouc_wen(parameters: &Parameters) -> Result<BoucWen, ModelFileError> {
-    let value = |name: &str| {
-        let missing = || ModelFileError::MissingParameter { name: name.to_owned() };
-        parameters.get(name).map(|q| q.value).ok_or_else(missing)
-    };
-    Ok(BoucWen {
-        polynomial: polynomial(parameters),
-        alpha: value("alpha")?,
-        beta: value("beta")?,
-        gamma: value("gamma")?,
-        n: value("n")?,
-    })
 }
 
 fn transfer_function(kind: DynamicsKind, g: &TransferFunction) -> DynamicsBlock {

@@ -160,9 +160,8 @@ impl Default for SignalUnits {
 pub struct HysteresisBlock {
     /// Which model.
     pub kind: HysteresisKind,
-    /// Its parameters by name: `linear`, `quadratic`, …, then for `bouc-wen` `alpha`, `beta`, `gamma`, `n`,
-    /// for `prandtl-ishlinskii` `threshold_1`, `threshold_2`, …, `weight_1`, `weight_2`, …; for other kinds
-    /// their shape numbers, then `weight_1`, `weight_2`, ….
+    /// Its parameters by name: `linear`, `quadratic`, …, then the numbers of its kind: shape
+    /// numbers, and weights, for most kinds `weight_1`, `weight_2`, ….
     pub parameters: Parameters,
 }
 

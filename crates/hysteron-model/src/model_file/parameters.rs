@@ -8,6 +8,7 @@ use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::Quantity;
+use crate::hysteresis::HysteresisForm;
 
 /// Parameters by name, in file order; a JSON object. A name occurs once.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -100,16 +101,23 @@ impl JsonSchema for Parameters {
         let quantity = generator.subschema_for::<Quantity>();
         let mut properties = serde_json::Map::new();
         let polynomial = (1..=5).map(polynomial_name);
-        for name in polynomial.chain(["alpha", "beta", "gamma", "n"].map(Cow::Borrowed)) {
-            properties.insert(name.into_owned(), quantity.clone().to_value());
+        let form = HysteresisForm::default();
+        let own: Vec<String> = form.model_numbers().into_iter().map(|number| number.name).collect();
+        for name in polynomial.map(Cow::into_owned).chain(own.iter().cloned()) {
+            properties.insert(name, quantity.clone().to_value());
         }
+        let required: Vec<&str> = std::iter::once("linear").chain(own.iter().map(String::as_str)).collect();
+        let description = format!(
+            "Parameters of {}: polynomial coefficients without gaps, {}.",
+            form.name(),
+            own.join(", ")
+        );
         json_schema!({
             "type": "object",
-            "description": "Parameters of bouc-wen: polynomial coefficients without gaps, alpha, beta, \
-                gamma, n.",
+            "description": description,
             "properties": properties,
             "patternProperties": { "^degree_([6-9]|[1-9][0-9]+)$": quantity },
-            "required": ["linear", "alpha", "beta", "gamma", "n"],
+            "required": required,
             "additionalProperties": false,
         })
     }

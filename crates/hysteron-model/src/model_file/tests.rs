@@ -18,7 +18,7 @@ fn term(coefficient: f64, order: f64) -> Term {
 /// Table 2 and Eq. 13 of the article.
 fn article() -> Model {
     Model {
-        hysteresis: Hysteresis::BoucWen(BoucWen {
+        hysteresis: Hysteresis::from(BoucWen {
             polynomial: vec![2.0, 0.0031],
             alpha: -1.2039,
             beta: 0.1111,

@@ -236,7 +236,7 @@ impl Inspection {
             if shape.butterfly {
                 findings.push(warning(
                     "The output turns twice as often as the input: a butterfly loop (polarisation reversal). \
-                     No Bouc-Wen model of an actuator can follow it."
+                     No hysteresis model of an actuator can follow it."
                         .to_string(),
                 ));
             } else if shape.sense == Some(LoopSense::Clockwise)

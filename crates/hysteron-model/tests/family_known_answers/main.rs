@@ -13,7 +13,7 @@ mod rate_dependent_plays;
 
 use hysteron_model::Start;
 use hysteron_model::hysteresis::{
-    BoucWen, ColumnKernel, Dahl, DensityLaw, Duhem, Family, GeneralisedPlays, Hysteresis, HysteresisError,
+    BoucWen, ColumnKernel, Dahl, DensityLaw, Duhem, GeneralisedPlays, Hysteresis, HysteresisError,
     HysteresisForm, JilesAtherton, KrasnoselskiiPokrovskii, MaxwellSlip, NonSymmetricBoucWen, OneSidedPlays,
     PrandtlIshlinskii, Preisach, PreisachDensity, RateDependentPlays, SongDerKiureghian, UnitShape,
 };
@@ -104,8 +104,8 @@ fn column_errors_carry_the_numbers() {
         refused(&[1.0, 1.0], &[f64::INFINITY]),
         HysteresisError::ColumnWeight { index: 0, value: f64::INFINITY }
     );
-    let Hysteresis::Family(model) = new(&[1.0, 1.0], &[1.0]).unwrap() else { panic!("no family of columns") };
-    let run = |model: &Family, u: &[f64], start, factor: usize, out: usize| {
+    let model = new(&[1.0, 1.0], &[1.0]).unwrap();
+    let run = |model: &Hysteresis, u: &[f64], start, factor: usize, out: usize| {
         model.simulate_every(factor, u, start, &mut vec![0.0; out])
     };
     let refused = |u: &[f64], start, factor, out| run(&model, u, start, factor, out).unwrap_err();

@@ -17,9 +17,9 @@ mod rate_dependent_plays;
 use hysteron_model::Start;
 use hysteron_model::hysteresis::{
     ColumnKernel, ColumnSensitivities, Dahl, DeadZonePlays, DensityLaw, DriveGrid, Duhem, FamilyStream,
-    GeneralisedPlays, Hysteresis, HysteresisError, HysteresisForm, JilesAtherton, KrasnoselskiiPokrovskii,
-    MaxwellSlip, NonSymmetricBoucWen, OneSidedPlays, PrandtlIshlinskii, Preisach, PreisachDensity,
-    RateDependentPlays, SongDerKiureghian,
+    GeneralisedPlays, HysteresisError, HysteresisForm, JilesAtherton, KrasnoselskiiPokrovskii, MaxwellSlip,
+    NonSymmetricBoucWen, OneSidedPlays, PrandtlIshlinskii, Preisach, PreisachDensity, RateDependentPlays,
+    SongDerKiureghian,
 };
 use proptest::collection::vec;
 use proptest::prelude::*;

@@ -72,9 +72,7 @@ proptest! {
 #[test]
 fn a_family_that_sees_the_rate_asks_for_the_time() {
     let form = "rate-dependent-plays".parse::<HysteresisForm>().unwrap().with_elements(2).unwrap();
-    let Hysteresis::Family(model) = form.operator(vec![1.0], &[0.5, 0.2], &[3.0, 0.1]).unwrap() else {
-        panic!("no family of columns")
-    };
+    let model = form.operator(vec![1.0], &[0.5, 0.2], &[3.0, 0.1]).unwrap();
     let origin = Start::Rest { voltage_v: 0.0 };
     let untimed = model.simulate_every(1, &[0.0, 1.0], origin, &mut [0.0; 2]);
     assert!(matches!(untimed, Err(HysteresisError::Interval)));

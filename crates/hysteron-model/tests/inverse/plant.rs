@@ -26,7 +26,7 @@ pub fn model() -> Model {
     let numerator = vec![term(NATURAL * NATURAL, 0.0)];
     let denominator = vec![term(NATURAL * NATURAL, 0.0), term(2.0 * DAMPING * NATURAL, 1.0), term(1.0, 2.0)];
     Model {
-        hysteresis: Hysteresis::BoucWen(hysteresis),
+        hysteresis: Hysteresis::from(hysteresis),
         dynamics: Dynamics::Integer(TransferFunction::new(numerator, denominator).unwrap()),
         offset: OFFSET,
         delay_s: DELAY_S,

@@ -105,7 +105,7 @@ fn wrong_model() -> Model {
     let denominator = vec![term(square, 0.0), term(1.5 * DAMPING * natural, 1.0), term(1.0, 2.0)];
     let hysteresis = BoucWen::new(vec![1.0, 0.01], 0.2, 0.2, -0.03, 1.0).unwrap();
     Model {
-        hysteresis: Hysteresis::BoucWen(hysteresis),
+        hysteresis: Hysteresis::from(hysteresis),
         dynamics: Dynamics::Integer(TransferFunction::new(vec![term(square, 0.0)], denominator).unwrap()),
         offset: 0.0,
         delay_s: 1.0e-4,

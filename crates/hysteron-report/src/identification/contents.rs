@@ -10,7 +10,6 @@ use hysteron_identify::{
     FindingKind, Identification, IdentifyError, Method, PredictionBand, RecordFit, RecordRole,
 };
 use hysteron_model::dynamics::{Creep, Dynamics, TransferFunction};
-use hysteron_model::hysteresis::Hysteresis;
 use hysteron_model::model_file::ModelFile;
 use hysteron_model::validate::definitions;
 
@@ -147,16 +146,9 @@ fn summary(found: &Identification) -> String {
         Method::Joint => "; identified from all records in one joint fit",
         Method::TwoStep => "; identified in two steps, hysteresis first",
     };
-    let hysteresis = match &found.model.hysteresis {
-        Hysteresis::BoucWen(_) => {
-            format!("Improved Bouc–Wen hysteresis with a polynomial of degree {degree}")
-        }
-        Hysteresis::Family(model) => format!(
-            "Hysteresis of the family {} ({} weights) with a polynomial of degree {degree}",
-            model.form.name(),
-            model.weights.len()
-        ),
-    };
+    let operator = &found.model.hysteresis;
+    let title = operator.form().description().title(operator.weights().len());
+    let hysteresis = format!("{title} with a polynomial of degree {degree}");
     format!("{hysteresis}, {dynamics}{how}")
 }
 
@@ -188,16 +180,8 @@ fn equations(found: &Identification) -> Vec<String> {
         .map(|(i, u)| format!("l{}·{u}", subscript(i + 1)))
         .collect();
     let polynomial = polynomial.join(" + ");
-    let mut list = match &found.model.hysteresis {
-        Hysteresis::BoucWen(_) => {
-            vec![format!("v = {polynomial} − z"), "ż = α u̇ − β |u̇| z |z|ⁿ⁻¹ − γ u̇ |z|ⁿ   (Eq. 1)".to_owned()]
-        }
-        Hysteresis::Family(model) => {
-            let family = model.form.description();
-            let equation = family.equation().replace("<-", "←").replace(" - ", " − ");
-            vec![format!("v = {polynomial} + H   ({})", family.name()), format!("H: {equation}")]
-        }
-    };
+    let family = found.model.hysteresis.form().description();
+    let mut list = family.printed_equations(&polynomial);
     match &found.model.dynamics {
         Dynamics::None => list.push("y(t) = offset + v(t − τ)".into()),
         Dynamics::Integer(g) | Dynamics::Fractional(g) => {

@@ -2,10 +2,10 @@
 
 use super::ParameterRow;
 use hysteron_identify::{Identification, IntervalMethod, Parameter};
-use hysteron_model::Start;
 use hysteron_model::dynamics::DynamicForm;
-use hysteron_model::hysteresis::{DriveSpan, Hysteresis};
+use hysteron_model::hysteresis::DriveSpan;
 use hysteron_model::model_file::ModelFile;
+use hysteron_model::{Memory, Start};
 
 /// Name of the record whose hysteresis memory this parameter is.
 fn record_of_memory<'a>(name: &str, found: &'a Identification) -> Option<&'a str> {
@@ -14,9 +14,9 @@ fn record_of_memory<'a>(name: &str, found: &'a Identification) -> Option<&'a str
 }
 
 fn parameter_row(p: &Parameter, found: &Identification, file: &ModelFile) -> ParameterRow {
-    let memory = record_of_memory(&p.name, found).map(|record| match found.model.hysteresis {
-        Hysteresis::BoucWen(_) => format!("hysteretic part z at the first sample of {record}"),
-        _ => format!("input of the demagnetised state before the first sample of {record}"),
+    let memory = record_of_memory(&p.name, found).map(|record| match found.model.hysteresis.memory(0.0) {
+        Memory::Displacement(_) => format!("hysteretic part z at the first sample of {record}"),
+        Memory::VirginAt(_) => format!("input of the demagnetised state before the first sample of {record}"),
     });
     let (symbol, meaning) = symbol_and_meaning(p, found);
     ParameterRow {

@@ -12,7 +12,7 @@ const START: Start = Start::Rest { voltage_v: 0.0 };
 fn model() -> Model {
     let hysteresis = BoucWen { polynomial: vec![3.2, -0.02], alpha: 1.1, beta: 0.35, gamma: 0.08, n: 1.0 };
     Model {
-        hysteresis: Hysteresis::BoucWen(hysteresis),
+        hysteresis: Hysteresis::from(hysteresis),
         dynamics: Dynamics::None,
         offset: 0.0,
         delay_s: 0.0,

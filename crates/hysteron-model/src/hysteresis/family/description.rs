@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use super::number::{DriveSpan, NumberUnit, ShapeNumber};
+use super::number::{DriveSpan, ModelNumber, NumberUnit, Place, ShapeNumber};
 use super::runtime::RuntimeOperator;
-use crate::hysteresis::PrandtlIshlinskii;
+use crate::hysteresis::{Admissibility, PrandtlIshlinskii};
 use crate::record::Dependence;
 
 /// Number of elements (plays, states, lines, …) of a family.
@@ -37,6 +37,17 @@ pub trait FamilyDescription: fmt::Debug + Sync {
     /// the sign of the move.
     fn equation(&self) -> &'static str;
 
+    /// The model in words, with this number of weights.
+    fn title(&self, weights: usize) -> String {
+        format!("Hysteresis of the family {} ({weights} weights)", self.name())
+    }
+
+    /// Its equations as a report prints them, with the `polynomial` in u.
+    fn printed_equations(&self, polynomial: &str) -> Vec<String> {
+        let equation = self.equation().replace("<-", "←").replace(" - ", " − ");
+        vec![format!("v = {polynomial} + H   ({})", self.name()), format!("H: {equation}")]
+    }
+
     /// Its number of elements; `None` where that is fixed.
     fn elements(&self) -> Option<Elements> {
         None
@@ -66,6 +77,45 @@ pub trait FamilyDescription: fmt::Debug + Sync {
     /// The shape numbers θ; their ranges are those for drives that span `span`.
     fn shape_numbers(&self, elements: usize, span: &DriveSpan) -> Vec<ShapeNumber>;
 
+    /// The numbers of a model beside its polynomial, in the order of a model file.
+    fn model_numbers(&self, elements: usize) -> Vec<ModelNumber> {
+        let shape = self.shape_numbers(elements, &DriveSpan::UNIT).into_iter().enumerate();
+        let shape = shape.map(|(index, ShapeNumber { name, unit, .. })| ModelNumber {
+            name,
+            unit,
+            place: Place::Shape(index),
+        });
+        let weights = (0..self.columns(elements)).map(|index| ModelNumber {
+            name: self.weight_name(index),
+            unit: self.weight_unit(index),
+            place: Place::Weight(index),
+        });
+        shape.chain(weights).collect()
+    }
+
+    /// The sign s of a weighted column in v.
+    fn sign(&self) -> f64 {
+        1.0
+    }
+
+    /// The shape numbers of a model, from those of the columns.
+    fn own_shape(&self, shape: &[f64], weights: &[f64]) -> Vec<f64> {
+        let _ = weights;
+        shape.to_vec()
+    }
+
+    /// The shape numbers of the columns, from those of a model.
+    fn column_shape(&self, own_shape: &[f64], weights: &[f64]) -> Vec<f64> {
+        let _ = weights;
+        own_shape.to_vec()
+    }
+
+    /// The shape numbers of a model with `gain` times the output, its weights being `gain` times as large.
+    fn scaled_shape(&self, own_shape: &[f64], gain: f64) -> Vec<f64> {
+        let _ = gain;
+        own_shape.to_vec()
+    }
+
     /// Shapes for a fit to start from.
     fn starts(&self, elements: usize, span: &DriveSpan) -> Vec<Vec<f64>>;
 
@@ -92,6 +142,52 @@ pub trait FamilyDescription: fmt::Debug + Sync {
     /// True if it is compared by default: quick to fit, and unlike the other families compared.
     fn is_compared_unasked(&self) -> bool {
         false
+    }
+
+    /// True if an exponent n among its shape numbers is held unless a fit is asked for it.
+    fn has_exponent(&self) -> bool {
+        false
+    }
+
+    /// True if small loops between turning points of the drive do not close.
+    fn small_loops_drift(&self) -> bool {
+        false
+    }
+
+    /// What loops of one amplitude leave undetermined, as a sentence about its numbers.
+    fn undetermined_by_one_loop(&self) -> &'static str {
+        "the polynomial is distinguished from the hysteretic part only by the shape of one loop"
+    }
+
+    /// Whether the output is bounded for every drive, where that depends on the numbers of a model.
+    fn boundedness(&self, own_shape: &[f64], weights: &[f64]) -> Option<Admissibility> {
+        let _ = (own_shape, weights);
+        None
+    }
+
+    /// Size of a loop of this `range_v` over that at which it saturates, where the shape of a much smaller one
+    /// is not determined.
+    fn share_of_saturation(&self, own_shape: &[f64], weights: &[f64], range_v: f64) -> Option<f64> {
+        let _ = (own_shape, weights, range_v);
+        None
+    }
+
+    /// True if the memory of a model is an output \[µm\], false if it is the voltage \[V\] at which the
+    /// device was virgin before it moved monotonically to rest.
+    fn remembers_output(&self) -> bool {
+        false
+    }
+
+    /// A record's memory in a model's own scale, from that of the columns.
+    fn own_memory(&self, memory: f64, weights: &[f64]) -> f64 {
+        let _ = weights;
+        memory
+    }
+
+    /// A record's memory in the scale of the columns, from a model's own.
+    fn memory_of_columns(&self, memory: f64, weights: &[f64]) -> f64 {
+        let _ = weights;
+        memory
     }
 
     /// Search range for the memory of a record that spans `ends`, in the scale of the columns.
@@ -146,8 +242,8 @@ pub trait FamilyDescription: fmt::Debug + Sync {
         None
     }
 
-    /// The operator of the runtime at this sample rate; its polynomial part is added to the `polynomial` of
-    /// the model.
+    /// The operator of the runtime at this sample rate, from the numbers of a model; its polynomial part is
+    /// added to the `polynomial` of the model.
     fn runtime(
         &self,
         elements: usize,

@@ -1,35 +1,68 @@
-//! A family of columns with its number of elements.
+//! A family with its number of elements.
 
 use std::fmt;
 use std::hash::{Hash, Hasher};
 
-use super::description::FamilyDescription;
-use super::number::{DriveSpan, NumberUnit};
+use super::description::{Elements, FamilyDescription};
+use super::number::{DriveSpan, ModelNumber, ShapeNumber};
 use super::operators::{ColumnOperators, Mover};
-use crate::hysteresis::follow::{DriveLimits, Followed};
 use crate::hysteresis::outputs::Columns;
-use crate::hysteresis::{DriveGrid, HysteresisError};
+use crate::hysteresis::{DriveGrid, FAMILIES, Hysteresis, HysteresisError};
 use crate::record::Dependence;
 use crate::start::Start;
+use crate::unknown_name::UnknownName;
 
-/// A family of columns with its fixed structure. Families on a grid take its ends from their shape numbers.
+/// A family of hysteresis operators with its fixed structure.
+///
+/// Every family is v = Σ cᵢ uⁱ + Σ_j w_j s H_j\[u; θ\]: linear in its weights w, nonlinear in a few shape
+/// numbers θ, with columns H_j, the outputs of an operator, and a sign s that is the family's convention.
+/// Families on a grid take its ends from their shape numbers.
 #[derive(Clone, Copy)]
-pub struct FamilyForm {
+pub struct HysteresisForm {
     family: &'static dyn ColumnOperators,
     /// 0 where the number is fixed.
     elements: usize,
 }
 
-impl FamilyForm {
+impl Default for HysteresisForm {
+    /// The first of the list: the article's.
+    fn default() -> Self {
+        Self::of(FAMILIES[0], 0)
+    }
+}
+
+impl std::str::FromStr for HysteresisForm {
+    type Err = UnknownName;
+
+    /// The family of this name, with its usual number of elements.
+    fn from_str(name: &str) -> Result<Self, UnknownName> {
+        UnknownName::find("hysteresis family", name, Self::usual(), Self::name)
+    }
+}
+
+impl HysteresisForm {
     /// A family with this number of elements, 0 where it is fixed.
-    pub(in crate::hysteresis) fn of(family: &'static dyn ColumnOperators, elements: usize) -> Self {
+    pub(in crate::hysteresis) const fn of(family: &'static dyn ColumnOperators, elements: usize) -> Self {
         Self { family, elements }
     }
 
-    /// The family with this number of elements; [`crate::hysteresis::HysteresisForm::with_elements`] checks
-    /// their number.
-    pub(in crate::hysteresis) fn of_elements(self, elements: usize) -> Self {
-        Self { elements, ..self }
+    /// Every family with its usual number of elements, the article's first.
+    pub fn usual() -> Vec<Self> {
+        let usual = |family: &dyn ColumnOperators| family.elements().map_or(0, |elements| elements.usual);
+        FAMILIES.iter().map(|&family| Self::of(family, usual(family))).collect()
+    }
+
+    /// The family with another number of elements.
+    ///
+    /// # Errors
+    /// [`HysteresisError::Elements`] for a number that the family cannot have.
+    pub fn with_elements(self, count: usize) -> Result<Self, HysteresisError> {
+        let allowed = match self.family.elements() {
+            None => "their number is fixed".to_owned(),
+            Some(Elements { most, .. }) if !(1..=most).contains(&count) => format!("it has 1 to {most}"),
+            Some(_) => return Ok(Self { elements: count, ..self }),
+        };
+        Err(HysteresisError::Elements { family: self.name(), found: count, allowed })
     }
 
     /// This family with another number of weights; `None` where it has no such member.
@@ -44,7 +77,12 @@ impl FamilyForm {
         self.family
     }
 
-    /// Number of elements; 0 where it is fixed.
+    pub(in crate::hysteresis) fn family(self) -> &'static dyn ColumnOperators {
+        self.family
+    }
+
+    /// Number of elements: plays, slip elements, states, lines or intervals of a plane, degree; 0 where it is
+    /// fixed.
     pub fn elements(self) -> usize {
         self.elements
     }
@@ -54,20 +92,49 @@ impl FamilyForm {
         self.family.name()
     }
 
+    /// The family in a line.
+    pub fn summary(self) -> &'static str {
+        self.family.summary()
+    }
+
     /// Number of columns, and of weights.
     pub fn columns(self) -> usize {
         self.family.columns(self.elements)
     }
 
-    /// Names and units of the weights.
-    pub fn weight_numbers(self) -> Vec<(String, NumberUnit)> {
-        (0..self.columns()).map(|j| (self.family.weight_name(j), self.family.weight_unit(j))).collect()
+    /// Names of the weights.
+    pub fn weight_names(self) -> Vec<String> {
+        (0..self.columns()).map(|index| self.family.weight_name(index)).collect()
     }
 
-    /// Names and units of the shape numbers.
-    pub fn shape_numbers(self) -> Vec<(String, NumberUnit)> {
-        let numbers = self.family.shape_numbers(self.elements, &DriveSpan::UNIT).into_iter();
-        numbers.map(|number| (number.name, number.unit)).collect()
+    /// The shape numbers θ, with their ranges for drives that span `span`.
+    pub fn shape_numbers(self, span: &DriveSpan) -> Vec<ShapeNumber> {
+        self.family.shape_numbers(self.elements, span)
+    }
+
+    /// Names of the shape numbers θ.
+    pub fn shape_names(self) -> Vec<String> {
+        self.shape_numbers(&DriveSpan::UNIT).into_iter().map(|number| number.name).collect()
+    }
+
+    /// The numbers of a model beside its polynomial, in the order of a model file.
+    pub fn model_numbers(self) -> Vec<ModelNumber> {
+        self.family.model_numbers(self.elements)
+    }
+
+    /// Shapes for a fit to start from.
+    pub fn starts(self, span: &DriveSpan) -> Vec<Vec<f64>> {
+        self.family.starts(self.elements, span)
+    }
+
+    /// A generic shape within its ranges, for tests.
+    pub fn example(self, span: &DriveSpan) -> Vec<f64> {
+        self.family.example(self.elements, span)
+    }
+
+    /// The sign s of a weighted column in v.
+    pub fn sign(self) -> f64 {
+        self.family.sign()
     }
 
     /// True if every column of a slow drive rises with u and falls with it, so that weights of one sign make
@@ -76,12 +143,38 @@ impl FamilyForm {
         self.family.is_monotone()
     }
 
+    /// Pairs of weights of adjacent cells of a plane.
+    pub fn neighbours(self) -> Vec<(usize, usize)> {
+        self.family.neighbours(self.elements)
+    }
+
+    /// Pairs of weights of plays of neighbouring thresholds, and of neighbouring bands; the widest play has
+    /// the neighbour `None`, of weight 0. Empty for families without plays that are weighted one by one.
+    pub fn chain(self) -> Vec<(usize, Option<usize>)> {
+        self.family.chain(self.elements)
+    }
+
+    /// Property of the drive that the memory depends on.
+    pub fn depends_on(self) -> Dependence {
+        self.family.depends_on()
+    }
+
+    /// A record's memory in a model's own scale, from that of the columns.
+    pub fn own_memory(self, memory: f64, weights: &[f64]) -> f64 {
+        self.family.own_memory(memory, weights)
+    }
+
+    /// A record's memory in the scale of the columns, from a model's own; 0 without memory.
+    pub fn memory_of_columns(self, memory: f64, weights: &[f64]) -> f64 {
+        self.family.memory_of_columns(memory, weights)
+    }
+
     /// Checks structure and shape.
     ///
     /// # Errors
     /// The first [`HysteresisError`] found.
     pub fn check(self, shape: &[f64]) -> Result<(), HysteresisError> {
-        let expected = self.shape_numbers().len();
+        let expected = self.shape_names().len();
         if shape.len() != expected {
             return Err(HysteresisError::ShapeCount { expected, found: shape.len() });
         }
@@ -89,7 +182,7 @@ impl FamilyForm {
     }
 
     /// Seconds between samples where the family needs them; otherwise arbitrary.
-    fn interval(self, interval_s: Option<f64>) -> Result<f64, HysteresisError> {
+    pub(in crate::hysteresis) fn interval(self, interval_s: Option<f64>) -> Result<f64, HysteresisError> {
         match interval_s {
             Some(interval_s) => Ok(interval_s),
             None if self.family.depends_on() != Dependence::Order => Err(HysteresisError::Interval),
@@ -97,40 +190,25 @@ impl FamilyForm {
         }
     }
 
-    /// The operators, virgin at the voltage `u` \[V\], to be moved sample by sample. The shape has been
-    /// checked.
+    /// Seconds between the samples of a grid; where the paces are given, they do not matter.
+    pub(super) fn interval_of(self, grid: DriveGrid<'_>) -> Result<f64, HysteresisError> {
+        self.interval(grid.interval_s.or(grid.paces.map(|_| 1.0)))
+    }
+
+    /// The operators of the columns, virgin at the voltage `u` \[V\], to be moved sample by sample. The shape
+    /// has been checked.
     pub(super) fn mover(
         self,
         shape: &[f64],
         interval_s: Option<f64>,
         u: f64,
     ) -> Result<Box<dyn Mover>, HysteresisError> {
-        Ok(self.family.mover(self.elements, shape, self.interval(interval_s)?, u))
+        self.family.mover(self.elements, shape, self.interval(interval_s)?, u)
     }
 
-    /// Adds Σⱼ `weights`\[j\] Hⱼ at every sample of the grid to `out`.
-    ///
-    /// # Errors
-    /// Those of [`Self::run`].
-    pub(super) fn add_weighted(
-        self,
-        (shape, weights): (&[f64], &[f64]),
-        grid: DriveGrid<'_>,
-        u: &[f64],
-        start: Start<f64>,
-        out: &mut [f64],
-    ) -> Result<(), HysteresisError> {
-        self.check(shape)?;
-        let structure = (self.elements, shape, self.interval_of(grid)?);
-        self.family.simulate(structure, grid, u, start, &mut |rows| rows.add_weighted(weights, out))
-    }
-
-    /// Seconds between the samples of a grid; where the paces are given, they do not matter.
-    fn interval_of(self, grid: DriveGrid<'_>) -> Result<f64, HysteresisError> {
-        self.interval(grid.interval_s.or(grid.paces.map(|_| 1.0)))
-    }
-
-    /// [`crate::hysteresis::HysteresisForm::run`].
+    /// Runs the operators of the columns over the drive `u` \[V\], given on a time base finer by a factor,
+    /// from `start`; derivatives with respect to those shape numbers that `wanted` marks, and to the memory,
+    /// where it is given.
     ///
     /// # Errors
     /// [`HysteresisError`]: a shape invalid for the family, a drive that is not finite, a state that runs
@@ -150,23 +228,22 @@ impl FamilyForm {
         self.family.run(structure, grid, u, start, wanted, out)
     }
 
-    /// [`crate::hysteresis::Hysteresis::follow`], beside an `anhysteretic` part.
-    pub(in crate::hysteresis) fn follow(
+    /// The operator with these numbers, `shape` being that of the columns.
+    ///
+    /// # Errors
+    /// Those of [`Hysteresis::validate`].
+    pub fn operator(
         self,
-        shape: &[f64],
+        polynomial: Vec<f64>,
         weights: &[f64],
-        anhysteretic: impl Fn(f64) -> f64,
-        wanted: &[f64],
-        start: (f64, Option<f64>),
-        limits: &DriveLimits,
-    ) -> Result<Followed, HysteresisError> {
-        let interval_s = self.interval(limits.interval_s)?;
-        let structure = (self.elements, shape, interval_s);
-        self.family.follow(structure, weights, &anhysteretic, wanted, start, limits)
+        shape: &[f64],
+    ) -> Result<Hysteresis, HysteresisError> {
+        self.check(shape)?;
+        Hysteresis::new(polynomial, self, self.family.own_shape(shape, weights), weights.to_vec())
     }
 }
 
-impl fmt::Debug for FamilyForm {
+impl fmt::Debug for HysteresisForm {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.family.elements() {
             Some(_) => write!(f, "{} of {}", self.name(), self.elements),
@@ -175,15 +252,15 @@ impl fmt::Debug for FamilyForm {
     }
 }
 
-impl PartialEq for FamilyForm {
+impl PartialEq for HysteresisForm {
     fn eq(&self, other: &Self) -> bool {
         (self.name(), self.elements) == (other.name(), other.elements)
     }
 }
 
-impl Eq for FamilyForm {}
+impl Eq for HysteresisForm {}
 
-impl Hash for FamilyForm {
+impl Hash for HysteresisForm {
     fn hash<H: Hasher>(&self, state: &mut H) {
         (self.name(), self.elements).hash(state);
     }

@@ -1,12 +1,14 @@
 //! Families of hysteresis under one name each.
 //!
-//! A family has a description ([`FamilyDescription`]), a kernel ([`ColumnFamily`]) and an entry in the list.
-//! [`FamilyForm`] is a family with its number of elements, [`Family`] a model of it, [`FamilyStream`] that
-//! model sample by sample.
+//! A family has a description ([`FamilyDescription`]), operations ([`ColumnOperators`], for most those of a
+//! kernel, [`ColumnFamily`]) and an entry in the list. [`HysteresisForm`] is a family with its number of
+//! elements, [`Hysteresis`] a model of it, [`FamilyStream`] that model sample by sample.
 
 mod description;
 mod examples;
 mod form;
+mod json;
+mod memory;
 mod model;
 mod number;
 mod operators;
@@ -18,10 +20,13 @@ pub use description::{Elements, FamilyDescription};
 pub(super) use description::{MOST_ELEMENTS, MOST_OF_A_PLANE, in_a_row, on_a_plane};
 #[doc(hidden)]
 pub use examples::examples;
-pub use form::FamilyForm;
-pub use model::Family;
-pub use number::{DriveSpan, NumberUnit, Search, ShapeNumber};
+pub use form::HysteresisForm;
+pub use model::Hysteresis;
+pub use number::{DriveSpan, ModelNumber, NumberUnit, Place, Search, ShapeNumber};
 pub(super) use number::{SKEWS, ends};
-pub(super) use operators::{ColumnFamily, ColumnOperators, GRID_ENDS, WHOLE_SHAPE};
+pub(super) use operators::{ColumnFamily, ColumnOperators, GRID_ENDS, Mover, WHOLE_SHAPE};
 pub use runtime::{MeanLine, RuntimeOperator};
 pub use stream::FamilyStream;
+
+#[cfg(test)]
+mod tests;

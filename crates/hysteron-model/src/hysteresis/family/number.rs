@@ -9,18 +9,26 @@ pub struct NumberUnit {
     pub input: i32,
     /// Power of the second.
     pub time: i32,
+    /// The power of the output's unit is less by n − 1, n being the family's exponent.
+    pub falls_with_exponent: bool,
 }
 
 impl NumberUnit {
-    pub(in crate::hysteresis) const NONE: Self = Self { output: 0, input: 0, time: 0 };
+    pub(in crate::hysteresis) const NONE: Self =
+        Self { output: 0, input: 0, time: 0, falls_with_exponent: false };
     pub(in crate::hysteresis) const INPUT: Self = Self { input: 1, ..Self::NONE };
     pub(in crate::hysteresis) const PER_INPUT: Self = Self { input: -1, ..Self::NONE };
+    pub(in crate::hysteresis) const PER_INPUT_OF_EXPONENT: Self =
+        Self { falls_with_exponent: true, ..Self::PER_INPUT };
     pub(in crate::hysteresis) const OUTPUT: Self = Self { output: 1, ..Self::NONE };
     pub(in crate::hysteresis) const SLOPE: Self = Self { output: 1, input: -1, ..Self::NONE };
     pub(in crate::hysteresis) const TIME: Self = Self { time: 1, ..Self::NONE };
 
-    /// The unit in text, for signals in these units: `um/V^2`, say.
+    /// The unit in text, for signals in these units: `um/V^2`, say, or `um^(1-n)/V`.
     pub fn of(self, input: &str, output: &str) -> String {
+        if self.falls_with_exponent {
+            return format!("{output}^({}-n)/{input}", self.output + 1);
+        }
         let power = |name: &str, power: i32| match power {
             0 => "1".to_owned(),
             1 => name.to_owned(),
@@ -35,6 +43,26 @@ impl NumberUnit {
             inputs => format!("{outputs}*{}", power(input, inputs)),
         }
     }
+}
+
+/// A number of a model of a family, beside its polynomial.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModelNumber {
+    /// Name, as in model files.
+    pub name: String,
+    /// Unit.
+    pub unit: NumberUnit,
+    /// Among which numbers of the model it stands.
+    pub place: Place,
+}
+
+/// Place of a number in a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// Index among the shape numbers.
+    Shape(usize),
+    /// Index among the weights.
+    Weight(usize),
 }
 
 /// A shape number θ of a family.

@@ -8,7 +8,7 @@ use super::run;
 use crate::hysteresis::columns::{ColumnKernel, Rows, simulate};
 use crate::hysteresis::follow::{self, DriveLimits, Followed};
 use crate::hysteresis::outputs::Columns;
-use crate::hysteresis::{DriveGrid, HysteresisError};
+use crate::hysteresis::{DriveGrid, Hysteresis, HysteresisError, Invertibility, invertibility, polynomial};
 use crate::start::Start;
 
 /// A family and its kernel.
@@ -48,12 +48,13 @@ pub(in crate::hysteresis) const GRID_ENDS: usize = 2;
 /// All numbers of the shape are structure.
 pub(in crate::hysteresis) const WHOLE_SHAPE: usize = usize::MAX;
 
-/// Operations on a family, whatever its kernel.
+/// Operations on a family: on its columns, and on a model of it.
 pub(in crate::hysteresis) trait ColumnOperators: FamilyDescription {
-    /// Checks structure and a shape of the right length.
+    /// Checks structure and a shape of the right length, of the columns or of a model.
     fn check(&self, elements: usize, shape: &[f64]) -> Result<(), HysteresisError>;
 
-    /// [`crate::hysteresis::FamilyForm::run`]; `structure`: elements, shape, and seconds between samples.
+    /// [`HysteresisForm::run`](super::HysteresisForm::run); `structure`: elements, shape, and seconds between
+    /// samples.
     fn run(
         &self,
         structure: (usize, &[f64], f64),
@@ -64,29 +65,84 @@ pub(in crate::hysteresis) trait ColumnOperators: FamilyDescription {
         out: &mut Columns,
     ) -> Result<(), HysteresisError>;
 
-    /// Passes the columns to `put`, a few samples at a time.
-    fn simulate(
+    /// The operators of the columns, virgin at the voltage `u` \[V\], to be moved sample by sample.
+    fn mover(
         &self,
-        structure: (usize, &[f64], f64),
+        elements: usize,
+        shape: &[f64],
+        interval_s: f64,
+        u: f64,
+    ) -> Result<Box<dyn Mover>, HysteresisError>;
+
+    /// Adds the hysteretic part of a checked model at every sample of the grid to `out`.
+    fn add_hysteresis(
+        &self,
+        model: &Hysteresis,
+        interval_s: f64,
         grid: DriveGrid<'_>,
         u: &[f64],
         start: Start<f64>,
-        put: &mut dyn FnMut(&Rows<f64>),
+        out: &mut [f64],
     ) -> Result<(), HysteresisError>;
 
-    /// The operators, virgin at the voltage `u` \[V\], to be moved sample by sample.
-    fn mover(&self, elements: usize, shape: &[f64], interval_s: f64, u: f64) -> Box<dyn Mover>;
-
-    /// [`crate::hysteresis::Hysteresis::follow`], beside an `anhysteretic` part.
+    /// [`Hysteresis::follow`] of a checked model.
     fn follow(
         &self,
-        structure: (usize, &[f64], f64),
-        weights: &[f64],
-        anhysteretic: &dyn Fn(f64) -> f64,
+        model: &Hysteresis,
+        interval_s: f64,
         wanted: &[f64],
         start: (f64, Option<f64>),
         limits: &DriveLimits,
     ) -> Result<Followed, HysteresisError>;
+
+    /// [`Hysteresis::at_rest`].
+    fn at_rest(&self, model: &Hysteresis, rest: f64, memory: Option<f64>) -> f64 {
+        let mut columns = Columns::default();
+        let start = Start::Rest { voltage_v: memory.unwrap_or(rest) };
+        // The one move is without rate, whatever the time.
+        let grid = DriveGrid::new(Some(1.0), 1, 1);
+        match model.form().run(&model.shape(), grid, &[rest], start, None, &mut columns) {
+            Ok(()) => {
+                let at_rest = columns.values.iter().map(|h| h.first().copied().unwrap_or(0.0));
+                let sum: f64 = at_rest.zip(model.weights()).map(|(h, w)| w * h).sum();
+                model.polynomial_at(rest) + sum
+            }
+            Err(_) => f64::NAN,
+        }
+    }
+
+    /// [`Hysteresis::memory_of_move`].
+    fn memory_of_move(&self, model: &Hysteresis, virgin: f64, rest: f64) -> Result<f64, HysteresisError> {
+        let _ = (model, rest);
+        Ok(virgin)
+    }
+
+    /// [`Hysteresis::memory_range`].
+    fn memory_range_of_model(&self, model: &Hysteresis, low: f64, high: f64) -> Option<(f64, f64)> {
+        let reach = high - low;
+        (low < high && model.weights().iter().any(|w| *w != 0.0)).then_some((low - reach, high + reach))
+    }
+
+    /// [`Hysteresis::invertibility`] over the `range` of the drive by a condition of the family, where that
+    /// decides.
+    fn invertibility(
+        &self,
+        model: &Hysteresis,
+        range: [f64; 2],
+        interval_s: Option<f64>,
+    ) -> Option<Invertibility> {
+        let (shape, weights) = (model.own_shape(), model.weights());
+        match self.as_plays(model.form().elements(), model.polynomial(), shape, weights) {
+            Some(same) => invertibility::plays(&same, range),
+            None => {
+                let pushed_back = self.pushes_back(shape, weights, interval_s)?;
+                let rises = self.is_monotone()
+                    && weights.iter().all(|w| *w >= 0.0)
+                    && polynomial::not_steeper(model.polynomial(), pushed_back, range).is_none();
+                rises.then_some(Invertibility::Everywhere)
+            }
+        }
+    }
 }
 
 fn own<F: ColumnFamily>(shape: &[f64]) -> &[f64] {
@@ -114,36 +170,43 @@ impl<F: ColumnFamily> ColumnOperators for F {
         self.run_columns(structure, grid, u, start, wanted, out)
     }
 
-    fn simulate(
+    fn mover(
         &self,
-        (elements, shape, interval_s): (usize, &[f64], f64),
-        grid: DriveGrid<'_>,
-        u: &[f64],
-        start: Start<f64>,
-        put: &mut dyn FnMut(&Rows<f64>),
-    ) -> Result<(), HysteresisError> {
-        let kernel = self.kernel(elements, shape, interval_s);
-        simulate(&kernel, own::<F>(shape), grid, u, start, None, put).map(|_| ())
-    }
-
-    fn mover(&self, elements: usize, shape: &[f64], interval_s: f64, u: f64) -> Box<dyn Mover> {
+        elements: usize,
+        shape: &[f64],
+        interval_s: f64,
+        u: f64,
+    ) -> Result<Box<dyn Mover>, HysteresisError> {
         let kernel = self.kernel(elements, shape, interval_s);
         let shape = own::<F>(shape).to_vec();
         let state = kernel.virgin(&shape, u);
-        Box::new(MovingKernel { kernel, shape, state })
+        Ok(Box::new(MovingKernel { kernel, shape, state }))
+    }
+
+    fn add_hysteresis(
+        &self,
+        model: &Hysteresis,
+        interval_s: f64,
+        grid: DriveGrid<'_>,
+        u: &[f64],
+        start: Start<f64>,
+        out: &mut [f64],
+    ) -> Result<(), HysteresisError> {
+        let kernel = self.kernel(model.form().elements(), model.own_shape(), interval_s);
+        let add = |rows: &Rows<f64>| rows.add_weighted(model.weights(), out);
+        simulate(&kernel, own::<F>(model.own_shape()), grid, u, start, None, add).map(|_| ())
     }
 
     fn follow(
         &self,
-        (elements, shape, interval_s): (usize, &[f64], f64),
-        weights: &[f64],
-        anhysteretic: &dyn Fn(f64) -> f64,
+        model: &Hysteresis,
+        interval_s: f64,
         wanted: &[f64],
         start: (f64, Option<f64>),
         limits: &DriveLimits,
     ) -> Result<Followed, HysteresisError> {
-        let kernel = self.kernel(elements, shape, interval_s);
-        follow::columns(&kernel, own::<F>(shape), weights, anhysteretic, wanted, start, limits)
+        let kernel = self.kernel(model.form().elements(), model.own_shape(), interval_s);
+        follow::columns(&kernel, (own::<F>(model.own_shape()), model), wanted, start, limits)
     }
 }
 

@@ -1,10 +1,10 @@
 //! A model of any family, sample by sample.
 
-use super::Family;
+use super::Hysteresis;
 use super::operators::Mover;
 use crate::hysteresis::{HysteresisError, polynomial};
 
-/// A [`Family`] with its memory: voltage \[V\] in, v \[µm\] out, what [`Family::simulate_every`] gives for a
+/// A [`Hysteresis`] with its memory: voltage \[V\] in, v \[µm\] out, what [`Hysteresis::simulate_every`] gives for a
 /// whole record.
 #[derive(Clone, Debug)]
 pub struct FamilyStream {
@@ -18,12 +18,13 @@ impl FamilyStream {
     /// The model, virgin at 0 V; `interval_s`: seconds between samples, for a rate-dependent family.
     ///
     /// # Errors
-    /// Those of [`Family::validate`]; [`HysteresisError::Interval`].
-    pub fn new(model: &Family, interval_s: Option<f64>) -> Result<Self, HysteresisError> {
+    /// Those of [`Hysteresis::validate`]; [`HysteresisError::Interval`].
+    pub fn new(model: &Hysteresis, interval_s: Option<f64>) -> Result<Self, HysteresisError> {
         model.validate()?;
-        let mover = model.form.mover(&model.shape, interval_s, 0.0)?;
-        let row = vec![0.0; model.weights.len()];
-        Ok(Self { mover, polynomial: model.polynomial.clone(), weights: model.weights.clone(), row })
+        let mover = model.form().mover(&model.shape(), interval_s, 0.0)?;
+        let weights: Vec<f64> = model.weights().iter().map(|w| model.form().sign() * w).collect();
+        let row = vec![0.0; weights.len()];
+        Ok(Self { mover, polynomial: model.polynomial().to_vec(), weights, row })
     }
 
     /// Resets the model to virgin at `voltage`; returns v there.

@@ -54,7 +54,7 @@ impl ColumnKernel for Plays {
 /// A play with its derivatives with respect to its threshold and to the memory.
 type Play = Dual<f64, 2>;
 
-/// [`crate::hysteresis::FamilyForm::run`], with derivatives with respect to the thresholds.
+/// [`HysteresisForm::run`], with derivatives with respect to the thresholds.
 pub(super) fn run(
     thresholds: &[f64],
     factor: usize,

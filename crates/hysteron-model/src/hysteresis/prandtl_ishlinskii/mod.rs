@@ -19,7 +19,7 @@ use super::family::{
 };
 use super::outputs::Columns;
 use super::pass::{Every, at_rest};
-use super::{DriveGrid, Family, FamilyForm, Hysteresis, HysteresisError, HysteresisForm, polynomial};
+use super::{DriveGrid, Hysteresis, HysteresisError, HysteresisForm, polynomial};
 use crate::start::Start;
 
 /// Prandtl–Ishlinskii operator with a polynomial of any degree:
@@ -318,13 +318,13 @@ impl ColumnFamily for Entry {
 impl HysteresisForm {
     /// The Prandtl–Ishlinskii model with this number of plays.
     pub fn prandtl_ishlinskii(plays: usize) -> Self {
-        Self::Family(FamilyForm::of(&Entry, plays))
+        Self::of(&Entry, plays)
     }
 }
 
 impl From<PrandtlIshlinskii> for Hysteresis {
     fn from(PrandtlIshlinskii { polynomial, thresholds, weights }: PrandtlIshlinskii) -> Self {
-        let form = FamilyForm::of(&Entry, thresholds.len());
-        Self::Family(Family { polynomial, form, shape: thresholds, weights })
+        let form = HysteresisForm::of(&Entry, thresholds.len());
+        Self::unchecked(polynomial, form, thresholds, weights)
     }
 }

@@ -1,6 +1,7 @@
 //! Memory of an operator at the beginning of a record.
 
-use super::super::{Admissibility, Hysteresis, HysteresisError};
+use super::Hysteresis;
+use crate::hysteresis::HysteresisError;
 use crate::start::{Memory, Start};
 
 impl Hysteresis {
@@ -14,9 +15,10 @@ impl Hysteresis {
 
     /// A memory of this operator with this number.
     pub fn memory(&self, value: f64) -> Memory {
-        match self {
-            Self::BoucWen(_) => Memory::Displacement(value),
-            Self::Family(_) => Memory::VirginAt(value),
+        if self.form().description().remembers_output() {
+            Memory::Displacement(value)
+        } else {
+            Memory::VirginAt(value)
         }
     }
 
@@ -33,24 +35,9 @@ impl Hysteresis {
     }
 
     /// Numbers between which a memory of this operator can lie where the drive spans `low` to `high` \[V\]:
-    /// between the saturations ±|α| (β' + γ')^(−1/n) of a Bouc–Wen operator, ±|α| times the span for one that
-    /// does not saturate; up to one span beyond either end for other families. `None` for an operator without
-    /// memory.
+    /// up to one span beyond either end where it is a voltage, between its ends of saturation where it is an
+    /// output. `None` for an operator without memory.
     pub fn memory_range(&self, low: f64, high: f64) -> Option<(f64, f64)> {
-        match self {
-            Self::BoucWen(model) => {
-                let reach = match model.admissibility() {
-                    Admissibility::Bounded { saturation_v }
-                    | Admissibility::BoundedFromRest { saturation_v, .. } => saturation_v,
-                    _ => high - low,
-                };
-                let limit = model.alpha.abs() * reach;
-                (limit > 0.0 && limit.is_finite()).then_some((-limit, limit))
-            }
-            Self::Family(model) => {
-                let reach = high - low;
-                (low < high && model.weights.iter().any(|w| *w != 0.0)).then_some((low - reach, high + reach))
-            }
-        }
+        self.form().family().memory_range_of_model(self, low, high)
     }
 }

@@ -1,7 +1,8 @@
 use hysteron_rt::Limited;
 
 use super::*;
-use crate::hysteresis::{DriveLimits, PrandtlIshlinskii, examples};
+use crate::hysteresis::{Columns, DriveGrid, DriveLimits, HysteresisError, PrandtlIshlinskii};
+use crate::start::Start;
 
 /// A drive with minor loops, on a grid finer by 2 where every other sample is read.
 fn drive() -> Vec<f64> {
@@ -23,7 +24,7 @@ fn every(factor: usize) -> DriveGrid<'static> {
 /// Every family with a few elements, and Bouc–Wen with another exponent.
 fn forms() -> Vec<(HysteresisForm, Vec<f64>)> {
     let families = examples([-1.03, 9.21], 10.0, 1.0).unwrap();
-    let power = (HysteresisForm::BoucWen, vec![0.4, -0.1, 1.6]);
+    let power = (HysteresisForm::bouc_wen(), vec![0.4, -0.1, 1.6]);
     families.into_iter().map(|family| (family.form(), family.shape())).chain([power]).collect()
 }
 
@@ -107,7 +108,7 @@ fn columns_add_up_to_the_operator() {
             }
             let again = operator.form().operator(
                 operator.polynomial().to_vec(),
-                &operator.weights(),
+                operator.weights(),
                 &operator.shape(),
             );
             let mut same = vec![0.0; v.len()];
@@ -137,7 +138,7 @@ fn derivatives_are_those_of_the_columns() {
                 if ["low", "high"].contains(&form.shape_names()[p].as_str()) {
                     continue;
                 }
-                let n_at_its_end = form == HysteresisForm::BoucWen && p == 2 && shape[p] == 1.0;
+                let n_at_its_end = form == HysteresisForm::bouc_wen() && p == 2 && shape[p] == 1.0;
                 if n_at_its_end {
                     continue;
                 }
@@ -180,7 +181,7 @@ fn derivatives_are_those_of_the_columns() {
 
 /// Every family with numbers for which its branches rise.
 fn rising() -> impl Iterator<Item = Hysteresis> {
-    let power = HysteresisForm::BoucWen.operator(vec![6.0, 0.01], &[0.7], &[0.4, -0.1, 1.6]).unwrap();
+    let power = HysteresisForm::bouc_wen().operator(vec![6.0, 0.01], &[0.7], &[0.4, -0.1, 1.6]).unwrap();
     examples([-1.03, 9.21], 10.0, 6.0).unwrap().into_iter().chain([power])
 }
 
@@ -191,7 +192,7 @@ const FREE: DriveLimits =
 fn the_drive_that_gives_an_output_is_found_in_one_step() {
     for operator in rising() {
         let u = drive();
-        for memory in [None, Some(operator.form().own_memory(3.4, &operator.weights()))] {
+        for memory in [None, Some(operator.form().own_memory(3.4, operator.weights()))] {
             let rest = 4.2;
             let origin = match memory {
                 None => Start::Rest { voltage_v: rest },
@@ -257,10 +258,10 @@ fn a_drive_keeps_to_its_limits() {
 #[test]
 fn what_falls_as_the_voltage_rises_is_not_inverted() {
     // Behind a turning point the slope is 0.5 − 0.7 (1 + (β' − γ') |ζ|) < 0.
-    let operator = HysteresisForm::BoucWen.operator(vec![0.5], &[0.7], &[0.4, 0.1, 1.0]).unwrap();
+    let operator = HysteresisForm::bouc_wen().operator(vec![0.5], &[0.7], &[0.4, 0.1, 1.0]).unwrap();
     let refused = operator.follow(&[2.0, 3.0, 2.5, 2.0], 0.0, None, &FREE);
     assert!(matches!(refused, Err(HysteresisError::NotIncreasing { .. })), "{refused:?}");
-    let operator = HysteresisForm::BoucWen.operator(vec![1.0], &[0.2], &[0.4, 0.1, 1.0]).unwrap();
+    let operator = HysteresisForm::bouc_wen().operator(vec![1.0], &[0.2], &[0.4, 0.1, 1.0]).unwrap();
     for (wanted, rest, limits) in [
         (f64::NAN, 0.0, FREE),
         (1.0, 11.0, FREE),
@@ -275,7 +276,8 @@ fn what_falls_as_the_voltage_rises_is_not_inverted() {
 
 #[test]
 fn another_number_of_shape_numbers_is_refused() {
-    let run = HysteresisForm::BoucWen.run(&[1.0], 1, &[0.0], Start::PERIODIC, None, &mut Columns::default());
+    let run =
+        HysteresisForm::bouc_wen().run(&[1.0], 1, &[0.0], Start::PERIODIC, None, &mut Columns::default());
     assert!(matches!(run, Err(HysteresisError::ShapeCount { expected: 3, found: 1 })));
 }
 

@@ -4,11 +4,20 @@
 //! bounded class after F. Ikhouane, J. Rodellar, *Systems with Hysteresis*, Wiley 2007,
 //! doi:10.1002/9780470513200.
 
+mod admissibility;
+mod family;
+mod pass;
+mod sensitivities;
+
+pub use admissibility::Admissibility;
+pub(super) use family::Entry;
+pub use sensitivities::Sensitivities;
+
 use hysteron_rt::Dual;
 
-use super::family::{DriveSpan, FamilyDescription, NumberUnit, RuntimeOperator, SKEWS, Search, ShapeNumber};
-use super::pass::{Every, at_rest, pass};
-use super::{Admissibility, HysteresisError, polynomial};
+use self::pass::pass;
+use super::pass::{Every, at_rest};
+use super::{HysteresisError, polynomial};
 use crate::start::Start;
 
 /// State of a Bouc–Wen operator: present voltage u \[V\] and hysteretic displacement z \[µm\].
@@ -144,7 +153,7 @@ impl BoucWen {
         out: &mut [f64],
     ) -> Result<BoucWenState, HysteresisError> {
         self.validate()?;
-        let end = run(&self.operator()?, factor, u, start, out)?;
+        let end = run(&self.operator()?, factor, u, start, out, |z, slot| *slot = z)?;
         for (v, &u) in out.iter_mut().zip(u.iter().step_by(factor)) {
             *v = self.polynomial_at(u) - *v;
         }
@@ -173,7 +182,7 @@ impl UnitShape {
         start: Start<f64>,
         out: &mut [f64],
     ) -> Result<BoucWenState, HysteresisError> {
-        run(&self.operator()?, factor, u, start, out)
+        run(&self.operator()?, factor, u, start, out, |zeta, slot| *slot = zeta)
     }
 
     /// Boundedness of ζ.
@@ -187,182 +196,64 @@ fn sign(alpha: f64) -> f64 {
     if alpha < 0.0 { -1.0 } else { 1.0 }
 }
 
-/// z along `u` into `out` from any start.
-pub(super) fn run(
+/// z along `u` from any start, each value `put` into its place of `out`.
+fn run(
     operator: &hysteron_rt::BoucWen<f64>,
     factor: usize,
     u: &[f64],
     start: Start<f64>,
     out: &mut [f64],
+    put: impl Fn(f64, &mut f64),
 ) -> Result<BoucWenState, HysteresisError> {
-    let every = Every::new(factor)?;
+    let mut every = Every::new(factor)?;
     let expected = u.len().div_ceil(factor);
     if out.len() != expected {
         return Err(HysteresisError::Lengths { expected, found: out.len() });
     }
-    match at_rest(start, u)? {
-        Some((u_rest, memory)) => {
-            let state = BoucWenState { u: u_rest, z: memory.unwrap_or(0.0) };
-            follow(operator, every, state, u, out)
-        }
-        None => settle(operator, every, u, out),
-    }
-}
-
-/// z along `u` into `out` from a known state.
-fn follow(
-    operator: &hysteron_rt::BoucWen<f64>,
-    mut every: Every,
-    start: BoucWenState,
-    u: &[f64],
-    out: &mut [f64],
-) -> Result<BoucWenState, HysteresisError> {
+    let state = match at_rest(start, u)? {
+        Some((u_rest, memory)) => BoucWenState { u: u_rest, z: memory.unwrap_or(0.0) },
+        None => settled(operator, u)?,
+    };
     let mut slots = out.iter_mut();
-    let end = pass(operator, (start.u, Dual { value: start.z, partials: [] }), u, |z| {
+    let end = pass(operator, (state.u, Dual { value: state.z, partials: [] }), u, |z| {
         if every.take()
             && let Some(slot) = slots.next()
         {
-            *slot = z.value;
+            put(z.value, slot);
         }
     })?;
-    Ok(BoucWenState { u: u.last().copied().unwrap_or(start.u), z: end.value })
+    Ok(BoucWenState { u: u.last().copied().unwrap_or(state.u), z: end.value })
 }
 
 /// Periods simulated at most to find a steady state.
 const PERIODS: usize = 200;
 
-/// Steady state by the secant method on z(end of period) − z(start): the return map is increasing and, in the
-/// bounded class, a contraction, often so weak (small loops) that mere repetition would take thousands of
-/// periods.
-fn settle(
-    operator: &hysteron_rt::BoucWen<f64>,
-    every: Every,
-    u: &[f64],
-    out: &mut [f64],
-) -> Result<BoucWenState, HysteresisError> {
+/// State at the beginning of a period in steady state, by the secant method on z(end of period) − z(start):
+/// the return map is increasing and, in the bounded class, a contraction, often so weak (small loops) that
+/// mere repetition would take thousands of periods.
+fn settled(operator: &hysteron_rt::BoucWen<f64>, u: &[f64]) -> Result<BoucWenState, HysteresisError> {
     let Some(&u_last) = u.last() else {
         return Ok(BoucWenState { u: 0.0, z: 0.0 });
     };
     let mut before: Option<(f64, f64)> = None;
-    let mut z = 0.0;
+    let mut z: f64 = 0.0;
     let mut change = f64::INFINITY;
     for _ in 0..PERIODS {
-        let state = follow(operator, every, BoucWenState { u: u_last, z }, u, out)?;
-        change = state.z - z;
-        let size = out.iter().fold(z.abs(), |m: f64, z| m.max(z.abs()));
+        let mut size = z.abs();
+        let start = (u_last, Dual { value: z, partials: [] });
+        let end = pass(operator, start, u, |z: Dual<f64, 0>| size = size.max(z.value.abs()))?.value;
+        change = end - z;
         if change.abs() <= 1e-13 * size {
-            return Ok(state);
+            return Ok(BoucWenState { u: u_last, z });
         }
         let secant = match before {
             Some((z_before, change_before)) if change.abs() < change_before.abs() => {
                 z - change * (z - z_before) / (change - change_before)
             }
-            _ => state.z,
+            _ => end,
         };
         before = Some((z, change));
-        z = if secant.is_finite() { secant } else { state.z };
+        z = if secant.is_finite() { secant } else { end };
     }
     Err(HysteresisError::NotSettled { periods: PERIODS, change })
-}
-
-/// The family.
-#[derive(Debug)]
-pub(super) struct Entry;
-
-impl FamilyDescription for Entry {
-    fn name(&self) -> &'static str {
-        "bouc-wen"
-    }
-
-    fn summary(&self) -> &'static str {
-        "Polynomial less one relaxing state: few parameters"
-    }
-
-    fn equation(&self) -> &'static str {
-        "-z, dz/du = alpha - beta s z |z|^(n-1) - gamma |z|^n"
-    }
-
-    fn weight_name(&self, _: usize) -> String {
-        "alpha".into()
-    }
-
-    fn weight_reach(&self) -> f64 {
-        2.0
-    }
-
-    /// β', γ' and n of the unit form.
-    fn shape_numbers(&self, _: usize, span: &DriveSpan) -> Vec<ShapeNumber> {
-        let (n, unit) = (span.exponent, NumberUnit::PER_INPUT);
-        // ζ saturates at (β' + γ')^(−1/n) V: sharper, the loop is a pure offset switch. With much less β' a
-        // loop is a parabola of size α β': α grows as β' falls, and nothing else changes.
-        let (sharpest, bluntest) = (span.sharpest(), 1.0 / span.stroke);
-        let [low, high] = if span.holds_exponent {
-            [bluntest.powf(n), sharpest.powf(n)]
-        } else {
-            [bluntest.min(bluntest.powi(4)), sharpest.max(sharpest.powi(4))]
-        };
-        let [beta, gamma] = if span.is_straight {
-            [Search::Held(0.0); 2]
-        } else {
-            [Search::Linear(1e-3 * low, high), Search::Linear(-high, high)]
-        };
-        let exponent = match (span.is_straight, span.holds_exponent) {
-            (true, false) => Search::Held(1.0),
-            (_, true) => Search::Held(n),
-            (false, false) => Search::Linear(1.0, 4.0),
-        };
-        vec![
-            ShapeNumber::new("beta", unit, "shape of the loop", beta),
-            ShapeNumber::new("gamma", unit, "asymmetry between loading and unloading", gamma),
-            ShapeNumber::new("n", NumberUnit::NONE, "smoothness of the transition", exponent),
-        ]
-    }
-
-    fn starts(&self, _: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
-        let n = span.exponent;
-        let of = |bend: f64| SKEWS.map(|skew| vec![bend.powf(n), skew * bend.powf(n), n]);
-        span.bends().into_iter().flat_map(of).collect()
-    }
-
-    fn example(&self, _: usize, span: &DriveSpan) -> Vec<f64> {
-        vec![4.0 / span.stroke, 1.0 / span.stroke, 1.0]
-    }
-
-    fn is_compared_unasked(&self) -> bool {
-        true
-    }
-
-    /// Range of ζ up to saturation.
-    fn memory_range(&self, _: [f64; 2], stroke: f64) -> [f64; 2] {
-        [-stroke, stroke]
-    }
-
-    fn first_memory(
-        &self,
-        shape: &[f64],
-        first: f64,
-        [low, high]: [f64; 2],
-        stroke: f64,
-        settled: bool,
-    ) -> f64 {
-        match *shape {
-            [beta, gamma, n] if settled => {
-                // Largest ζ at the turning points of a loop over the whole range.
-                let saturated = (beta + gamma).powf(-1.0 / n).min(stroke);
-                saturated * (2.0 * (first - low) / (high - low) - 1.0)
-            }
-            _ => 0.0,
-        }
-    }
-
-    fn runtime(&self, _: usize, _: &mut [f64], shape: &[f64], weights: &[f64], _: f64) -> RuntimeOperator {
-        let state = match (shape, weights) {
-            (&[beta, gamma, n], &[alpha]) => {
-                BoucWen::from_unit(Vec::new(), alpha, UnitShape { beta, gamma, n })
-                    .map_or([f64::NAN; 4], |b| [b.alpha, b.beta, b.gamma, b.n])
-            }
-            _ => [f64::NAN; 4],
-        };
-        RuntimeOperator::BoucWen(vec![state])
-    }
 }

@@ -7,9 +7,10 @@
 
 use hysteron_rt::Dual;
 
-use super::bouc_wen::run;
-use super::pass::{Every, at_rest, pass};
-use super::{BoucWenState, HysteresisError, UnitShape};
+use super::pass::pass;
+use super::{BoucWenState, UnitShape, settled};
+use crate::hysteresis::HysteresisError;
+use crate::hysteresis::pass::{Every, at_rest};
 use crate::start::Start;
 
 /// ζ \[V\] and its derivatives at every `factor`-th sample of a drive. The buffers are kept between calls.
@@ -56,7 +57,7 @@ impl UnitShape {
         let at_rest = at_rest(start, u)?;
         let state = match at_rest {
             Some((u, memory)) => BoucWenState { u, z: memory.unwrap_or(0.0) },
-            None => run(&operator, factor, u, start, &mut out.zeta)?,
+            None => settled(&operator, u)?,
         };
         let mut columns =
             out.zeta.iter_mut().zip(&mut out.d_beta).zip(&mut out.d_gamma).zip(&mut out.d_start);
