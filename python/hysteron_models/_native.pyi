@@ -199,6 +199,8 @@ def choices() -> str: ...
 def compare(
     records: list[Record],
     candidates: list[str] = ...,
+    quick: bool = False,
+    time_limit: float | None = None,
     continued: bool = False,
     input: str | None = None,
     output: str | None = None,

@@ -57,6 +57,8 @@ def compare(
     records: Sequence[Record],
     candidates: Sequence[str] = (),
     *,
+    quick: bool = False,
+    time_limit: float | None = None,
     continued: bool = False,
     threads: int | None = None,
     progress: bool | Progress = False,
@@ -66,6 +68,9 @@ def compare(
     Args:
         records: records of one device, of different content.
         candidates: structures, ``"fractional+prandtl-ishlinskii"``; a search if none is given.
+        quick: without candidates, one pass of the search through the commonest structures.
+        time_limit: end after this many seconds with the candidates finished by then; the model of the preferred
+            one is identified after that.
         continued: the records are consecutive parts of one run on one clock.
         threads: threads; all cores if not given.
         progress: as in ``fit``.
@@ -77,6 +82,8 @@ def compare(
         text, page, model, interrupt = _native.compare(
             natives(given),
             list(candidates),
+            quick,
+            time_limit,
             continued,
             given[0]._input,
             given[0]._output,

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{Invertibility, TimedDrive};
-use hysteron_model::model_file::Maker;
+use hysteron_model::model_file::{Maker, ModelFile, ModelFileError, SignalUnits};
 use hysteron_model::realise::{Cost, RealiseOptions, side_by_side};
 use hysteron_model::record::Timing;
 use hysteron_numeric::number::significant;
@@ -61,6 +61,21 @@ impl Compared {
             records: campaign.iter().map(|r| r.data.name.clone()).collect(),
             unit: campaign.first().map_or(String::new(), |r| r.data.y_unit.to_string()),
         }
+    }
+
+    /// The preferred structure as the comparison fitted it to all records, thinned where they are oversampled,
+    /// without intervals. `None` where there is no ranking.
+    ///
+    /// # Errors
+    /// [`ModelFileError`] for a model that no file can hold.
+    pub fn preferred_so_far(
+        &self,
+        campaign: &[CampaignRecord],
+    ) -> Option<(Candidate, Result<hysteron_model::Model, ModelFileError>)> {
+        let preferred = &self.comparison.entries[self.comparison.ranking.as_ref()?.preferred];
+        let (model, data) = (preferred.model.as_ref()?, &campaign.first()?.data);
+        let file = ModelFile::from_model(model, SignalUnits::of(&data.u_unit, &data.y_unit));
+        Some((preferred.candidate, file.try_into()))
     }
 
     /// The preferred structure, identified from all samples; `None` where there is no ranking.
@@ -138,6 +153,11 @@ impl Compared {
             if let Some(why) = &cost.why_not {
                 lines.push(format!("{} was not timed sample by sample: {why}.", entry.candidate));
             }
+        }
+        if comparison.out_of_time {
+            lines.push(
+                "The time given was over: candidates that were not finished by then are missing.".to_owned(),
+            );
         }
         if comparison.interrupted {
             lines.push("Interrupted: the candidates that were not finished are missing.".to_owned());
@@ -258,6 +278,9 @@ pub struct ComparisonSummary {
     pub notes: Vec<String>,
     /// The comparison was stopped.
     pub interrupted: bool,
+    /// The time given was over before the comparison was complete.
+    #[serde(default)]
+    pub out_of_time: bool,
 }
 
 /// A cross-validation fold: held-out samples that are scored.
@@ -409,6 +432,7 @@ impl Compared {
             baselines: self.baselines.iter().map(BaselineSummary::new).collect(),
             notes: self.verdict(),
             interrupted: comparison.interrupted,
+            out_of_time: comparison.out_of_time,
         }
     }
 }

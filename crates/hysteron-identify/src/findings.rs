@@ -123,7 +123,7 @@ fn short_share(x: f64) -> String {
     short(format!("{x:.1e}").parse().unwrap_or(x))
 }
 
-/// Finding on the roughness penalty of the Preisach weights and the held-out error that chose it.
+/// Finding on the roughness penalty of the weights of a plane and the held-out error that chose it.
 fn drawn_together(Smoothing { share, left_out, left_out_without }: Smoothing) -> String {
     let without = short(left_out_without);
     if share == 0.0 {
@@ -406,8 +406,8 @@ mod tests {
         assert_eq!(extrapolated_to_rest(&integrator, 1.0), None);
     }
 
-    /// Weights of one sign and a rising polynomial are not a sufficient criterion: it is wrong for
-    /// rate-dependent plays and misses slip.
+    /// Weights of one sign and a rising polynomial are not a sufficient criterion: it is wrong
+    /// for plays that widen with the rate and misses slip.
     #[test]
     fn the_verdict_on_an_inverse_is_that_of_the_inverse() {
         let drive: Vec<f64> = (0..400).map(|k| 5.0 - 5.0 * (f64::from(k) * 0.05).cos()).collect();

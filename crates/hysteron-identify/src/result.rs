@@ -224,7 +224,7 @@ pub struct StructureChoice {
     pub creeps: Vec<f64>,
     /// Samples left out at the start of each quasi-static record.
     pub left_out: Vec<usize>,
-    /// Roughness penalty on the Preisach weights.
+    /// Roughness penalty on the weights of a plane.
     pub smoothing: Option<Smoothing>,
     /// Choice of the inter-sample rule, where the records discriminate.
     pub between: Option<InterSampleChoice>,

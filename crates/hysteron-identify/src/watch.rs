@@ -1,7 +1,7 @@
 //! Progress reports of long computations, and their cancellation.
 
 use std::ops::ControlFlow;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use hysteron_model::Model;
@@ -63,6 +63,7 @@ pub struct Watch<'a> {
     told: Option<Mutex<Box<Told<'a>>>>,
     stop: Stop,
     furthest: Mutex<f64>,
+    is_out_of_time: Option<Arc<dyn Fn() -> bool + Send + Sync>>,
 }
 
 impl Default for Watch<'_> {
@@ -74,7 +75,7 @@ impl Default for Watch<'_> {
 impl<'a> Watch<'a> {
     /// A watch without a listener.
     pub fn silent() -> Self {
-        Self { told: None, stop: Stop::new(), furthest: Mutex::new(0.0) }
+        Self { told: None, stop: Stop::new(), furthest: Mutex::new(0.0), is_out_of_time: None }
     }
 
     /// Reports events to `told`, from one thread at a time.
@@ -86,6 +87,29 @@ impl<'a> Watch<'a> {
     #[must_use]
     pub fn stopped_by(self, stop: &Stop) -> Self {
         Self { stop: stop.clone(), ..self }
+    }
+
+    /// A watch that reports to this one and is stopped with it, or at the `limit` by the clock `now`.
+    pub fn within(&self, limit: Duration, now: impl Fn() -> Duration + Send + Sync + 'static) -> Watch<'_> {
+        let now = Arc::new(now);
+        let is_out_of_time: Arc<dyn Fn() -> bool + Send + Sync> = {
+            let now = Arc::clone(&now);
+            Arc::new(move || now() >= limit)
+        };
+        let told = move |event: &Event<'_>| {
+            let of_time = now().as_secs_f64() / limit.as_secs_f64();
+            self.tell(Event { fraction: event.fraction.max(of_time), ..*event })
+        };
+        let stop = self.stop.or({
+            let is_out_of_time = Arc::clone(&is_out_of_time);
+            move || is_out_of_time()
+        });
+        Watch { is_out_of_time: Some(is_out_of_time), ..Watch::new(told).stopped_by(&stop) }
+    }
+
+    /// True if a time limit is over ([`Self::within`]).
+    pub fn is_out_of_time(&self) -> bool {
+        self.is_out_of_time.as_ref().is_some_and(|is_out_of_time| is_out_of_time())
     }
 
     /// The stop signal.

@@ -1,8 +1,8 @@
 //! Comparison of structures.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use hysteron_identify::structure::{Candidate, compare as compare_structures};
+use hysteron_identify::structure::{Candidate, Selection, compare as compare_structures};
 use hysteron_identify::{Compared, IdentifyError, Options};
 use hysteron_model::record::ChannelChoice;
 use pyo3::prelude::*;
@@ -16,12 +16,17 @@ use crate::work;
 /// Comparison of structures by the held-out error of their simulation: the result as JSON, its page, the
 /// model of the preferred structure, and the exception that stopped it, if any.
 #[pyfunction]
-#[pyo3(signature = (records, candidates=Vec::new(), continued=false, input=None, output=None, threads=None, progress=None))]
+#[pyo3(signature = (
+    records, candidates=Vec::new(), quick=false, time_limit=None, continued=false, input=None, output=None,
+    threads=None, progress=None,
+))]
 #[allow(clippy::too_many_arguments, reason = "keywords of a call from Python")]
 pub fn compare(
     py: Python<'_>,
     records: Vec<PyRef<'_, Record>>,
     candidates: Vec<String>,
+    quick: bool,
+    time_limit: Option<f64>,
     continued: bool,
     input: Option<String>,
     output: Option<String>,
@@ -32,10 +37,17 @@ pub fn compare(
     let candidates = candidates.iter().map(|name| name.parse::<Candidate>());
     let candidates = candidates.collect::<Result<Vec<_>, _>>().map_err(option)?;
     let options = Options { continued, threads, ..Options::default() };
+    let limit = time_limit.map(Duration::try_from_secs_f64).transpose().map_err(option)?;
     let begun = Instant::now();
     let work = |watch: &hysteron_identify::Watch<'_>| {
-        let given = (!candidates.is_empty()).then_some(candidates.as_slice());
-        let comparison = compare_structures(&campaign, given, &options, watch)?;
+        let selection = Selection::of(&candidates, quick);
+        let comparison = match limit {
+            None => compare_structures(&campaign, selection, &options, watch)?,
+            Some(limit) => {
+                let watch = watch.within(limit, move || begun.elapsed());
+                compare_structures(&campaign, selection, &options, &watch)?
+            }
+        };
         let found = Compared::new(comparison, &campaign, Vec::new(), &move || begun.elapsed());
         let preferred = match watch.is_stopped() {
             true => None,

@@ -1,9 +1,9 @@
 //! Comparison of model structures on records.
 
 use std::ops::ControlFlow;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use hysteron_identify::structure::{Candidate, compare};
+use hysteron_identify::structure::{Candidate, Selection, compare};
 use hysteron_identify::{CampaignRecord, Compared, Event, IdentifyError, Options, Stop, Watch};
 use hysteron_model::record::{ChannelChoice, Record};
 use serde::{Serialize, Serializer};
@@ -16,6 +16,8 @@ use crate::{Error, Fit, Report};
 pub struct Compare<'a> {
     records: &'a [Record],
     candidates: Vec<Candidate>,
+    quick: bool,
+    limit: Option<Duration>,
     channels: ChannelChoice,
     options: Options,
     watch: Watch<'a>,
@@ -28,6 +30,8 @@ impl<'a> Compare<'a> {
         Self {
             records,
             candidates: Vec::new(),
+            quick: false,
+            limit: None,
             channels: ChannelChoice::default(),
             options: Options::default(),
             watch: Watch::silent(),
@@ -39,6 +43,20 @@ impl<'a> Compare<'a> {
     #[must_use]
     pub fn candidates(mut self, candidates: impl IntoIterator<Item = Candidate>) -> Self {
         self.candidates = candidates.into_iter().collect();
+        self
+    }
+
+    /// Without given candidates: one pass of the search, through the commonest structures.
+    #[must_use]
+    pub fn quick(mut self) -> Self {
+        self.quick = true;
+        self
+    }
+
+    /// Ends after this time with what is finished by then.
+    #[must_use]
+    pub fn within(mut self, limit: Duration) -> Self {
+        self.limit = Some(limit);
         self
     }
 
@@ -80,9 +98,15 @@ impl<'a> Compare<'a> {
         let record =
             |record: &Record| Ok(CampaignRecord { data: record.input_output(&self.channels)?, role: None });
         let campaign: Vec<CampaignRecord> = self.records.iter().map(record).collect::<Result<_, Error>>()?;
-        let candidates = (!self.candidates.is_empty()).then_some(self.candidates.as_slice());
+        let selection = Selection::of(&self.candidates, self.quick);
         let watch = self.watch.stopped_by(&self.stop);
-        let found = compare(&campaign, candidates, &self.options, &watch)?;
+        let found = match self.limit {
+            None => compare(&campaign, selection, &self.options, &watch)?,
+            Some(limit) => {
+                let watch = watch.within(limit, move || begun.elapsed());
+                compare(&campaign, selection, &self.options, &watch)?
+            }
+        };
         let found = Compared::new(found, &campaign, Vec::new(), &move || begun.elapsed());
         Ok(Comparison { found, campaign })
     }

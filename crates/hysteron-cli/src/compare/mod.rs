@@ -3,18 +3,20 @@
 mod text;
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::Args;
 use hysteron_identify::baselines::cross_validate_all;
-use hysteron_identify::structure::{Candidate, Comparison, UnknownCandidate, compare};
+use hysteron_identify::structure::{Candidate, Comparison, Selection, UnknownCandidate, compare};
 use hysteron_identify::{CampaignRecord, Compared, IdentifyError, Options, Watch};
 use hysteron_report::comparison;
 
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
-use crate::interrupt::Interrupt;
+use crate::interrupt::{Interrupt, partial};
 use crate::maker::maker;
+use crate::numbers::positive;
 use crate::output::{self, OutFile};
 use crate::progress;
 use crate::result_flags::ResultFlags;
@@ -27,8 +29,8 @@ use crate::result_flags::ResultFlags;
     held-out record. Records that repeat one experiment are refused, with what to measure instead.\n\n\
     Without --candidates the structure is searched for: first the usual dynamic blocks (none, integer1 to \
     integer4, arx, fractional ones), then variations of the best so far in creep, hysteresis family (those \
-    quick to fit), polynomial degree and free n, until none is better. This takes six minutes of processor \
-    time for four records of 45 000 samples together. A candidate is \
+    quick to fit), polynomial degree and free n, until none is better. --quick goes once through the \
+    commonest of each; --time-limit ends after so many seconds with what is finished by then. A candidate is \
     BLOCK[+CREEP][+degreeN][+n-free][+FAMILY], BLOCK one of none, integer1 to integer12, modes4 to modes12 \
     (resonances in parallel), arx, oe, bj, srivc, fractional, fractional-free-lowest, two-fractional, CREEP \
     one of creep (fractional), log-creep, kelvin-voigt (two elements); the defaults are a cubic polynomial, \
@@ -38,8 +40,10 @@ use crate::result_flags::ResultFlags;
     (hysteron realise), timed with the same drive for all candidates, on this machine; ratios are more \
     reliable than times. Its last column says if the hysteresis is invertible: always, on records (the \
     output rose with the drive everywhere along them) or no.\n\n\
-    Ctrl-C prints the candidates finished so far.\n\n\
+    Ctrl-C prints the candidates finished so far and writes the model of the one preferred among them to \
+    MODEL.partial.json.\n\n\
     Example: hysteron compare loop_1hz.csv sweep.csv sine_*.csv --report compare.html\n\
+    Example: hysteron compare loop_1hz.csv sweep.csv sine_*.csv --quick --time-limit 30 -o model.json\n\
     Example: hysteron compare loop.csv sweep.csv --candidates none,integer2,fractional,fractional+degree2 -o \
     model.json\n\
     Example: hysteron compare loop_1hz.csv sweep.csv sine_*.csv --candidates fractional+creep --baselines\n\
@@ -55,6 +59,15 @@ pub struct Compare {
     /// Structures to compare, separated by commas
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = candidate)]
     candidates: Vec<Candidate>,
+
+    /// Search through the commonest structures only, in one pass
+    #[arg(long, conflicts_with = "candidates")]
+    quick: bool,
+
+    /// End after this time with what is finished by then, in seconds; identifying the preferred structure
+    /// for --output-model comes after it
+    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
+    time_limit: Option<f64>,
 
     /// The records are consecutive parts of one run on one clock: each part is left out in turn; hysteresis
     /// memory and creep carry over
@@ -90,9 +103,15 @@ impl Compare {
         let campaign: Vec<_> = records.map(|data| CampaignRecord { data, role: None }).collect();
         let stop = Interrupt::listen("what is finished is printed")?;
         let watch = progress::watch(&stop);
-        let candidates = (!self.candidates.is_empty()).then_some(self.candidates.as_slice());
+        let selection = Selection::of(&self.candidates, self.quick);
         let options = Options { continued: self.continued, ..Options::default() };
-        let comparison = compare(&campaign, candidates, &options, &watch);
+        let comparison = match self.time_limit {
+            None => compare(&campaign, selection, &options, &watch),
+            Some(seconds) => {
+                let limit = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
+                compare(&campaign, selection, &options, &watch.within(limit, console::clock()))
+            }
+        };
         drop(watch);
         let comparison = comparison.map_err(|e| explain(&e))?;
         let baselines = match &comparison.ranking {
@@ -114,10 +133,7 @@ impl Compare {
             return Err(stop.told(nothing(&found.comparison)));
         }
         if found.comparison.interrupted {
-            return Err(Failure::new("the comparison was interrupted")
-                .because("the finished candidates are printed, and no model is written")
-                .hint("run it again, or name fewer structures with --candidates")
-                .exiting_with(stop.exit_code()));
+            return Err(self.interrupted(&found, &campaign)?.exiting_with(stop.exit_code()));
         }
         let Some(path) = &self.out else { return Ok(()) };
         let watch = Watch::silent().stopped_by(stop.stop());
@@ -131,11 +147,30 @@ impl Compare {
     }
 }
 
+impl Compare {
+    /// Writes the preferred model so far beside where the model was to be, and says so.
+    fn interrupted(&self, found: &Compared, campaign: &[CampaignRecord]) -> Result<Failure, Failure> {
+        let failure = Failure::new("the comparison was interrupted")
+            .hint("run it again, with --quick or --time-limit, or name fewer structures with --candidates");
+        let (Some(path), Some((candidate, model))) = (&self.out, found.preferred_so_far(campaign)) else {
+            return Ok(failure.because("the finished candidates are printed, and no model is written"));
+        };
+        let path = partial(path);
+        let cannot = || Failure::new(format!("cannot write the model of {candidate}"));
+        crate::model::save(&path, &model.map_err(|e| cannot().because(e))?)?;
+        let kept = format!("the preferred model so far, {candidate}, is in {}", path.display());
+        Ok(failure.because(format!("the finished candidates are printed; {kept}")))
+    }
+}
+
 /// Failure for a comparison without a finished candidate.
 fn nothing(comparison: &Comparison) -> Failure {
     let failure = Failure::new("no structure could be compared");
     match comparison.entries.iter().find_map(|e| Some((e.candidate, e.failures.first()?))) {
         Some((candidate, why)) => failure.because(format!("{candidate}: {why}")),
+        None if comparison.out_of_time => failure
+            .because("the time given was over before the first candidate was finished")
+            .hint("give a longer --time-limit, or fewer samples with --from and --to"),
         None => failure.because("it was stopped before the first candidate was finished"),
     }
 }

@@ -3,6 +3,8 @@
 
 use crate::bench::model_data;
 use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
 
 use serde_json::Value;
 
@@ -125,6 +127,49 @@ fn one_loop_many_times_is_refused_with_what_to_measure() {
     {
         assert!(run.stderr.contains(part), "{part}: {}", run.stderr);
     }
+}
+
+#[test]
+fn a_comparison_without_time_says_so() {
+    let run =
+        measured().run(&format!("compare {LOOP} {SWEEP} {SINES} --quick --time-limit 1e-6 -o new.json"));
+    assert_eq!(run.exit_code, 1, "{run:?}");
+    assert!(run.stderr.contains("the time given was over before the first candidate"), "{}", run.stderr);
+    let run = Bench::new().run("compare run.csv --quick --candidates none");
+    assert_eq!(run.exit_code, 2, "{run:?}");
+    assert!(run.stderr.contains("--quick") && run.stderr.contains("--candidates"), "{}", run.stderr);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_comparison_keeps_the_model_preferred_so_far() {
+    let bench = measured();
+    bench.write("new.json", "precious");
+    // The second candidate takes far longer than the first; wait longer on a slow machine.
+    let kept = [2, 6, 20].into_iter().any(|seconds| {
+        let child = Command::new(env!("CARGO_BIN_EXE_hysteron"))
+            .args(format!("compare {LOOP} {SWEEP} {SINES} -o new.json").split_whitespace())
+            .current_dir(bench.path("."))
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_secs(seconds));
+        assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+        let output = child.wait_with_output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(130), "{said}");
+        let kept = said.contains("is in new.partial.json");
+        assert!(kept || said.contains("no structure could be compared"), "{said}");
+        if kept {
+            assert!(String::from_utf8(output.stdout).unwrap().contains("Preferred: "));
+        }
+        kept
+    });
+    assert!(kept);
+    assert_eq!(std::fs::read_to_string(bench.path("new.json")).unwrap(), "precious");
+    let run = bench.run(&format!("validate new.partial.json {SWEEP}"));
+    assert_eq!(run.exit_code, 0, "{}", run.stderr);
 }
 
 #[test]

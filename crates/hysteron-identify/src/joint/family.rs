@@ -65,7 +65,7 @@ impl JointSetup<'_> {
         }
     }
 
-    /// Range of a family's grid. The Preisach plane covers the range a demagnetised device needs: relays that
+    /// Range of a family's grid. A plane of relays covers the range a demagnetised device needs: relays that
     /// close on the virgin curve open only far below the lowest voltage, so that a plane limited to the
     /// voltages of the records would lack them, and with them the virgin curve.
     fn grid(&self) -> [f64; 2] {

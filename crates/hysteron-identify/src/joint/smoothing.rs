@@ -1,6 +1,6 @@
 //! Hysteresis weights smoothed by a roughness penalty chosen by cross-validation.
 //!
-//! Records with few reversal voltages determine few of the many Preisach weights, and non-negative least
+//! Records with few reversal voltages determine few of the many weights of a plane, and non-negative least
 //! squares then concentrates the weight of a neighbourhood in one cell. So, with the nonlinear parameters
 //! held at the optimum, the weights are refitted: c ≥ 0 that minimises ‖y − A c‖² + κ Σ (c_i − c_j)² over
 //! neighbours i, j of the plane, coefficients of l\[u\] free. κ is chosen by cross-validation: the records

@@ -90,6 +90,9 @@ impl Block {
         Self::of(DynamicsChoice::TwoFractional),
     ];
 
+    /// Blocks of a quick search.
+    const COMMON: [Self; 3] = [Self::NONE, Self::integer(2), Self::of(DynamicsChoice::Fractional)];
+
     /// A block of this kind, with two poles where their number is free.
     pub const fn of(dynamics: DynamicsChoice) -> Self {
         Self { dynamics, order: 2 }
@@ -185,6 +188,17 @@ impl Candidate {
         };
         let of_its_own = |c: &Self| c.creep == Creep::None && c.hysteresis == HysteresisForm::default();
         list.into_iter().filter(|c| !c.block.takes_two_steps() || of_its_own(c)).collect()
+    }
+
+    /// The commonest of [`Self::alternatives`]: the default set for a quick search.
+    pub fn common_alternatives(self, part: StructurePart) -> Vec<Self> {
+        let is_common = |candidate: &Self| match part {
+            StructurePart::Block => Block::COMMON.contains(&candidate.block),
+            StructurePart::Creep => matches!(candidate.creep, Creep::None | Creep::Fractional),
+            StructurePart::Family => true,
+            StructurePart::Shape => !candidate.n_free && candidate.degree <= USUAL_DEGREE,
+        };
+        self.alternatives(part).into_iter().filter(is_common).collect()
     }
 
     /// `base` with this structure.

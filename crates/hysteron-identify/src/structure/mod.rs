@@ -63,6 +63,20 @@ pub struct Comparison {
     pub continued: bool,
     /// It was stopped: candidates are missing.
     pub interrupted: bool,
+    /// The time given was over: candidates are missing.
+    pub out_of_time: bool,
+}
+
+/// The candidates of a comparison.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Selection<'a> {
+    /// These.
+    Given(&'a [Candidate]),
+    /// A search through dynamic blocks, kinds of creep, families of hysteresis, polynomial degrees and n, one
+    /// [`StructurePart`] after the other from the best so far, until none is better.
+    Search,
+    /// One pass of the search through the commonest of each part.
+    QuickSearch,
 }
 
 /// One candidate.
@@ -94,15 +108,25 @@ impl Entry {
     }
 }
 
-/// Compares `candidates` on a campaign. `None`: a search through dynamic blocks, kinds of creep, families of
-/// hysteresis, polynomial degrees and n, one [`StructurePart`] after the other from the best so far, until
-/// none is better. Structure, algorithm and demands in `options` are ignored.
+impl<'a> Selection<'a> {
+    /// The candidates given, else a search.
+    pub fn of(given: &'a [Candidate], quick: bool) -> Self {
+        match (given, quick) {
+            ([], false) => Self::Search,
+            ([], true) => Self::QuickSearch,
+            (given, _) => Self::Given(given),
+        }
+    }
+}
+
+/// Compares candidates on a campaign. Structure, algorithm and demands in `options` are ignored. Where `watch`
+/// has a time limit ([`Watch::within`]), the comparison is of what is finished by then.
 ///
 /// # Errors
 /// [`IdentifyError`]. A candidate that cannot be fitted is no error: see [`Entry::failures`].
 pub fn compare(
     campaign: &[CampaignRecord],
-    candidates: Option<&[Candidate]>,
+    selection: Selection<'_>,
     options: &Options,
     watch: &Watch<'_>,
 ) -> Result<Comparison, IdentifyError> {
@@ -129,10 +153,12 @@ pub fn compare(
         done: AtomicUsize::new(0),
         planned: 0,
         finished: Vec::new(),
+        preferred: None,
     };
-    match candidates {
-        Some(candidates) => run.add(candidates),
-        None => run.search(),
+    match selection {
+        Selection::Given(candidates) => run.add(candidates),
+        Selection::Search => run.search(Candidate::alternatives, PASSES),
+        Selection::QuickSearch => run.search(Candidate::common_alternatives, 1),
     }
     // Amplitudes and frequencies are those of the uniformly sampled segments.
     let parts = facts.iter().flat_map(|facts| facts.data.in_moving_segments());
@@ -149,6 +175,8 @@ struct RunningComparison<'a, 'w> {
     done: AtomicUsize,
     planned: usize,
     finished: Vec<Finished>,
+    /// The preferred candidate so far, and its held-out error.
+    preferred: Option<(Candidate, f64)>,
 }
 
 struct Finished {
@@ -160,14 +188,15 @@ struct Finished {
 impl RunningComparison<'_, '_> {
     /// Coordinate search over the parts of the structure, repeated until a pass changes nothing: the best
     /// dynamics depend on the hysteresis before them, and vice versa.
-    fn search(&mut self) {
+    fn search(&mut self, alternatives_of: fn(Candidate, StructurePart) -> Vec<Candidate>, passes: usize) {
         let mut best = Candidate::of(Block::NONE);
-        for pass in 1..=PASSES {
+        for pass in 1..=passes {
             let before = best;
             for (parts_left, part) in (0..StructurePart::ALL.len()).rev().zip(StructurePart::ALL) {
-                let alternatives = best.alternatives(part);
+                let alternatives = alternatives_of(best, part);
                 // Estimate: every remaining part has as many candidates as this one.
-                let to_come = parts_left * alternatives.len() + if pass == 1 { SECOND_PASS } else { 0 };
+                let of_next_pass = if pass == 1 && passes > 1 { SECOND_PASS } else { 0 };
+                let to_come = parts_left * alternatives.len() + of_next_pass;
                 self.planned = self.done.load(Ordering::Relaxed)
                     + (alternatives.len() + to_come) * (self.folds.len() + 1);
                 self.add(&alternatives);
@@ -196,7 +225,13 @@ impl RunningComparison<'_, '_> {
                 continue;
             }
             match self.fitted(candidate) {
-                Some(finished) => self.finished.push(finished),
+                Some(finished) => {
+                    self.finished.push(finished);
+                    self.preferred = self.ranking().map(|ranking| {
+                        let error = ranking.standings[ranking.preferred].map_or(f64::NAN, |s| s.mean);
+                        (self.finished[ranking.preferred].entry.candidate, error)
+                    });
+                }
                 None => return,
             }
         }
@@ -206,7 +241,12 @@ impl RunningComparison<'_, '_> {
         let done = self.done.fetch_add(fits, Ordering::Relaxed) + fits;
         let fraction = done as f64 / self.planned.max(1) as f64;
         // The next check handles a stop.
-        let _ = self.watch.tell(Event::new(&candidate.to_string(), fraction, None));
+        let stage = match &self.preferred {
+            Some((preferred, _)) => format!("{candidate}, so far {preferred}"),
+            None => candidate.to_string(),
+        };
+        let error = self.preferred.as_ref().map(|(_, error)| *error);
+        let _ = self.watch.tell(Event::new(&stage, fraction, error));
     }
 
     /// Fits the candidate to the whole campaign and on every fold; `None` after a stop.
@@ -273,7 +313,8 @@ impl RunningComparison<'_, '_> {
         // Residuals of the best fit are the least structured.
         let closest = self.finished.iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
         let information = closest.and_then(|f| f.training).map_or(2.0, |t| t.information.max(2.0));
-        let interrupted = self.watch.is_stopped();
+        let out_of_time = self.watch.is_out_of_time();
+        let interrupted = self.watch.is_stopped() && !out_of_time;
         let entries = self
             .finished
             .into_iter()
@@ -298,6 +339,7 @@ impl RunningComparison<'_, '_> {
             samples,
             notes,
             interrupted,
+            out_of_time,
         }
     }
 }

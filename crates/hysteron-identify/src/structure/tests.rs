@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::time::Duration;
 
 use super::*;
 use hysteron_model::Start;
@@ -68,7 +70,7 @@ fn the_structure_that_made_the_records_is_preferred() {
         told.push(event.fraction);
         ControlFlow::Continue(())
     });
-    let found = compare(&campaign(), Some(&list), &Options::default(), &watch).unwrap();
+    let found = compare(&campaign(), Selection::Given(&list), &Options::default(), &watch).unwrap();
     drop(watch);
     let labels: Vec<&str> = found.folds.iter().map(|f| f.label.as_str()).collect();
     assert_eq!(labels, ["slow", "half", "quick", "quicker"]);
@@ -102,7 +104,7 @@ fn what_is_finished_is_kept_when_stopped() {
         told += usize::from(event.fraction > 0.0);
         if told >= 7 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
-    let found = compare(&campaign(), Some(&list), &Options::default(), &seven).unwrap();
+    let found = compare(&campaign(), Selection::Given(&list), &Options::default(), &seven).unwrap();
     assert!(found.interrupted);
     // The second candidate was running: another thread may finish its last fit before it sees the stop.
     let kept = found.entries.len();
@@ -110,12 +112,48 @@ fn what_is_finished_is_kept_when_stopped() {
     assert_eq!(found.ranking.unwrap().order.len(), kept);
 }
 
+/// A clock that has run out once the first candidate was told of six times (its fit, and four folds; then the
+/// next one).
+#[test]
+fn what_is_finished_in_time_is_compared() {
+    let list = candidates(&["none", "integer1", "integer2"]);
+    let told = Arc::new(AtomicUsize::new(0));
+    let count = Arc::clone(&told);
+    let watch = Watch::new(move |event: &Event<'_>| {
+        count.fetch_add(usize::from(event.fraction > 0.0), Ordering::Relaxed);
+        ControlFlow::Continue(())
+    });
+    let clock = move || Duration::from_secs(if told.load(Ordering::Relaxed) >= 6 { 2 } else { 0 });
+    let limited = watch.within(Duration::from_secs(1), clock);
+    let found = compare(&campaign(), Selection::Given(&list), &Options::default(), &limited).unwrap();
+    assert!(found.out_of_time && !found.interrupted && !watch.is_stopped());
+    let kept = found.entries.len();
+    assert!((1..list.len()).contains(&kept), "{kept} candidates");
+    assert_eq!(found.ranking.unwrap().order.len(), kept);
+}
+
+#[test]
+fn a_quick_search_is_one_of_the_commonest_structures() {
+    let common = |part| {
+        let all = Candidate::of(Block::NONE).common_alternatives(part).into_iter();
+        all.map(|candidate| candidate.to_string()).collect::<Vec<_>>()
+    };
+    assert_eq!(common(StructurePart::Block), ["none", "integer2", "fractional"]);
+    assert_eq!(common(StructurePart::Creep), ["none", "none+creep"]);
+    assert_eq!(common(StructurePart::Shape), ["none+degree1", "none+degree2", "none"]);
+    let found = compare(&campaign(), Selection::QuickSearch, &Options::default(), &Watch::silent()).unwrap();
+    let preferred = found.entries[found.ranking.unwrap().preferred].candidate;
+    assert_eq!(preferred.block, Block::integer(2), "{preferred}");
+    assert!(found.entries.len() <= 12 && !found.out_of_time, "{} candidates", found.entries.len());
+}
+
 #[test]
 fn the_result_does_not_depend_on_the_threads() {
     let list = candidates(&["none", "integer2"]);
     let errors = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let found = pool.install(|| compare(&campaign(), Some(&list), &Options::default(), &Watch::silent()));
+        let found = pool
+            .install(|| compare(&campaign(), Selection::Given(&list), &Options::default(), &Watch::silent()));
         found.unwrap().entries.into_iter().flat_map(|e| e.fold_rmse).collect::<Vec<_>>()
     };
     assert_eq!(errors(1), errors(3));
@@ -124,7 +162,7 @@ fn the_result_does_not_depend_on_the_threads() {
 #[test]
 fn an_arx_candidate_is_compared_beside_the_others() {
     let list = candidates(&["none", "arx"]);
-    let found = compare(&campaign(), Some(&list), &Options::default(), &Watch::silent()).unwrap();
+    let found = compare(&campaign(), Selection::Given(&list), &Options::default(), &Watch::silent()).unwrap();
     let arx = &found.entries[1];
     assert_eq!(arx.failures, Vec::<String>::new());
     assert!(arx.parameters > 7 && arx.training_rmse.unwrap() < found.entries[0].training_rmse.unwrap());
@@ -190,7 +228,7 @@ fn the_neighbours_of_what_was_identified_are_told_apart() {
 fn parts_of_a_sweep_are_predicted_from_the_others() {
     let records = [measured("sweep", 4.0, |t| 2.0 * (1.0 - (TAU * (t + 6.0 * t * t)).cos()))];
     let list = candidates(&["none+degree2", "integer2+degree2"]);
-    let found = compare(&records, Some(&list), &Options::default(), &Watch::silent()).unwrap();
+    let found = compare(&records, Selection::Given(&list), &Options::default(), &Watch::silent()).unwrap();
     assert_eq!(found.folds.len(), 4);
     let ranking = found.ranking.unwrap();
     assert_eq!(ranking.preferred, 1);
