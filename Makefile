@@ -2,7 +2,8 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: FORCE help demo check test test-python kept-outputs python-tools wheel docs bench-python export-tools bench study article figures clean check-toolchain check-components
+.PHONY: FORCE help demo check test test-python kept-outputs python-tools wheel docs bench-python \
+  export-tools bench study article figures clean check-toolchain check-components
 
 RECORD := examples/piezo-p885-200hz/identification_1hz.csv
 CYCLES := $(wildcard examples/afm-z-scanner/cycle_1_300hz_0*.csv)
@@ -10,7 +11,8 @@ OUT := out
 HYSTERON := target/release/hysteron
 
 help: ## list the targets
-	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1|\2/' | column -t -s '|'
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | \
+	  sed -E 's/^([a-z-]+):.*## (.*)/  make \1|\2/' | column -t -s '|'
 
 check-toolchain:
 	@command -v cargo >/dev/null || { echo "error: cargo is not installed"; \
@@ -31,10 +33,12 @@ demo: $(HYSTERON) ## build, identify the measured example records, print the sco
 	@mkdir -p $(OUT)
 	$(HYSTERON) identify $(RECORD) -o $(OUT)/model.json --report $(OUT)/report.html
 	@echo
-	$(HYSTERON) identify $(CYCLES) --continued --input u_V --output y_um -o $(OUT)/scanner.json --report $(OUT)/scanner.html
+	$(HYSTERON) identify $(CYCLES) --continued --input u_V --output y_um -o $(OUT)/scanner.json \
+	  --report $(OUT)/scanner.html
 	@echo
 	@echo "models   $(abspath $(OUT)/model.json), $(abspath $(OUT)/scanner.json)"
-	@echo "reports  $(abspath $(OUT)/report.html), $(abspath $(OUT)/scanner.html)   (open them in a browser; they need no network)"
+	@echo "reports  $(abspath $(OUT)/report.html), $(abspath $(OUT)/scanner.html)  " \
+	  "(open them in a browser; they need no network)"
 
 # An environment with the package and what its tests run with, made anew where the list of these changes.
 PYTHON := target/python
@@ -53,7 +57,8 @@ test-python: python-tools ## the Python package: built beside the command, linte
 	$(PYTHON)/bin/mypy && $(PYTHON)/bin/python -m mypy.stubtest hysteron_models._native
 	$(PYTHON)/bin/python -m pytest
 
-kept-outputs: python-tools ## run the notebooks and keep their outputs; draw the pictures that plots are compared with
+kept-outputs: ## run the notebooks and keep their outputs; draw the pictures that plots are compared with
+kept-outputs: python-tools
 	VIRTUAL_ENV=$(abspath $(PYTHON)) $(PYTHON)/bin/maturin develop --locked --quiet
 	$(PYTHON)/bin/python python/tests/notebooks.py
 	$(PYTHON)/bin/python -m pytest python/tests/test_pictures.py --renew-pictures
@@ -68,13 +73,15 @@ docs: python-tools ## the documentation as a site that works offline, in out/sit
 wheel: python-tools ## a wheel for any Linux with glibc 2.17 or newer and CPython 3.10 or newer, in out/wheels
 	$(PYTHON)/bin/pip install --quiet --disable-pip-version-check ziglang==0.14.1
 	rustup target add x86_64-unknown-linux-gnu >/dev/null 2>&1 || true
-	VIRTUAL_ENV=$(abspath $(PYTHON)) PATH=$(abspath $(PYTHON))/bin:$$PATH $(PYTHON)/bin/maturin build --release --locked --zig \
+	VIRTUAL_ENV=$(abspath $(PYTHON)) PATH=$(abspath $(PYTHON))/bin:$$PATH \
+	  $(PYTHON)/bin/maturin build --release --locked --zig \
 	  --compatibility manylinux_2_17 --out $(OUT)/wheels
 
 export-tools: ## install what the tests of exported source use: clang, ARM compiler and simulator, FMPy
 	@crates/hysteron-export/tests/install-tools.sh
 
-check: check-components ## before every commit: format, lints, arrows between crates and folders, unit and doc tests
+check: ## before every commit: format, lints, arrows between crates and folders, unit and doc tests
+check: check-components
 	cargo fmt --all --check
 	@command -v python3 >/dev/null || { echo "error: python3 is not installed"; \
 	  echo "  try: your system's package, e.g. 'apt-get install python3'"; exit 1; }
@@ -83,7 +90,8 @@ check: check-components ## before every commit: format, lints, arrows between cr
 	cargo test --workspace --locked --lib --bins
 	cargo test --workspace --locked --doc
 
-test: check ## everything: check, documentation, no_std proof, integration tests; what exports need is installed last
+test: ## everything: check, documentation, no_std proof, integration tests; tools of exports come last
+test: check
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
 	crates/hysteron-rt/proof/run.sh
 	$(MAKE) python-tools
@@ -107,7 +115,8 @@ bench-python: python-tools ## what Python costs over the library
 	$(PYTHON)/bin/python bench/python_overhead.py
 
 STUDIES := optimum full-size seeds parameters rates blocks track coverage information afm stamps
-study: check-toolchain ## what the joint identification promises, measured on simulated devices (QUICK=1: a rehearsal)
+study: ## what the joint identification promises, measured on simulated devices (QUICK=1: a rehearsal)
+study: check-toolchain
 	cargo build --release --locked -p hysteron-bench --bin hysteron-study
 	@for study in $(STUDIES); do echo "== $$study"; target/release/hysteron-study $$study $(if $(QUICK),2); done
 
@@ -116,7 +125,8 @@ figures: $(HYSTERON) ## the pictures of README and docs, made by the program
 	$(HYSTERON) identify $(RECORD) -o $(OUT)/model.json --figures $(OUT)/figures
 	cp $(OUT)/figures/figure-*-hysteresis-loop-*.svg docs/figures/hysteresis-loop.svg
 	cp $(OUT)/figures/figure-*-start-of-the-record-*.svg docs/figures/start-from-rest.svg
-	$(HYSTERON) identify $(CYCLES) --continued --input u_V --output y_um -o $(OUT)/scanner.json --figures $(OUT)/scanner
+	$(HYSTERON) identify $(CYCLES) --continued --input u_V --output y_um -o $(OUT)/scanner.json \
+	  --figures $(OUT)/scanner
 	cp $(OUT)/scanner/figure-*-time-curves-cycle-1-300hz-03-csv.svg docs/figures/scanner.svg
 	cargo run --release --locked -p hysteron-report --example families -- docs/figures
 	cargo run --release --locked -p hysteron-report --example oscillator -- docs/figures/oscillator.svg

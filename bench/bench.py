@@ -1,7 +1,8 @@
 """`make bench`: hysteron beside numpy, scipy and numba on the same inputs, taking turns within one run.
 
-Times of short work are minima (and medians) of wall-clock time over repetitions, one thread; times of long work are
-processor time. The joint fit is in joint.py. Writes bench/results.json and bench/results.md, and the tables of docs/benchmarks.md.
+Times of short work are minima (and medians) of wall-clock time over repetitions, one thread; times of long
+work are processor time. The joint fit is in joint.py. Writes bench/results.json and bench/results.md, and the
+tables of docs/benchmarks.md.
 """
 
 import argparse
@@ -23,7 +24,8 @@ try:
     import numpy as np
     import scipy
 except ImportError as missing:
-    sys.exit(f"error: {missing.name} is not installed\n  try: make bench, which installs the peers into bench/.venv")
+    sys.exit(f"error: {missing.name} is not installed\n"
+             "  try: make bench, which installs the peers into bench/.venv")
 
 import joint
 import tables
@@ -49,7 +51,9 @@ class Clock:
         return answer["allocations"]
 
     def summary(self):
-        return {"min_s": min(self.seconds), "median_s": statistics.median(self.seconds), "runs": len(self.seconds)}
+        return {
+            "min_s": min(self.seconds), "median_s": statistics.median(self.seconds), "runs": len(self.seconds)
+        }
 
 
 def chirp(samples):
@@ -102,7 +106,8 @@ def bench_fractional(rust, folder, samples, turns, numba_too, recursion):
             x = clock("numba recursion").run(slow.simulate)
         rust.ask("write_output", path=str(folder / "y"))
         y = np.fromfile(folder / "y")
-        result["agreement"]["numba recursion"] = check("recursion", np.abs(x - y).max() / np.abs(x).max(), 1e-8)
+        difference = np.abs(x - y).max() / np.abs(x).max()
+        result["agreement"]["numba recursion"] = check("recursion", difference, 1e-8)
     result["times"] = {name: c.summary() for name, c in clocks.items()}
     return result
 
@@ -130,7 +135,8 @@ def bench_bouc_wen(rust, folder, samples, turns):
     for n, p in LAWS.items():
         for per_period in (20, 100, 1000):
             k = np.arange(samples)
-            # Amplitude changes from period to period, so that minor loops are among it; turns fall on samples.
+            # Amplitude changes from period to period, so that minor loops are among it; turns fall on
+            # samples.
             amplitude = 5.0 * (0.6 + 0.4 * np.cos(2.0 * np.pi * (k // per_period) / 7.0))
             u = amplitude * (1.0 - np.cos(2.0 * np.pi * k / per_period))
             u.tofile(folder / "u")
@@ -158,12 +164,16 @@ def bench_bouc_wen(rust, folder, samples, turns):
             check(f"Bouc-Wen n = {n}", row["hysteron"]["error"], 1e-9)
             if n == 1.0:
                 bouc_wen.exact_linear(u, *arguments, z)
-                row["numba closed form"] = {"ns_per_sample": 1e9 * min(closed.seconds) / samples, "error": error(z)}
+                row["numba closed form"] = {
+                    "ns_per_sample": 1e9 * min(closed.seconds) / samples, "error": error(z)
+                }
             bouc_wen.euler(u, *arguments, n, 1, z)
             row["numba Euler"] = {"ns_per_sample": 1e9 * min(euler.seconds) / samples, "error": error(z)}
             for name, (method, order) in METHODS.items():
                 for digits in (3, 6):
-                    row[f"{name} to 1e-{digits}"] = to_accuracy(method, order, u, arguments, n, short, error, digits)
+                    row[f"{name} to 1e-{digits}"] = to_accuracy(
+                        method, order, u, arguments, n, short, error, digits
+                    )
             rows.append(row)
     return rows
 
@@ -249,7 +259,9 @@ def machine():
 
 def main():
     arguments = argparse.ArgumentParser(description=__doc__)
-    arguments.add_argument("--quick", action="store_true", help="small sizes, few repetitions, nothing written to docs")
+    arguments.add_argument(
+        "--quick", action="store_true", help="small sizes, few repetitions, nothing written to docs"
+    )
     quick = arguments.parse_args().quick
 
     def say(what):

@@ -2,8 +2,8 @@
 # Instructions of the hot paths, counted by valgrind's callgrind; fails where one has grown by more than 3 %.
 #   bench/instructions.sh            compares with bench/instructions.txt
 #   bench/instructions.sh --accept   writes the counts into it
-# A path's count is that of 3 repetitions less that of 1, halved: making the inputs does not enter. One thread, since
-# which thread takes what from another differs from run to run, and with it the count.
+# A path's count is that of 3 repetitions less that of 1, halved: making the inputs does not enter. One
+# thread, since which thread takes what from another differs from run to run, and with it the count.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 export LC_ALL=C RAYON_NUM_THREADS=1
@@ -15,9 +15,10 @@ case "${1-}" in
   *) echo "error: unknown argument '$1'" >&2; echo "  try: bench/instructions.sh [--accept]" >&2; exit 2 ;;
 esac
 skip() { echo "instruction counts SKIPPED: $1"; echo "  try: $2"; exit 0; }
-command -v valgrind >/dev/null || skip "valgrind is not installed" "your system's package, e.g. 'apt-get install valgrind'"
-# valgrind shows a program the processor it runs on, without AVX-512: with AVX2 the kernels and the FFTs are then the same
-# code everywhere.
+command -v valgrind >/dev/null \
+  || skip "valgrind is not installed" "your system's package, e.g. 'apt-get install valgrind'"
+# valgrind shows a program the processor it runs on, without AVX-512: with AVX2 the kernels and the FFTs are
+# then the same code everywhere.
 [ "$(uname -m)" = x86_64 ] && grep -qw avx2 /proc/cpuinfo && grep -qw fma /proc/cpuinfo \
   || skip "the counts on file are those of an x86-64 processor with AVX2 and FMA" "such a machine"
 
@@ -38,7 +39,8 @@ trap 'rm -f "$new"' EXIT
 echo "# instructions of one repetition; $compiler; written by bench/instructions.sh --accept" >"$new"
 failed=false
 if [ -f "$file" ] && ! head -n 1 "$file" | grep -qF "$compiler"; then
-  echo "note: the counts on file are those of another compiler, which alone may move them: $(head -n 1 "$file")"
+  echo "note: the counts on file are those of another compiler, which alone may move them:" \
+    "$(head -n 1 "$file")"
 fi
 printf '%-18s %15s %15s %9s\n' path instructions "on file" change
 for path in $("$binary"); do
@@ -52,7 +54,8 @@ for path in $("$binary"); do
     $accept || failed=true
     continue
   fi
-  verdict=$(awk -v a="$count" -v b="$before" 'BEGIN { c = 100 * (a / b - 1); printf("%+.2f%%%s", c, (c > 3) ? "  GREW" : "") }')
+  verdict=$(awk -v a="$count" -v b="$before" \
+    'BEGIN { c = 100 * (a / b - 1); printf("%+.2f%%%s", c, (c > 3) ? "  GREW" : "") }')
   printf '%-18s %15d %15d %9s\n' "$path" "$count" "$before" "$verdict"
   case "$verdict" in *GREW) failed=true ;; esac
 done
@@ -61,6 +64,7 @@ if $accept; then
   echo "written: $file"
 elif $failed; then
   echo "error: a hot path takes over 3 % more instructions than on file, or is not on file" >&2
-  echo "  try: find the cause; if the growth is wanted, bench/instructions.sh --accept and say why in the commit" >&2
+  echo "  try: find the cause; if the growth is wanted, bench/instructions.sh --accept and say why in the" \
+    "commit" >&2
   exit 1
 fi

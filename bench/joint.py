@@ -1,5 +1,6 @@
-"""The joint fit of a 3 s loop and a 10 s sweep at 10 kHz, from CSV files to a model file, beside the same algorithm in numpy,
-scipy and numba and beside scipy's differential evolution; and how its evaluations grow with samples, records and threads."""
+"""The joint fit of a 3 s loop and a 10 s sweep at 10 kHz, from CSV files to a model file, beside the same
+algorithm in numpy, scipy and numba and beside scipy's differential evolution; and how its evaluations grow
+with samples, records and threads."""
 
 import json
 import os
@@ -42,7 +43,9 @@ def since(start):
 def command(*words):
     """Runs hysteron in a process of its own; what it prints, and its wall-clock and processor time [s]."""
     start = time.perf_counter()
-    process = subprocess.Popen([HYSTERON, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    process = subprocess.Popen(
+        [HYSTERON, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+    )
     text = process.stdout.read()
     _, status, used = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
@@ -59,7 +62,10 @@ def make_records(folder, quick):
     (folder / "truth.json").write_text(json.dumps(TRUTH))
     (folder / "plan.json").write_text(json.dumps(plan))
     made = folder / "records"
-    command("rig", "--truth", folder / "truth.json", "--plan", folder / "plan.json", "--out-dir", made, "--seed", 1)
+    command(
+        "rig", "--truth", folder / "truth.json", "--plan", folder / "plan.json", "--out-dir", made,
+        "--seed", 1,
+    )
     files = sorted(made.glob("*.csv"), key=lambda file: "sweep" in file.stem)
     arrays = []
     for file, name in zip(files, ("loop", "sweep")):
@@ -82,7 +88,8 @@ def ours(files, folder, options, runs):
             best = took
     found = json.loads(text)
     best["evaluations"] = {search["step"]: search["evaluations"] for search in found["searches"]}
-    best["degree"] = len([p for p in found["parameters"] if p["name"] in ("linear", "quadratic", "cubic", "quartic", "quintic")])
+    powers = ("linear", "quadratic", "cubic", "quartic", "quintic")
+    best["degree"] = len([p for p in found["parameters"] if p["name"] in powers])
     best["parameters"] = {p["name"]: p["value"] for p in found["parameters"]}
     return best
 
@@ -143,13 +150,16 @@ def bench(rust, folder, quick):
     first = reduced.fit([reduced.to_unit(start) for start in starts])
     best = polished.fit([first.x])
     result["numpy, thinned records first"] = since(begin) | {
-        "evaluations": reduced.evaluations + polished.evaluations, "jacobians": reduced.jacobians + polished.jacobians,
+        "evaluations": reduced.evaluations + polished.evaluations,
+        "jacobians": reduced.jacobians + polished.jacobians,
         "starts": len(starts), "factors": factors, "cost": common(polished.from_unit(best.x)),
     }
     middle = all_samples.from_unit(all_samples.to_unit(starts[0]))
     difference = abs(all_samples.cost(all_samples.to_unit(starts[0])) / common(middle) - 1.0)
     if not difference < 1e-6:
-        raise SystemExit(f"error: the peer's cost differs from ours by {difference:.1e}: not the same problem")
+        raise SystemExit(
+            f"error: the peer's cost differs from ours by {difference:.1e}: not the same problem"
+        )
     result["agreement"] = difference
 
     seconds = 3.0 if quick else 60.0
@@ -163,26 +173,30 @@ def bench(rust, folder, quick):
         cost(np.mean(bounds, axis=1))
         run = joint.evolve(cost, bounds, seconds)
         whole_run = run["whole_run"] / max(run["evaluations"], 1)
-        run["extrapolated_s"], run["extrapolated_cpu_s"] = run["seconds"] * whole_run, run["cpu_s"] * whole_run
+        run["extrapolated_s"] = run["seconds"] * whole_run
+        run["extrapolated_cpu_s"] = run["cpu_s"] * whole_run
         result[name] = run
     return result
 
 
 def scaling(rust, quick):
-    """Evaluations over samples, records and threads. The longest record has no Jacobian: it would need 5 GB."""
+    """Evaluations over samples, records and threads. The longest record has no Jacobian: it would need
+    5 GB."""
     samples = [1_000, 10_000] if quick else [10**k for k in range(3, 8)]
     rows = []
     for n in samples:
         repetitions = max(2, min(40, 2_000_000 // n))
         answer = rust.ask(
-            "joint_times", samples=n, records=1, threads=[1, 2], repetitions=repetitions, jacobian=n <= 1_000_000
+            "joint_times", samples=n, records=1, threads=[1, 2], repetitions=repetitions,
+            jacobian=n <= 1_000_000,
         )
         rows.append({"samples": n, "records": 1} | answer)
     total = 2**15 if quick else 2**17
     for records in [1, 4] if quick else [2**k for k in range(7)]:
         n = total // records
         answer = rust.ask(
-            "joint_times", samples=n, records=records, threads=[1, 2], repetitions=3 if quick else 15, jacobian=True
+            "joint_times", samples=n, records=records, threads=[1, 2], repetitions=3 if quick else 15,
+            jacobian=True,
         )
         rows.append({"samples": n, "records": records} | answer)
     return rows

@@ -1,7 +1,7 @@
 """What the Python package costs over the call into the library, and what importing it costs.
 
-The call into the library is that of the native module, which takes the samples as they are and gives arrays; both are timed side by
-side, the best of 20, on 100 000 samples.
+The call into the library is that of the native module, which takes the samples as they are and gives arrays;
+both are timed side by side, the best of 20, on 100 000 samples.
 """
 
 import subprocess
@@ -40,5 +40,8 @@ for name, whole, native in [
     print(f"| {name} | {ours:.3g} ms | {theirs:.3g} ms | {ours / theirs:.3f} |")
 
 script = "import time, numpy; b = time.perf_counter(); import hysteron_models; print(time.perf_counter() - b)"
-seconds = min(float(subprocess.run([sys.executable, "-c", script], capture_output=True, text=True).stdout) for _ in range(5))
+seconds = min(
+    float(subprocess.run([sys.executable, "-c", script], capture_output=True, text=True).stdout)
+    for _ in range(5)
+)
 print(f"\nimport hysteron_models, NumPy loaded: {seconds:.3f} s")

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Speed and accuracy beside the peers, in one run: installs them into bench/.venv, builds, measures, writes results.
+# Speed and accuracy beside the peers, in one run: installs them into bench/.venv, builds, measures, writes
+# results.
 #   bench/run.sh          everything (about eight minutes on two idle cores)
 #   bench/run.sh --quick  fewer repetitions and shorter records, to see that it works
 set -euo pipefail
@@ -7,7 +8,8 @@ cd "$(dirname "$0")/.."
 
 die() { echo "error: $1" >&2; echo "  try: $2" >&2; exit 1; }
 command -v cargo >/dev/null || die "cargo is not installed" "install a Rust toolchain, see https://rustup.rs"
-command -v python3 >/dev/null || die "python3 is not installed" "your system's package, e.g. 'apt-get install python3 python3-venv'"
+command -v python3 >/dev/null \
+  || die "python3 is not installed" "your system's package, e.g. 'apt-get install python3 python3-venv'"
 
 venv=bench/.venv
 if [ ! -x "$venv/bin/python" ]; then
@@ -15,7 +17,8 @@ if [ ! -x "$venv/bin/python" ]; then
 fi
 if ! cmp -s bench/requirements.txt "$venv/installed.txt"; then
   "$venv/bin/python" -m pip install --quiet --disable-pip-version-check -r bench/requirements.txt \
-    || die "the peers (numpy, scipy, numba) could not be installed" "check the network, or Python 3.11 to 3.14"
+    || die "the peers (numpy, scipy, numba) could not be installed" \
+    "check the network, or Python 3.11 to 3.14"
   cp bench/requirements.txt "$venv/installed.txt"
 fi
 

@@ -21,7 +21,8 @@ def fractional(result):
             f"{result['agreement'][difference]:.0e}",
         ]
 
-    head = ["peer", "hysteron: best (median)", "peer: best (median)", "ratio", "largest difference / largest output"]
+    head = ["peer", "hysteron: best (median)", "peer: best (median)", "ratio",
+            "largest difference / largest output"]
     rows = [
         row("numpy + scipy.fft, one FFT pair", "hysteron pair", "numpy pair", "numpy pair"),
         row("numpy + scipy.fft, input transform kept", "hysteron kept", "numpy kept", "numpy kept"),
@@ -43,12 +44,13 @@ def scaling(rows):
         pair, kept, peer = (t[name]["min_s"] for name in ("hysteron pair", "hysteron kept", "numpy pair"))
         length = r["transform_length"]
         return [
-            f"{n:,}".replace(",", " "), ms(pair), f"{1e9 * pair / n:.1f}", f"{1e9 * pair / (n * log2(length)):.2f}",
+            f"{n:,}".replace(",", " "), ms(pair), f"{1e9 * pair / n:.1f}",
+            f"{1e9 * pair / (n * log2(length)):.2f}",
             ms(kept), ms(peer), f"{peer / pair:.3g} ×", r["allocations"],
         ]
 
-    head = ["N", "one FFT pair", "ns per sample", "ns per sample and log₂ L", "input transform kept", "numpy + scipy.fft, pair",
-            "ratio", "allocations"]
+    head = ["N", "one FFT pair", "ns per sample", "ns per sample and log₂ L", "input transform kept",
+            "numpy + scipy.fft, pair", "ratio", "allocations"]
     return table(head, [row(r) for r in rows])
 
 
@@ -56,7 +58,8 @@ def columns(rows):
     def row(r):
         pair = r["fft_pair_s"]
         return [
-            r["scheme"], ms(pair), ms(r["response_s"]), f"{ms(r['column_s'])}: **{r['column_s'] / pair:.2f} ×**",
+            r["scheme"], ms(pair), ms(r["response_s"]),
+            f"{ms(r['column_s'])}: **{r['column_s'] / pair:.2f} ×**",
             ms(r["objective_s"]), ms(r["response_with_tangents_s"]),
             f"{ms(r['jacobian_s'])}: **{r['jacobian_s'] / r['objective_s']:.2f} ×**", r["allocations"],
         ]
@@ -89,8 +92,8 @@ def bouc_wen(rows):
             "Euler to 1e-3 (sub-steps)", "Euler to 1e-6 (sub-steps)", "Euler to 1e-6 / hysteron",
             "Runge–Kutta 4 to 1e-6 (sub-steps)", "numba closed form"]
     text = table(head, [row(r) for r in rows])
-    return (f"{text}\n\nTimes are per sample; errors are the largest over 14 periods, as a share of the stroke, against "
-            "scipy's DOP853 at 1e-12.")
+    return (f"{text}\n\nTimes are per sample; errors are the largest over 14 periods, as a share of the "
+            "stroke, against scipy's DOP853 at 1e-12.")
 
 
 def identification(result):
@@ -107,13 +110,15 @@ def identification(result):
         " + ".join(str(n) for n in scipy["evaluations"]), f"{scipy['cpu_s']:.3g} s", "",
         " / ".join(f"{c:.4f}" for c in scipy["cost"]),
     ])
-    text = table(["", "evaluations, static + dynamic", "processor time", "wall clock", "RMSE, static / dynamic [µm]"], rows)
+    head = ["", "evaluations, static + dynamic", "processor time", "wall clock",
+            "RMSE, static / dynamic [µm]"]
+    text = table(head, rows)
     ratio = scipy["cpu_s"] / result["hysteron de-abc, 1 thread"]["cpu_s"]
     least_squares = scipy["cpu_s"] / result["hysteron auto, 2 threads"]["cpu_s"]
     return (f"{text}\n\nProcessor time, scipy over hysteron: **{ratio:.2g} ×** with DE-ABC on one thread, "
-            f"{least_squares:.2g} × with the default engine (least squares). hysteron's times include the choice of each "
-            "record's start, the standard errors and the scores; scipy's are the two searches alone, numba's compilation not "
-            "counted.")
+            f"{least_squares:.2g} × with the default engine (least squares). hysteron's times include the "
+            "choice of each record's start, the standard errors and the scores; scipy's are the two searches "
+            "alone, numba's compilation not counted.")
 
 
 def joint(result):
@@ -122,7 +127,9 @@ def joint(result):
     rows = []
 
     def row(name, r, evaluations, starts, cost, note=""):
-        ratio = "" if r is ours else f"**{r['wall_s'] / ours['wall_s']:.3g} ×** ({r['cpu_s'] / ours['cpu_s']:.3g} ×)"
+        ratio = "" if r is ours else (
+            f"**{r['wall_s'] / ours['wall_s']:.3g} ×** ({r['cpu_s'] / ours['cpu_s']:.3g} ×)"
+        )
         return [
             name + note, evaluations, starts, f"{r['wall_s']:.3g} s", f"{r['cpu_s']:.3g} s", ratio,
             f"{cost:.9f}" if cost is not None else "",
@@ -135,32 +142,38 @@ def joint(result):
     for name in ("numpy, all samples", "numpy, thinned records first"):
         r = result[name]
         rows.append(row(name, r, f"{r['evaluations']} + {r['jacobians']} Jacobians", r["starts"], r["cost"]))
-    head = ["", "evaluations", "starts", "wall clock", "processor time", "over hysteron, wall clock (processor time)",
-            "cost on all samples [µm]"]
+    head = ["", "evaluations", "starts", "wall clock", "processor time",
+            "over hysteron, wall clock (processor time)", "cost on all samples [µm]"]
     text = table(head, rows)
     evolution = []
-    for name in ("differential evolution, all parameters searched", "differential evolution, linear ones eliminated"):
+    for name in ("differential evolution, all parameters searched",
+                 "differential evolution, linear ones eliminated"):
         r = result[name]
         evolution.append([
-            name, r["dimension"], r["evaluations"], ms(r["seconds"] / r["evaluations"]), ms(r["cpu_s"] / r["evaluations"]),
+            name, r["dimension"], r["evaluations"], ms(r["seconds"] / r["evaluations"]),
+            ms(r["cpu_s"] / r["evaluations"]),
             f"{r['cost']:.4g}", f"{r['whole_run']:,}".replace(",", " "),
             f"{r['extrapolated_s']:.4g} s ({r['extrapolated_cpu_s']:.4g} s)",
-            f"**{r['extrapolated_s'] / ours['wall_s']:.3g} ×** ({r['extrapolated_cpu_s'] / ours['cpu_s']:.3g} ×)",
+            f"**{r['extrapolated_s'] / ours['wall_s']:.3g} ×** "
+            f"({r['extrapolated_cpu_s'] / ours['cpu_s']:.3g} ×)",
         ])
-    head = ["scipy", "parameters", "evaluations run", "wall clock of one", "processor time of one", "cost then reached [µm]",
-            "evaluations of 150 generations of 15 a parameter", "whole run, **extrapolated**: wall clock (processor time)",
-            "over hysteron, extrapolated"]
+    head = ["scipy", "parameters", "evaluations run", "wall clock of one", "processor time of one",
+            "cost then reached [µm]", "evaluations of 150 generations of 15 a parameter",
+            "whole run, **extrapolated**: wall clock (processor time)", "over hysteron, extrapolated"]
     samples = " + ".join(f"{n:,}".replace(",", " ") for n in result["samples"])
     factors = " and ".join(str(f) for f in result["numpy, thinned records first"]["factors"])
     compilation = result["compilation"]["wall_s"]
     return (
-        f"{text}\n\n{samples} samples. hysteron: a process of its own, from CSV files to model file, choice of the degree, standard "
-        "errors, intervals and scores included. The peer: from arrays in memory to parameters, told the degree, "
-        f"imports and numba's compilation ({compilation:.2g} s) not counted; 'thinned first' searches on every {factors}th sample "
-        "behind a low-pass and ends on all. The cost is that of all samples, worked out by one program for all; "
-        f"the peer's own differs from it by {result['agreement']:.0e} (relative).\n\n{table(head, evolution)}\n\n"
-        "The first is what a user without variable projection would write, one simulation an evaluation; the second "
-        "eliminates the linear parameters as the fits above do. Neither run is finished: its time is that of its evaluations."
+        f"{text}\n\n{samples} samples. hysteron: a process of its own, from CSV files to model file, choice "
+        "of the degree, standard errors, intervals and scores included. The peer: from arrays in memory to "
+        f"parameters, told the degree, imports and numba's compilation ({compilation:.2g} s) not counted; "
+        f"'thinned first' searches on every {factors}th sample behind a low-pass and ends on all. The cost "
+        "is that of all samples, worked out by one program for all; the peer's own differs from it by "
+        f"{result['agreement']:.0e} (relative).\n\n"
+        f"{table(head, evolution)}\n\n"
+        "The first is what a user without variable projection would write, one simulation an evaluation; the "
+        "second eliminates the linear parameters as the fits above do. Neither run is finished: its time is "
+        "that of its evaluations."
     )
 
 
@@ -170,32 +183,40 @@ def joint_scaling(rows):
         cells = [f"{n:,}".replace(",", " "), records]
         for t in r["times"]:
             jacobian = t["jacobian_s"]
-            cells += [ms(t["objective_s"]), ms(jacobian) if jacobian else "", f"{jacobian / t['objective_s']:.2f}" if jacobian else ""]
+            cells += [
+                ms(t["objective_s"]), ms(jacobian) if jacobian else "",
+                f"{jacobian / t['objective_s']:.2f}" if jacobian else "",
+            ]
         total = n * records
         one = r["times"][0]["objective_s"]
         return cells + [f"{1e9 * one / total:.0f}", f"{1e9 * r['hysteresis_s'] / n:.1f}"]
 
-    head = ["samples a record", "records", "objective, 1 thread", "Jacobian", "ratio", "objective, 2 threads", "Jacobian", "ratio",
-            "ns per sample, objective, 1 thread", "ns per sample, hysteresis pass with derivatives"]
+    head = ["samples a record", "records", "objective, 1 thread", "Jacobian", "ratio",
+            "objective, 2 threads", "Jacobian", "ratio", "ns per sample, objective, 1 thread",
+            "ns per sample, hysteresis pass with derivatives"]
     return table(head, [row(r) for r in rows])
 
 
 def markdown(result):
     m = result["machine"]
     return "\n\n".join([
-        f"Machine: {m['processor']}, {m['cores']} cores; Python {m['python']}, numpy {m['numpy']}, scipy {m['scipy']}, "
-        f"numba {m['numba']}. Load average {result['load_before']:.1f} before and {result['load_after']:.1f} after the run"
+        f"Machine: {m['processor']}, {m['cores']} cores; Python {m['python']}, numpy {m['numpy']}, "
+        f"scipy {m['scipy']}, numba {m['numba']}. Load average {result['load_before']:.1f} before and "
+        f"{result['load_after']:.1f} after the run"
         + (" (other programs were running: trust the ratios, and the best more than the median)."
            if max(result["load_before"], result["load_after"]) > m["cores"] else "."),
-        f"### Fractional simulation: Eq. 13, 1–100 Hz chirp at 10 kHz, N = {result['fractional']['samples']}, one thread",
+        f"### Fractional simulation: Eq. 13, 1–100 Hz chirp at 10 kHz, "
+        f"N = {result['fractional']['samples']}, one thread",
         fractional(result["fractional"]),
         "### Growth with the length of the record",
         scaling(result["scaling"]),
-        f"### Columns of a fit and their derivatives, fractional form with delay, N = {result['columns'][0]['samples']}",
+        f"### Columns of a fit and their derivatives, fractional form with delay, "
+        f"N = {result['columns'][0]['samples']}",
         columns(result["columns"]),
         "### Bouc–Wen simulation",
         bouc_wen(result["bouc_wen"]),
-        "### Joint fit: {:g} s loop and {:g} s sweep at 10 kHz, truth of the model's class, 5 nm of noise".format(
+        "### Joint fit: {:g} s loop and {:g} s sweep at 10 kHz, truth of the model's class, "
+        "5 nm of noise".format(
             *(n / 10_000 for n in result["joint"]["samples"])
         ),
         joint(result["joint"]),
@@ -215,6 +236,7 @@ def write_into(page, text):
     """Puts the tables between the marks of a page."""
     whole = page.read_text()
     if BEGIN not in whole or END not in whole:
-        raise SystemExit(f"error: {page} has no place for the tables\n  try: put the lines '{BEGIN}' and '{END}' into it")
+        raise SystemExit(f"error: {page} has no place for the tables\n"
+                         f"  try: put the lines '{BEGIN}' and '{END}' into it")
     head, tail = whole.split(BEGIN, 1)[0], whole.split(END, 1)[1]
     page.write_text(f"{head}{BEGIN}\n{text}{END}{tail}")

@@ -1,4 +1,5 @@
-"""What the site is made of beside the pages: its order, the reference of the command and that of the Python package."""
+"""What the site is made of beside the pages: its order, the reference of the command and that of the Python
+package."""
 
 from __future__ import annotations
 
@@ -22,7 +23,9 @@ FORMULA = re.compile(r'<(span|div) class="arithmatex">(.*?)</\1>', re.S)
 CODE = re.compile(r"<(pre|code|script|style)\b.*?</\1>", re.S)
 MATHML = LatexToMathML(fancy_error=False)
 NOTEBOOK = re.compile(r"^- \[([^\]]+)\]\((notebooks/[\w-]+)\.ipynb\):", re.M)
-OUTSIDE = re.compile(r"\[([^\]]+)\]\((?:\.\./)+(?:(?:crates|bench|python|examples|scripts)/|CONTRIBUTING\.md)[^)]*\)")
+OUTSIDE = re.compile(
+    r"\[([^\]]+)\]\((?:\.\./)+(?:(?:crates|bench|python|examples|scripts)/|CONTRIBUTING\.md)[^)]*\)"
+)
 
 
 def on_config(config: Any) -> Any:
@@ -52,14 +55,16 @@ def on_files(files: Any, config: Any) -> Any:
 
 
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
-    """Links to files of the repository, which are not part of the site, become their text; notebooks of the gallery get their picture."""
+    """Links to files of the repository, which are not part of the site, become their text; notebooks of the
+    gallery get their picture."""
     if page.file.src_uri == "gallery.md":
         markdown = NOTEBOOK.sub(r"- [![](\2.png)](\2.ipynb)\n    [**\1**](\2.ipynb)<br>", markdown)
     return OUTSIDE.sub(r"\1", markdown)
 
 
 def on_page_content(content: str, page: Any, **_: Any) -> str:
-    """LaTeX becomes MathML here, not in the browser: no script, no network, and a formula that cannot be read ends the build."""
+    """LaTeX becomes MathML here, not in the browser: no script, no network, and a formula that cannot be read
+    ends the build."""
     try:
         content = FORMULA.sub(mathml, content)
     except LatexError as error:
@@ -93,14 +98,17 @@ def thumbnail(path: Path) -> bytes:
 
 
 def on_post_page(output: str, page: Any, **_: Any) -> str:
-    """The script by which the search runs without a server is the site's own: no page asks the network for anything."""
+    """The script by which the search runs without a server is the site's own: no page asks the network for
+    anything."""
     here = "../" * page.url.count("/")
     return output.replace("https://unpkg.com/iframe-worker/shim", f"{here}iframe-worker.js")
 
 
 def told(*words: str) -> str:
     """What the command prints about itself."""
-    run = subprocess.run([COMMAND, *words], capture_output=True, text=True, check=True, env={"COLUMNS": "100"})
+    run = subprocess.run(
+        [COMMAND, *words], capture_output=True, text=True, check=True, env={"COLUMNS": "100"}
+    )
     return run.stdout
 
 
@@ -108,7 +116,9 @@ def command() -> str:
     """Every subcommand with its help."""
     listed = told("--help").split("Commands:")[1].split("Options:")[0]
     names = re.findall(r"^  ([a-z-]+)  ", listed, re.M)
-    page = ["# The command, flag by flag", "", "Printed by the program itself: `hysteron COMMAND --help`.", ""]
+    page = [
+        "# The command, flag by flag", "", "Printed by the program itself: `hysteron COMMAND --help`.", ""
+    ]
     for name in names:
         if name != "help":
             page += [f"## hysteron {name}", "", f"<pre>{html.escape(told(name, '--help'))}</pre>", ""]
@@ -119,6 +129,11 @@ def package() -> str:
     """Everything that the package exports, from its docstrings."""
     source = (ROOT / "python/hysteron_models/__init__.py").read_text()
     names = re.findall(r'^    "([A-Za-z]\w*)",$', source.split("__all__")[1], re.M)
-    page = ["# The Python package, name by name", "", "`import hysteron_models as hy`. A first walk: [Python](../python.md).", ""]
+    page = [
+        "# The Python package, name by name",
+        "",
+        "`import hysteron_models as hy`. A first walk: [Python](../python.md).",
+        "",
+    ]
     page += [f"::: hysteron_models.{name}\n" for name in names]
     return "\n".join(page)

@@ -4,7 +4,8 @@
     scripts/house.py            prints them; exits 1 where there is one between crates or sibling folders
     scripts/house.py --files    lists those of files too (not an error)
 
-An arrow is a path in the source: `crate::a::…`, `super::a::…`, `mod a` does not count, nor do tests and documentation comments.
+An arrow is a path in the source: `crate::a::…`, `super::a::…`, `mod a` does not count, nor do tests and
+documentation comments.
 """
 import os
 import re

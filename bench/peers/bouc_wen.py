@@ -1,6 +1,7 @@
 """Bouc-Wen z' = alpha u' - beta |u'| z |z|^(n-1) - gamma u' |z|^n with numba, and a reference by scipy.
 
-Every drive moves linearly between samples and turns only at samples, so all methods approximate the same function.
+Every drive moves linearly between samples and turns only at samples, so all methods approximate the same
+function.
 """
 
 import numba
@@ -69,7 +70,11 @@ def exact_linear(u, alpha, beta, gamma, z):
             kappa = beta - gamma
             to_zero = np.log1p(-kappa * w / alpha) / kappa if kappa != 0.0 else -w / alpha
             if d <= to_zero:
-                w = alpha / kappa + (w - alpha / kappa) * np.exp(-kappa * d) if kappa != 0.0 else w + alpha * d
+                w = (
+                    alpha / kappa + (w - alpha / kappa) * np.exp(-kappa * d)
+                    if kappa != 0.0
+                    else w + alpha * d
+                )
                 state = s * w
                 z[k] = state
                 continue

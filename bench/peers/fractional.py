@@ -1,7 +1,7 @@
 """Eq. 13 over a record with numpy, scipy and numba: the best versions we can write.
 
-G(s) = 5.2589e6 / (s^2.0384 + 3081 s^1.0523 + 5.4955e6), Tustin convolution quadrature: s = 2 fs (1 - z)/(1 + z),
-z = r exp(-i theta), r^L = 1e-10, L >= 2 N. The recursion is Grünwald-Letnikov's.
+G(s) = 5.2589e6 / (s^2.0384 + 3081 s^1.0523 + 5.4955e6), Tustin convolution quadrature:
+s = 2 fs (1 - z)/(1 + z), z = r exp(-i theta), r^L = 1e-10, L >= 2 N. The recursion is Grünwald-Letnikov's.
 """
 
 import numba

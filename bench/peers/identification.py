@@ -1,6 +1,7 @@
 """The two steps of the article's identification with scipy's differential evolution over numba and scipy.fft.
 
-Same records, same search boxes, same number of evaluations: 50 members, 150 generations (and the first population).
+Same records, same search boxes, same number of evaluations: 50 members, 150 generations (and the first
+population).
 """
 
 import numpy as np
@@ -75,6 +76,6 @@ def search(problem, generations, seed):
     """50 members, so many generations, one worker, no polish."""
     dimension = len(problem.box)
     return differential_evolution(
-        problem.cost, [(0.0, 1.0)] * dimension, popsize=50 // dimension, maxiter=generations, tol=0.0, atol=0.0,
-        polish=False, rng=seed, init="latinhypercube",
+        problem.cost, [(0.0, 1.0)] * dimension, popsize=50 // dimension, maxiter=generations, tol=0.0,
+        atol=0.0, polish=False, rng=seed, init="latinhypercube",
     )

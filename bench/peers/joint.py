@@ -1,9 +1,10 @@
 """The joint fit of both blocks in numpy, scipy and numba: the same model, cost, Jacobian and starts as ours.
 
-y = offset + G(s) e^(-s delay) * (sum c_i u^i - alpha zeta) for each record, zeta the Bouc-Wen operator of alpha = 1, n = 1, stepped
-in closed form; G = c0 / (s^order2 + c1 s^order1 + c0) on s = sigma + i omega (damped Fourier inversion). Offsets, c_i and alpha
-are eliminated by linear least squares at every candidate (variable projection), the Jacobian is Kaufman's with exact
-derivatives: those of zeta come out of its pass, those of G in the frequency domain.
+y = offset + G(s) e^(-s delay) * (sum c_i u^i - alpha zeta) for each record, zeta the Bouc-Wen operator of
+alpha = 1, n = 1, stepped in closed form; G = c0 / (s^order2 + c1 s^order1 + c0) on s = sigma + i omega
+(damped Fourier inversion). Offsets, c_i and alpha are eliminated by linear least squares at every candidate
+(variable projection), the Jacobian is Kaufman's with exact derivatives: those of zeta come out of its pass,
+those of G in the frequency domain.
 """
 
 import os
@@ -106,7 +107,8 @@ def _response(log_s, s, join, c0, c1, order2, order1, delay, out):
 
 @numba.njit(fastmath=True)
 def _tangents(log_s, s, join, f, damping, c0, c1, order2, order1, delay, total, out):
-    """Derivatives of the response in natural frequency, damping, order2, order1 and delay, times a spectrum."""
+    """Derivatives of the response in natural frequency, damping, order2, order1 and delay, times a
+    spectrum."""
     ln_omega = np.log(2.0 * np.pi * f)
     for i in range(len(log_s)):
         a, t = log_s[i].real, log_s[i].imag
@@ -150,7 +152,8 @@ class Record:
         self.factor, self.weight = factor, weight
         y = thinned(y, factor)
         n = self.samples = len(y)
-        # At full rate the operator's output is joined by straight lines that keep its means: it runs twice as fine.
+        # At full rate the operator's output is joined by straight lines that keep its means: it runs twice as
+        # fine.
         self.drive = np.interp(np.arange(2 * n - 1) / 2, np.arange(n), u) if factor == 1 else u
         self.every = max(factor, 1)
         target = weight * y
@@ -186,12 +189,14 @@ class Record:
         n = self.samples
         time = np.zeros((len(signals), self.length))
         np.multiply(signals, self.decay, out=time[:, :n])
-        time[:, n : n + len(self.fade)] = (2 * signals[:, -1:] - signals[:, n - 2 :: -1][:, : len(self.fade)]) * self.fade
+        fade = len(self.fade)
+        time[:, n : n + fade] = (2 * signals[:, -1:] - signals[:, n - 2 :: -1][:, :fade]) * self.fade
         return scipy.fft.rfft(time, workers=WORKERS, overwrite_x=True)
 
     def invert(self, spectra):
         """Weighted signals without their means: the offset of the record is eliminated."""
-        out = scipy.fft.irfft(spectra, self.length, workers=WORKERS, overwrite_x=True)[:, : self.samples] * self.growth
+        out = scipy.fft.irfft(spectra, self.length, workers=WORKERS, overwrite_x=True)
+        out = out[:, : self.samples] * self.growth
         out -= out.mean(axis=1, keepdims=True)
         return out
 
@@ -238,7 +243,10 @@ class Joint:
         self.kept = None
 
     def to_unit(self, x):
-        low, high, x = (np.where(self.logarithmic, np.log(np.abs(a) + (a == 0)), a) for a in (self.low, self.high, np.array(x)))
+        low, high, x = (
+            np.where(self.logarithmic, np.log(np.abs(a) + (a == 0)), a)
+            for a in (self.low, self.high, np.array(x))
+        )
         return np.clip((x - low) / (high - low), 0.0, 1.0)
 
     def from_unit(self, t):
@@ -280,15 +288,16 @@ class Joint:
             rows = slice(self.edges[i], self.edges[i + 1])
             total = c[:-1] @ record.powers + c[-1] * zeta[0]
             _tangents(
-                record.log_s, record.s, record.join, p["natural_frequency"], p["damping"], c0, c1, p["order2"], p["order1"],
-                p["delay"], total, record.tangents,
+                record.log_s, record.s, record.join, p["natural_frequency"], p["damping"], c0, c1,
+                p["order2"], p["order1"], p["delay"], total, record.tangents,
             )
             shape = zeta[1:] * (c[-1] * record.response)
             found = record.invert(np.concatenate([shape, record.tangents]))
             for name, column in zip(("beta", "gamma", f"memory_{i + 1}", *FORM), found):
                 out[at[name], rows] = column
         out -= (out @ q) @ q.T
-        slope = np.where(self.logarithmic, self.from_unit(t) * np.log(np.where(self.logarithmic, self.high / np.where(self.low == 0, 1, self.low), 1)), self.high - self.low)
+        ratio = np.where(self.logarithmic, self.high / np.where(self.low == 0, 1, self.low), 1)
+        slope = np.where(self.logarithmic, self.from_unit(t) * np.log(ratio), self.high - self.low)
         return -(out * slope[:, None]).T
 
     def fit(self, starts):
@@ -296,8 +305,8 @@ class Joint:
         best = None
         for start in starts:
             found = least_squares(
-                self.residuals, start, jac=self.jacobian, bounds=(0.0, 1.0), method="trf", x_scale="jac", ftol=1e-10, xtol=1e-10,
-                gtol=1e-12, max_nfev=100,
+                self.residuals, start, jac=self.jacobian, bounds=(0.0, 1.0), method="trf", x_scale="jac",
+                ftol=1e-10, xtol=1e-10, gtol=1e-12, max_nfev=100,
             )
             if best is None or found.cost < best.cost:
                 best = found
@@ -305,13 +314,15 @@ class Joint:
 
 
 class Plain:
-    """All parameters in the search, one simulation an evaluation: what a plain user hands to differential evolution."""
+    """All parameters in the search, one simulation an evaluation: what a plain user hands to differential
+    evolution."""
 
     def __init__(self, joint, slope, largest_v, range_um):
         self.joint = joint
         degree = joint.records[0].powers.shape[0]
         low, high = joint.low, joint.high
-        most = [4.0 * slope / largest_v**p for p in range(degree)] + [2.0 * slope] + [range_um] * len(joint.records)
+        most = [4.0 * slope / largest_v**p for p in range(degree)]
+        most += [2.0 * slope] + [range_um] * len(joint.records)
         self.bounds = list(zip(joint.to_unit(low), joint.to_unit(high))) + [(-m, m) for m in most]
         self.edge = len(joint.names)
         self.degree = degree
@@ -338,8 +349,9 @@ class OutOfTime(Exception):
 
 
 def evolve(cost, bounds, seconds, popsize=15, seed=1):
-    """scipy's differential evolution for so long: evaluations done, time they took, best cost. Its own population size is
-    popsize x dimension; a whole run of 150 generations has 151 times that many evaluations."""
+    """scipy's differential evolution for so long: evaluations done, time they took, best cost. Its own
+    population size is popsize x dimension; a whole run of 150 generations has 151 times that many
+    evaluations."""
     done = {"evaluations": 0, "cost": np.inf}
     start, start_cpu = time.perf_counter(), time.process_time()
 

@@ -9,7 +9,9 @@ _REMEDIES = {
     "choose-columns": 'name them with input="…" and output="…"',
     "choose-response": 'choose one with response="…"',
     "give-sample-rate": "give the sample rate with fs=…",
-    "resample": "resample it with hy.prepare(record, fs=…), or give fs=… where the stamps are only badly written",
+    "resample": (
+        "resample it with hy.prepare(record, fs=…), or give fs=… where the stamps are only badly written"
+    ),
     "continue-run": "take the records as parts of one run with continued=True",
     "cut-otherwise": "keep another part: start=…, stop=…, where=…, turns=…",
     "give-start": "rest=… or settled=… say otherwise",

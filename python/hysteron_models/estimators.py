@@ -1,4 +1,5 @@
-"""Estimators: options in the constructor, ``fit`` on a list of records, results with a trailing underscore."""
+"""Estimators: options in the constructor, ``fit`` on a list of records, results with a trailing
+underscore."""
 
 from __future__ import annotations
 
@@ -121,7 +122,8 @@ class Estimator:
         Args:
             records: one record, or several.
             y: not used; here for scikit-learn.
-            progress: show a bar, or call ``progress(stage, fraction, cost)``; an exception in it stops the fit.
+            progress: show a bar, or call ``progress(stage, fraction, cost)``; an exception in it stops the
+                fit.
             start: model whose parameters every search tries first.
             resume: ``searches_`` of an interrupted fit of the same records with the same options.
 
@@ -173,8 +175,8 @@ class Estimator:
     def parameters_(self) -> pd.DataFrame:
         """One row a parameter, by its name: ``value``, ``std_error``, ``lower``, ``upper``, ``unit``.
 
-        ``lower`` to ``upper`` is the 95 % interval of a joint fit. Both are NaN for parameters that were held or
-        are not determined, and in fits of two steps, of oscillators and of branches.
+        ``lower`` to ``upper`` is the 95 % interval of a joint fit. Both are NaN for parameters that were held
+        or are not determined, and in fits of two steps, of oscillators and of branches.
         """
         try:
             import pandas as pd
@@ -214,8 +216,8 @@ class Estimator:
         for score in self.scores_:
             fit = "" if score.fit_percent is None else f", fit {score.fit_percent:.2f} %"
             lines.append(
-                f"    {score.record}: RMSE {score.rmse:.4g} {score.unit}, max {score.max_abs_error:.4g}{fit}, "
-                f"{score.samples} samples"
+                f"    {score.record}: RMSE {score.rmse:.4g} {score.unit}, max {score.max_abs_error:.4g}"
+                f"{fit}, {score.samples} samples"
             )
         rows = self.parameters()
         if rows:
@@ -334,7 +336,8 @@ class Hammerstein(Estimator):
         input: input column of the records.
         output: output column.
         seed: seed of every random number.
-        threads: threads; all cores if not given, 1 within workers of a pool. The result does not depend on it.
+        threads: threads; all cores if not given, 1 within workers of a pool. The result does not depend on
+            it.
     """
 
     _kind = "hammerstein"
@@ -461,7 +464,8 @@ class Modes(Estimator):
         steps: simulation steps per sample.
         plays: plays of each actuator; 0: polynomials alone.
         hysteresis: include hysteresis; without it the modes are linear at each level.
-        lag: initial corner frequency of the inputs' lags [Hz]; 0.8 of the highest excited frequency if not given.
+        lag: initial corner frequency of the inputs' lags [Hz]; 0.8 of the highest excited frequency if not
+            given.
         exponent: exponent of the level in the stiffness.
         time_constant: time constant of the running level of a drive that is not periodic [s].
         iterations: iterations of the last search.

@@ -26,15 +26,16 @@ def excite(
     """Make a drive as a record with one channel.
 
     Args:
-        kind: ``sine``, ``sines``, ``triangle``, ``nested_loops``, ``reversal_curves``, ``staircase``, ``raster``,
-            ``decaying``, ``sweep``, ``multisine`` or ``random``.
+        kind: ``sine``, ``sines``, ``triangle``, ``nested_loops``, ``reversal_curves``, ``staircase``,
+            ``raster``, ``decaying``, ``sweep``, ``multisine`` or ``random``.
         fs: sample rate [Hz].
         high: highest voltage [V].
         low: lowest voltage [V].
         soft_start: lead-in from 0 V [s].
         soft_end: lead-out to 0 V [s].
         seed: random seed.
-        amplifier: limits that are checked: ``low_v``, ``high_v``, ``slew_v_per_s``, ``current_a``, ``capacitance_f``.
+        amplifier: limits that are checked: ``low_v``, ``high_v``, ``slew_v_per_s``, ``current_a``,
+            ``capacitance_f``.
         **waveform: numbers of the waveform, e.g. ``frequency_hz=1, periods=3`` of a sine.
 
     Raises:

@@ -104,7 +104,8 @@ class Model:
         self._native = native
 
     def save(self, path: PathLike) -> None:
-        """Write the model file, readable by every command of ``hysteron``; an existing file is replaced in one step."""
+        """Write the model file, readable by every command of ``hysteron``; an existing file is replaced in
+        one step."""
         self._native.save(path)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -165,9 +166,11 @@ class Model:
         rest: float | None = None,
         settled: int | None = None,
     ) -> Prediction:
-        """Predict the measurement: free run from the start that fits the record best, with the offset of its sensor.
+        """Predict the measurement: free run from the start that fits the record best, with the offset of its
+        sensor.
 
-        A record without an output is simulated from the start that the model assumes, with the model's own offset.
+        A record without an output is simulated from the start that the model assumes, with the model's own
+        offset.
 
         Args:
             record: drive, and the measured output if there is one.
@@ -192,7 +195,8 @@ class Model:
         rest: float | None = None,
         settled: int | None = None,
     ) -> Prediction:
-        """Simulate the output for a drive, from the start that the model assumes, as ``hysteron simulate`` does."""
+        """Simulate the output for a drive, from the start that the model assumes, as ``hysteron simulate``
+        does."""
         outputs, widths, start, remarks = self._native.simulate(
             drive._native, drive._input, _start(rest, settled), band
         )
@@ -246,7 +250,8 @@ class Model:
         rest: float | None = None,
         settled: int | None = None,
     ) -> Score | list[Score]:
-        """Score the model on records as ``hysteron validate`` does: free run, from the start that fits each best.
+        """Score the model on records as ``hysteron validate`` does: free run, from the start that fits each
+        best.
 
         Args:
             record: one record, or several.
@@ -300,9 +305,12 @@ class Model:
             fs: sample rate [Hz] of the reference, which is the controller's.
             limits: least and largest drive; the range of the identification if not given.
             slew: largest rate of the drive, per second.
-            bandwidth: frequency up to which the inverse follows [Hz]; a twentieth of the sample rate if not given.
-            preview: samples known ahead; the whole reference is known if neither this nor ``predict_to`` is given.
-            predict_to: beyond the preview, predict the reference as a random motion up to this frequency [Hz].
+            bandwidth: frequency up to which the inverse follows [Hz]; a twentieth of the sample rate if not
+                given.
+            preview: samples known ahead; the whole reference is known if neither this nor ``predict_to`` is
+                given.
+            predict_to: beyond the preview, predict the reference as a random motion up to this frequency
+                [Hz].
             periodic: the reference repeats.
             rest: the device rests at this drive before.
             virgin: drive at which it was demagnetised.
@@ -437,7 +445,8 @@ class Model:
         preview: int | None = None,
         predict_to: float | None = None,
     ) -> list[str]:
-        """Write the model, and its inverse if requested, as source for a controller; return the names of the files.
+        """Write the model, and its inverse if requested, as source for a controller; return the names of the
+        files.
 
         Args:
             folder: folder to write to; made where there is none.

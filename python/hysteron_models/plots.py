@@ -1,6 +1,7 @@
 """Plots of records, fits and models by matplotlib, in the look of the reports; each takes and returns axes.
 
-Colours are those of Okabe and Ito, distinct with any colour vision; lines differ in dash as well where two cross.
+Colours are those of Okabe and Ito, distinct with any colour vision; lines differ in dash as well where two
+cross.
 """
 
 from __future__ import annotations
@@ -192,7 +193,8 @@ def residuals(score: Score, ax: Axes | None = None) -> Axes:
 
 @_styled
 def residual_correlation(score: Score, ax: Axes | None = None) -> Axes:
-    """Draw the autocorrelation of the residual, with the 99 % bounds of white noise: the test of ``validate``."""
+    """Draw the autocorrelation of the residual, with the 99 % bounds of white noise: the test of
+    ``validate``."""
     series = _residual(score)
     found = _native.residual_correlation(series._native, score.skip)
     if found is None:
@@ -213,7 +215,8 @@ def residual_correlation(score: Score, ax: Axes | None = None) -> Axes:
 def bode(
     response: FrequencyResponse, axes: Sequence[Axes] | None = None, label: str = "dynamic block"
 ) -> Sequence[Axes]:
-    """Draw magnitude and phase over frequency, with the 95 % band of a measured response whose scatter is known.
+    """Draw magnitude and phase over frequency, with the 95 % band of a measured response whose scatter is
+    known.
 
     ``axes``: two of them; a response drawn into those of another gets another colour.
     """
@@ -243,7 +246,8 @@ def bode(
 
 @_styled
 def convergence(history: Sequence[tuple[str, float, float | None]], ax: Axes | None = None) -> Axes:
-    """Draw the best cost over the share of the work done, from the progress reports of ``fit(…, progress=…)``.
+    """Draw the best cost over the share of the work done, from the progress reports of
+    ``fit(…, progress=…)``.
 
     Collect it with ``history = []`` and ``fit(records, progress=lambda *told: history.append(told))``.
     """

@@ -13,7 +13,8 @@ Progress = Callable[[str, float, float | None], object]
 
 @contextmanager
 def shown(progress: bool | Progress) -> Iterator[Progress | None]:
-    """Give the callback of ``(stage, fraction, cost)``: none for ``False``, a bar for ``True``, else ``progress``."""
+    """Give the callback of ``(stage, fraction, cost)``: none for ``False``, a bar for ``True``, else
+    ``progress``."""
     if progress is False:
         yield None
     elif callable(progress):

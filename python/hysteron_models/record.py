@@ -38,7 +38,8 @@ class Record:
     """Measured channels on a time base; never changed in place.
 
     Args:
-        u: samples of the input, or a mapping from names with units (``"u_V"``) to samples of any number of channels.
+        u: samples of the input, or a mapping from names with units (``"u_V"``) to samples of any number of
+            channels.
         y: samples of the output; ``None`` for a drive alone.
         fs: sample rate [Hz].
         t: times [s], increasing; they need not be uniform.
@@ -209,7 +210,8 @@ def as_records(records: Record | Sequence[Record]) -> list[Record]:
     for one in given:
         if not isinstance(one, Record):
             raise OptionError(
-                f"expected records, found {type(one).__name__}: make one with hy.Record(u, y, fs=…) or hy.read(path)",
+                f"expected records, found {type(one).__name__}: make one with hy.Record(u, y, fs=…) or "
+                "hy.read(path)",
                 code="no-record",
             )
     if not given:
@@ -338,7 +340,8 @@ def read(
 
 @dataclass(frozen=True)
 class Content:
-    """A column or an array of a file: ``path``, ``shape``, ``unit``, and ``kind`` (``"numbers"``, ``"text"``, …)."""
+    """A column or an array of a file: ``path``, ``shape``, ``unit``, and ``kind`` (``"numbers"``, ``"text"``,
+    …)."""
 
     path: str
     shape: tuple[int, ...]
@@ -349,7 +352,8 @@ class Content:
 def contents(path: PathLike) -> list[Content]:
     """List what a file holds: the columns of a text, the arrays of MAT, HDF5, TDMS, XLSX, NPZ and JPK files.
 
-    Any of the paths is what ``time``, ``input`` and ``output`` of :func:`read` take, as is the unambiguous end of one.
+    Any of the paths is what ``time``, ``input`` and ``output`` of :func:`read` take, as is the unambiguous
+    end of one.
     """
     return [Content(**{**held, "shape": tuple(held["shape"])}) for held in json.loads(_native.contents(path))]
 
@@ -367,7 +371,8 @@ def prepare(
     detrend: Sequence[str] = (),
     fs: float | None = None,
 ) -> Record:
-    """Join records by their times, then scale, remove means, then trends, then resample with an anti-alias filter.
+    """Join records by their times, then scale, remove means, then trends, then resample with an anti-alias
+    filter.
 
     Args:
         records: one record, or several in the order of their times.

@@ -23,7 +23,8 @@ class ExplainedResponse:
     Attributes:
         measured: the response, in the band that was fitted.
         model: the best structure that a model file can hold, without hysteresis; ``None`` where none can.
-        result: every structure with its parameters and errors, as ``hysteron frequency-response --json`` prints it.
+        result: every structure with its parameters and errors, as ``hysteron frequency-response --json``
+            prints it.
     """
 
     measured: FrequencyResponse
@@ -51,8 +52,8 @@ def frequency_response(
 
     Args:
         source: records of a multisine of at least two periods, or a file with a measured response.
-        structures: ``fractional``, ``integer``, ``power-law``, ``loss-angle``, ``modes``; if none is given, the
-            structures usual for this kind of response.
+        structures: ``fractional``, ``integer``, ``power-law``, ``loss-angle``, ``modes``; if none is given,
+            the structures usual for this kind of response.
         modes: number of resonances of ``modes``.
         band: frequencies [Hz] that are fitted; without it, those above the noise.
         period: length of a period of the records [s].

@@ -203,8 +203,8 @@ class FrequencyResponse:
     Attributes:
         frequency_hz: frequencies [Hz].
         response: complex gain at each.
-        std_dev: standard deviation σ of each gain, σ² = E|error|²; that of a measured response of several periods or
-            records, ``None`` elsewhere.
+        std_dev: standard deviation σ of each gain, σ² = E|error|²; that of a measured response of several
+            periods or records, ``None`` elsewhere.
         unit: unit of the gain, as in ``um_per_V``; empty for the dynamic block.
     """
 

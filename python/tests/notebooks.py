@@ -63,7 +63,8 @@ def _same(a: str, b: str, share: float) -> bool:
 
 
 def keep(path: Path) -> None:
-    """Run a notebook and write it with its outputs, without what changes from run to run or tells of the machine."""
+    """Run a notebook and write it with its outputs, without what changes from run to run or tells of the
+    machine."""
     notebook = run(path)
     notebook.metadata.pop("language_info", None)
     for number, cell in enumerate(notebook.cells):

@@ -154,7 +154,9 @@ def test_ctrl_c_keeps_the_best_so_far(tmp_path: Path) -> None:
 import hysteron_models as hy, os, signal, threading, time
 # Where the tests run behind a shell's &, SIGINT is ignored.
 signal.signal(signal.SIGINT, signal.default_int_handler)
-record = hy.read({str(Path(__file__).parents[2] / "examples/piezo-p885-200hz/identification_1hz.csv")!r}, stop=4.0)
+record = hy.read(
+    {str(Path(__file__).parents[2] / "examples/piezo-p885-200hz/identification_1hz.csv")!r}, stop=4.0
+)
 stage = hy.Hammerstein(optimizer="de-abc", generations=10**7)
 sent = []
 def interrupt():

@@ -1,4 +1,5 @@
-"""The notebooks of the documentation run from their first cell to their last, and give what they were kept with."""
+"""The notebooks of the documentation run from their first cell to their last, and give what they were kept
+with."""
 
 from __future__ import annotations
 

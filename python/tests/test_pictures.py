@@ -1,4 +1,5 @@
-"""Every plot gives the picture on record; `pytest python/tests/test_pictures.py --renew-pictures` draws them anew."""
+"""Every plot gives the picture on record; `pytest python/tests/test_pictures.py --renew-pictures` draws them
+anew."""
 
 from __future__ import annotations
 
@@ -16,7 +17,8 @@ from matplotlib.figure import Figure
 from matplotlib.testing.compare import compare_images
 
 PICTURES = Path(__file__).parent / "pictures"
-#: Root mean square of the difference of two pictures, of 255. One letter that differs makes 1.5, a missing curve 2.6.
+#: Root mean square of the difference of two pictures, of 255. One letter that differs makes 1.5, a missing
+#: curve 2.6.
 TOLERANCE = 0.5
 
 Draw = Callable[["Data", Figure], object]
@@ -70,7 +72,8 @@ def data(stage: hy.Hammerstein, unseen: hy.Record) -> Data:
 
 @pytest.fixture
 def figure() -> Iterator[Figure]:
-    """A figure of 400 × 300 points, in the fonts that come with matplotlib, whatever the user's settings are."""
+    """A figure of 400 × 300 points, in the fonts that come with matplotlib, whatever the user's settings
+    are."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams["font.family"] = "DejaVu Sans"

@@ -96,7 +96,8 @@ def test_the_residual_is_tested_as_validate_does(
     score = stage.scores(unseen, skip=skip)
     assert isinstance(score, hy.Score)
     ax = hy.plots.residual_correlation(score)
-    bars = [bar for collection in ax.collections for bar in collection.get_segments()]  # type: ignore[attr-defined]
+    segments = [collection.get_segments() for collection in ax.collections]  # type: ignore[attr-defined]
+    bars = [bar for each in segments for bar in each]
     lags, heights = [int(bar[0][0]) for bar in bars], np.array([bar[1][1] for bar in bars])
     bound = ax.patches[0].get_bbox().y1  # type: ignore[attr-defined]
     assert bound == pytest.approx(2.5758 / np.sqrt(score.samples), rel=1e-4)

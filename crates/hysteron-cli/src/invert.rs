@@ -180,13 +180,15 @@ impl Invert {
             let failure = failure().because(&e);
             let input = Unit::new(&model.body().data().units.input).spaced();
             match e {
-                InversionError::Hysteresis(HysteresisError::RestOutside { rest, low, high }) => failure.because(format!(
-                    "the device rests at {}{input}, outside of the range of its drive, {}{input} to \
-                     {}{input}",
-                    short(rest),
-                    short(low),
-                    short(high)
-                )),
+                InversionError::Hysteresis(HysteresisError::RestOutside { rest, low, high }) => {
+                    failure.because(format!(
+                        "the device rests at {}{input}, outside of the range of its drive, {}{input} to \
+                         {}{input}",
+                        short(rest),
+                        short(low),
+                        short(high)
+                    ))
+                }
                 InversionError::Falls { low, high, near, .. } => failure.because(format!(
                     "the hysteresis has no inverse over the range from {}{input} to {}{input}: near \
                      {}{input} its output at rest falls as the drive rises; give a smaller range",

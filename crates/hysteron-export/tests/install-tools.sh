@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Installs what the tests of exported source use, as far as it may: clang, a compiler and a simulator of ARM, FMPy. Quick where all is there.
-# What cannot be installed is named; the tests then say which of them they skip.
+# Installs what the tests of exported source use, as far as it may: clang, a compiler and a simulator of ARM,
+# FMPy. Quick where all is there. What cannot be installed is named; the tests then say which of them they
+# skip.
 set -uo pipefail
 cd "$(dirname "$0")/../../.."
 missing=()
@@ -12,10 +13,14 @@ command -v qemu-system-arm >/dev/null || missing+=(qemu-system-arm)
 if ((${#missing[@]})); then
     echo "tools for exported source: installing ${missing[*]}"
     if [[ $(id -u) -eq 0 ]] && command -v apt-get >/dev/null; then
-        { apt-get install -y -qq "${missing[@]}" || { apt-get update -qq && apt-get install -y -qq "${missing[@]}"; }; } >/dev/null 2>&1 ||
+        {
+            apt-get install -y -qq "${missing[@]}" ||
+                { apt-get update -qq && apt-get install -y -qq "${missing[@]}"; }
+        } >/dev/null 2>&1 ||
             echo "warning: could not install ${missing[*]}; their tests are skipped"
     else
-        echo "warning: not root, or no apt-get: install ${missing[*]} yourself; until then their tests are skipped"
+        echo "warning: not root, or no apt-get: install ${missing[*]} yourself; until then their" \
+            "tests are skipped"
     fi
 fi
 venv=target/fmpy-venv
@@ -23,6 +28,7 @@ if ! "$venv/bin/python" -c 'import fmpy' 2>/dev/null; then
     echo "tools for exported source: installing FMPy into $venv"
     mkdir -p target
     { python3 -m venv "$venv" && "$venv/bin/pip" install -q fmpy==0.3.32; } >/dev/null 2>&1 ||
-        echo "warning: could not install FMPy (python3, venv and the network are needed); the tests of FMUs are skipped"
+        echo "warning: could not install FMPy (python3, venv and the network are needed); the tests of" \
+            "FMUs are skipped"
 fi
 exit 0

@@ -63,8 +63,8 @@ impl Compared {
         }
     }
 
-    /// The preferred structure as the comparison fitted it to all records, thinned where they are oversampled,
-    /// without intervals. `None` where there is no ranking.
+    /// The preferred structure as the comparison fitted it to all records, thinned where they are
+    /// oversampled, without intervals. `None` where there is no ranking.
     ///
     /// # Errors
     /// [`ModelFileError`] for a model that no file can hold.

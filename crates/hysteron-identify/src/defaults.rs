@@ -1,11 +1,11 @@
 //! Default structure for records that the usual one cannot describe.
 //!
-//! The minor loops of the default family do not close: a small oscillation after large moves drifts for as long
-//! as it lasts. And creep follows large moves but not small ones, which linear creep after the hysteresis
-//! cannot describe. Plays with activated edges do both: they remember reversals, and creep depending on how
-//! the drive came to rest. The residual at the small oscillations, a falling gain with a small phase lag at
-//! every frequency, belongs to the dynamics: a fractional order describes it, a lag does not. `hysteron-study
-//! afm` compares families and dynamics on such a device.
+//! The minor loops of the default family do not close: a small oscillation after large moves drifts for as
+//! long as it lasts. And creep follows large moves but not small ones, which linear creep after the
+//! hysteresis cannot describe. Plays with activated edges do both: they remember reversals, and creep
+//! depending on how the drive came to rest. The residual at the small oscillations, a falling gain with a
+//! small phase lag at every frequency, belongs to the dynamics: a fractional order describes it, a lag does
+//! not. `hysteron-study afm` compares families and dynamics on such a device.
 
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hysteresis::HysteresisForm;

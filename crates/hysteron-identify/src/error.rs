@@ -61,7 +61,10 @@ pub enum IdentifyError {
         wanted: &'static str,
     },
     /// A record with a constant input or output.
-    #[error("record '{record}': the {signal} is constant ({}), so nothing can be identified from it", short(*.value))]
+    #[error(
+        "record '{record}': the {signal} is constant ({}), so nothing can be identified from it",
+        short(*.value)
+    )]
     Constant {
         /// Record.
         record: String,

@@ -93,9 +93,9 @@ fn delay_of_a_held_drive(options: &Options, result: &Identification) -> Option<S
             _ => "records sampled this finely do",
         };
         format!(
-            "The inter-sample behaviour of the drive was not tested: {reason} not determine it. It is taken to \
-             be {}. If each sample is held until the next, the delay of {} s is up to {} s too long; its \
-             interval covers that. Give the rule where it is known.",
+            "The inter-sample behaviour of the drive was not tested: {reason} not determine it. It is taken \
+             to be {}. If each sample is held until the next, the delay of {} s is up to {} s too long; \
+             its interval covers that. Give the rule where it is known.",
             result.model.inter_sample,
             short(delay.value),
             short(excess_s)
@@ -234,7 +234,8 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
                 short(small),
                 short(wide),
                 if family.small_loops_drift() {
-                    " The small loops of this family do not close: the model drifts where the device does not."
+                    " The small loops of this family do not close: the model drifts where the device \
+                     does not."
                 } else {
                     ""
                 }

@@ -226,9 +226,9 @@ pub enum Choice<T> {
 pub struct Options {
     /// Joint fit or two steps.
     pub method: Method,
-    /// Family of the hysteresis block; any but the default needs the joint fit. `Auto`: the default; plays with
-    /// activated edges where a non-uniformly sampled record holds small oscillations beside large moves, then
-    /// with [`DynamicsChoice::Auto`] and [`Creep::None`] fractional dynamics without creep.
+    /// Family of the hysteresis block; any but the default needs the joint fit. `Auto`: the default; plays
+    /// with activated edges where a non-uniformly sampled record holds small oscillations beside large moves,
+    /// then with [`DynamicsChoice::Auto`] and [`Creep::None`] fractional dynamics without creep.
     pub hysteresis: Choice<HysteresisForm>,
     /// Dynamic block.
     pub dynamics: DynamicsChoice,

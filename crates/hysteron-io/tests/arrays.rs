@@ -207,9 +207,8 @@ fn values_that_no_record_may_hold_are_named_by_array_and_index() {
     let wrong = refused(&with("valid", npy("|u1", "(4,)", &[1, 0, 3, 1])));
     assert!(matches!(&wrong, IoError::BadMask { place, .. } if *place == element("valid", 2)), "{wrong}");
     let wrong = refused(&with("t_s", npy("<f8", "(4,)", &doubles(&[0.0, 1.0, 2.0, 1.5]))));
-    assert!(
-        matches!(&wrong, IoError::TimeDecreases { place, before: 2.0, after: 1.5 } if *place == element("t_s", 3))
-    );
+    assert!(matches!(&wrong,
+        IoError::TimeDecreases { place, before: 2.0, after: 1.5 } if *place == element("t_s", 3)));
     let none = ["t_s", "u_V"].map(|name| (name, npy("<f8", "(0,)", &[])));
     assert!(matches!(refused(&npz(&none)), IoError::NoSamples { .. }));
     let one = ["t_s", "u_V"].map(|name| (name, npy("<f8", "(1,)", &doubles(&[0.0]))));

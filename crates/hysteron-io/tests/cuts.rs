@@ -7,7 +7,8 @@ use hysteron_io::{
 use hysteron_model::record::{Channel, Cut, Record, RecordError, TimeBase};
 
 const SEGMENTS: &str = "t_s,u_V,y_um,mode,segment\n\
-    0,0,10,rest,0\n0.1,1,NaN,rest,0\n0.2,2,12,ramp,1\n0.3,3,13,ramp,1\n0.4,,14,ramp,1\n0.5,5,15,hold,2\n0.6,6,16,hold,2\n";
+    0,0,10,rest,0\n0.1,1,NaN,rest,0\n0.2,2,12,ramp,1\n\
+    0.3,3,13,ramp,1\n0.4,,14,ramp,1\n0.5,5,15,hold,2\n0.6,6,16,hold,2\n";
 
 fn cut(conditions: &[&str]) -> Cut {
     Cut { conditions: conditions.iter().map(|text| text.parse().unwrap()).collect(), ..Cut::default() }
@@ -114,7 +115,8 @@ fn a_record_is_written_in_the_format_of_its_name_and_reads_back() {
     let path = folder.path().join("twice.csv");
     let error = write_record(&path, &twice).unwrap_err();
     assert!(
-        matches!(&error, IoError::Record { source, .. } if matches!(**source, RecordError::DuplicateChannel { .. })),
+        matches!(&error, IoError::Record { source, .. }
+            if matches!(**source, RecordError::DuplicateChannel { .. })),
         "{error}"
     );
     assert!(!path.exists());

@@ -23,7 +23,8 @@ fn every_form_of_a_complex_number_is_read_to_the_same_value() {
         "omega_rad_per_s,re,im\n6.283185307179586,0,2\n62.83185307179586,-0.5,0\n",
         "frequency,magnitude,phase_deg\n1,2,90\n10,0.5,-180\n",
         "f,abs,phase\n1,2,90\n10,0.5,180\n",
-        "f_Hz,mag_dB,phase_rad\n1,6.020599913279624,1.5707963267948966\n10,-6.020599913279624,3.141592653589793\n",
+        "f_Hz,mag_dB,phase_rad\n1,6.020599913279624,1.5707963267948966\n\
+         10,-6.020599913279624,3.141592653589793\n",
         "f [Hz];magnitude [dB];phase [deg]\n10;-6,020599913279624;180\n1;6,020599913279624;90\n",
         "f_Hz,note,im,re\n10,7,0,-0.5\n1,8,2,0\n",
     ] {
@@ -82,7 +83,8 @@ proptest! {
 
     #[test]
     fn arbitrary_tables_never_panic_and_what_is_accepted_is_sound(
-        header in "(f|f_Hz|omega_rad_per_s|é)[,;\t](re|mag|magnitude_dB|İ_re|a_re)[,;\t](im|phase|phase_rad|İ_im|a_im)([,;\t](std|sigma|x))?",
+        header in "(f|f_Hz|omega_rad_per_s|é)[,;\t](re|mag|magnitude_dB|İ_re|a_re)[,;\t]\
+            (im|phase|phase_rad|İ_im|a_im)([,;\t](std|sigma|x))?",
         rows in "([-+0-9.e]{0,5}[,;\t][-+0-9.e]{0,5}[,;\t][-+0-9.e]{0,5}([,;\t][0-9.]{0,3})?\r?\n){0,5}",
         name in prop::option::of("[a-z]{0,2}"),
     ) {

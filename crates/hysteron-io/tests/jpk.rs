@@ -12,10 +12,12 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 /// Properties shared by the segments: heights in volts, scaled to a nominal and a calibrated height.
-const SHARED: &str = "lcd-info.0.encoder.type=signedshort\nlcd-info.0.encoder.scaling.style=offsetmultiplier\n\
+const SHARED: &str = "lcd-info.0.encoder.type=signedshort\n\
+    lcd-info.0.encoder.scaling.style=offsetmultiplier\n\
     lcd-info.0.encoder.scaling.offset=1.0\nlcd-info.0.encoder.scaling.multiplier=0.5\n\
     lcd-info.0.encoder.scaling.unit.unit=V\nlcd-info.0.conversion-set.conversions.list=nominal calibrated\n\
-    lcd-info.0.conversion-set.conversions.default=calibrated\nlcd-info.0.conversion-set.conversions.base=volts\n\
+    lcd-info.0.conversion-set.conversions.default=calibrated\n\
+    lcd-info.0.conversion-set.conversions.base=volts\n\
     lcd-info.0.conversion-set.conversion.nominal.base-calibration-slot=volts\n\
     lcd-info.0.conversion-set.conversion.nominal.scaling.offset=0.0\n\
     lcd-info.0.conversion-set.conversion.nominal.scaling.multiplier=2.0\n\

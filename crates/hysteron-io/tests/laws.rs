@@ -131,7 +131,8 @@ fn a_file_written_is_complete_and_an_unsound_record_writes_none() {
     let other = folder.path().join("broken.csv");
     let err = write_csv(&other, &broken).unwrap_err();
     assert!(
-        matches!(&err, IoError::Record { source, .. } if matches!(**source, RecordError::LengthMismatch { .. })),
+        matches!(&err, IoError::Record { source, .. }
+            if matches!(**source, RecordError::LengthMismatch { .. })),
         "{err}"
     );
     assert!(!other.exists());

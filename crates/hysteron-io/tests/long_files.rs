@@ -74,12 +74,10 @@ fn an_error_is_named_by_its_line_wherever_it_is() {
             IoError::NotANumber { place, .. } if place == cell(line, 2, "u_V")));
         assert!(matches!(refused(&format!("{time},1,inf")),
             IoError::NotFinite { place, .. } if place == cell(line, 3, "y_um")));
-        assert!(
-            matches!(refused(&format!("{time},1")), IoError::Ragged { place, found: 2, .. } if place.part == FilePart::Line(line))
-        );
-        assert!(
-            matches!(refused("-1,1,1"), IoError::TimeDecreases { place, after: -1.0, .. } if place == cell(line, 1, "t_s"))
-        );
+        assert!(matches!(refused(&format!("{time},1")),
+            IoError::Ragged { place, found: 2, .. } if place.part == FilePart::Line(line)));
+        assert!(matches!(refused("-1,1,1"),
+            IoError::TimeDecreases { place, after: -1.0, .. } if place == cell(line, 1, "t_s")));
     }
 }
 
@@ -89,7 +87,8 @@ fn limits_hold_within_a_block() {
     let with = |options: ReadOptions| read_record_bytes("long.csv", text.as_bytes(), &options).unwrap_err();
     let few = with(ReadOptions { max_values: 3 * 40_000 + 1, ..ReadOptions::default() });
     assert!(
-        matches!(&few, IoError::TooManyValues { place, limit: 120_001, .. } if place.part == FilePart::Line(40_002)),
+        matches!(&few, IoError::TooManyValues { place, limit: 120_001, .. }
+            if place.part == FilePart::Line(40_002)),
         "{few}"
     );
     let short = with(ReadOptions { max_bytes: text.len() as u64 - 1, ..ReadOptions::default() });

@@ -28,7 +28,8 @@ fn the_shipped_record_reads_as_described() {
     let InputOutput { u, y, time, .. } = &outcome.data;
     assert_eq!(u.len(), 8027);
     assert!(
-        matches!(time, TimeBase::Uniform { start_s: 0.0, sample_rate_hz: 200.0, jitter_samples } if *jitter_samples < 1e-9),
+        matches!(time, TimeBase::Uniform { start_s: 0.0, sample_rate_hz: 200.0, jitter_samples }
+            if *jitter_samples < 1e-9),
         "{time:?}"
     );
     assert_eq!((u[0], y[0], y[1]), (1.8, -123.059139, -120.154262));

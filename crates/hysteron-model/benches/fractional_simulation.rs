@@ -46,8 +46,8 @@ fn shortest_ms(repetitions: usize, mut work: impl FnMut()) -> f64 {
 fn report(what: &str, samples: usize, transform: usize, ms: f64) {
     let ns = ms * 1e6 / samples as f64;
     println!(
-        "{{\"bench\":\"fractional_simulation\",\"what\":\"{what}\",\"samples\":{samples},\"transform\":{transform},\
-         \"ms\":{ms:.5},\"ns_per_sample\":{ns:.3}}}"
+        "{{\"bench\":\"fractional_simulation\",\"what\":\"{what}\",\"samples\":{samples},\
+         \"transform\":{transform},\"ms\":{ms:.5},\"ns_per_sample\":{ns:.3}}}"
     );
 }
 

@@ -175,7 +175,10 @@ proptest! {
     }
 
     #[test]
-    fn an_integral_undoes_a_derivative(alpha in 0.1f64..2.0, x in prop::collection::vec(-1.0f64..1.0, 1..100)) {
+    fn an_integral_undoes_a_derivative(
+        alpha in 0.1f64..2.0,
+        x in prop::collection::vec(-1.0f64..1.0, 1..100),
+    ) {
         let derivative = differintegral(alpha, &x, 20.0, Scheme::GrunwaldLetnikov).unwrap();
         let back = differintegral(-alpha, &derivative, 20.0, Scheme::GrunwaldLetnikov).unwrap();
         for (a, b) in back.iter().zip(&x) {

@@ -170,9 +170,8 @@ fn unit_form_and_article_form_convert_both_ways() {
 fn verdicts_follow_the_article_symbols() {
     let verdict =
         |alpha, beta, gamma| BoucWen::new(vec![1.0], alpha, beta, gamma, 1.0).unwrap().admissibility();
-    assert!(
-        matches!(verdict(1.0, 0.5, 0.25), Admissibility::Bounded { saturation_v } if (saturation_v - 4.0 / 3.0).abs() < 1e-15)
-    );
+    assert!(matches!(verdict(1.0, 0.5, 0.25),
+        Admissibility::Bounded { saturation_v } if (saturation_v - 4.0 / 3.0).abs() < 1e-15));
     assert!(verdict(-1.0, 0.5, -0.4).is_bounded() && verdict(-1.0, 0.5, 0.4).is_bounded());
     // α < 0 needs β − γ > 0.
     assert_eq!(verdict(-1.0, 0.5, 0.6), Admissibility::Hardening);

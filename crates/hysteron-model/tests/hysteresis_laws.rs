@@ -33,7 +33,9 @@ proptest! {
 
     #[test]
     fn only_the_turning_points_count(
-        model in bounded_model(), turns in prop::collection::vec(-6.0..6.0_f64, 1..12), between in 1..20_usize,
+        model in bounded_model(),
+        turns in prop::collection::vec(-6.0..6.0_f64, 1..12),
+        between in 1..20_usize,
     ) {
         let direct = simulate(&model, &turns, Start::Rest { voltage_v: 0.0 });
         let mut dense = Vec::new();

@@ -146,11 +146,17 @@ proptest! {
     }
 
     #[test]
-    fn one_pass_is_the_step_repeated(shape in shape(), u in drive(), z in -1.5..1.5_f64, exponent in any::<bool>()) {
+    fn one_pass_is_the_step_repeated(
+        shape in shape(),
+        u in drive(),
+        z in -1.5..1.5_f64,
+        exponent in any::<bool>(),
+    ) {
         let [beta, gamma, n] = shape;
         let operator = hysteron_rt::BoucWen::unit(beta, gamma, n).unwrap();
         let got = sensitivities(shape, &u, Start::Remembering { voltage_v: 0.2, memory: z }, exponent);
-        let (mut last, mut with_n, mut without) = (0.2, Dual::<_, 4>::variable(z, 3), Dual::<_, 3>::variable(z, 2));
+        let (mut last, mut with_n, mut without) =
+            (0.2, Dual::<_, 4>::variable(z, 3), Dual::<_, 3>::variable(z, 2));
         for (k, &next) in u.iter().enumerate() {
             with_n = operator.advance_with_sensitivities(with_n, next - last).unwrap();
             without = operator.advance_with_shape(without, next - last).unwrap();
@@ -185,7 +191,9 @@ proptest! {
         let closed = sensitivities(shape, &u, start, false);
         let series = sensitivities(shape, &u, start, true);
         for (a, b) in [
-            (&closed.zeta, &series.zeta), (&closed.d_beta, &series.d_beta), (&closed.d_gamma, &series.d_gamma),
+            (&closed.zeta, &series.zeta),
+            (&closed.d_beta, &series.d_beta),
+            (&closed.d_gamma, &series.d_gamma),
             (&closed.d_start, &series.d_start),
         ] {
             for (a, b) in a.iter().zip(b) {
@@ -195,17 +203,27 @@ proptest! {
     }
 
     #[test]
-    fn a_finer_time_base_is_picked_from(shape in shape(), u in drive(), factor in 1..6_usize, periodic in any::<bool>()) {
+    fn a_finer_time_base_is_picked_from(
+        shape in shape(),
+        u in drive(),
+        factor in 1..6_usize,
+        periodic in any::<bool>(),
+    ) {
         let [beta, gamma, n] = shape;
         let start = if periodic { Start::PERIODIC } else { Start::Rest { voltage_v: 0.1 } };
         let all = sensitivities(shape, &u, start, true);
         let mut out = Sensitivities::default();
-        let end = UnitShape { beta, gamma, n }.simulate_with_sensitivities(factor, &u, start, true, &mut out).unwrap();
+        let end = UnitShape { beta, gamma, n }
+            .simulate_with_sensitivities(factor, &u, start, true, &mut out)
+            .unwrap();
         let pick = |column: &[f64]| column.iter().copied().step_by(factor).collect::<Vec<_>>();
         // A periodic start is settled to 1e-13 of the largest ζ among the samples kept.
         let tolerance = if periodic { 1e-10 } else { 0.0 };
         for (got, all) in [
-            (&out.zeta, &all.zeta), (&out.d_beta, &all.d_beta), (&out.d_gamma, &all.d_gamma), (&out.d_n, &all.d_n),
+            (&out.zeta, &all.zeta),
+            (&out.d_beta, &all.d_beta),
+            (&out.d_gamma, &all.d_gamma),
+            (&out.d_n, &all.d_n),
             (&out.d_start, &all.d_start),
         ] {
             let want = pick(all);

@@ -1,6 +1,7 @@
 //! Promise: whether an operator can be inverted is decided by the exact condition of its family where there
 //! is one, else along drives.
-#![allow(clippy::unwrap_used, clippy::panic)] // Helpers outside the test functions; a failure is a failed test.
+// Helpers outside the test functions; a failure is a failed test.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use hysteron_model::hysteresis::{
     BoucWen, Hysteresis, HysteresisError, HysteresisForm, Invertibility, PrandtlIshlinskii,

@@ -111,7 +111,11 @@ proptest! {
     /// A harmonic in the steady state is multiplied by the frequency response (band-limited: of G itself).
     /// By linearity: deviations from the input at rest, and the gain times that input.
     #[test]
-    fn a_rest_at_any_input_is_a_start_from_zero_and_a_constant(tf in stage(), u in signal(), rest in -5.0f64..5.0) {
+    fn a_rest_at_any_input_is_a_start_from_zero_and_a_constant(
+        tf in stage(),
+        u in signal(),
+        rest in -5.0f64..5.0,
+    ) {
         let start = Start::Rest { voltage_v: rest };
         let moved: Vec<f64> = u.iter().map(|u| u - rest).collect();
         for scheme in Scheme::ALL {
@@ -126,7 +130,10 @@ proptest! {
             let y = tf.simulate_causal(&u, FS, scheme, start).unwrap();
             let from_zero = tf.simulate_causal(&moved, FS, scheme, Start::ZERO).unwrap();
             for (y, z) in y.iter().zip(&from_zero) {
-                prop_assert!((y - z - tf.dc_gain() * rest).abs() < 1e-10 * (largest(&from_zero) + tf.dc_gain().abs() * 5.0));
+                prop_assert!(
+                    (y - z - tf.dc_gain() * rest).abs()
+                        < 1e-10 * (largest(&from_zero) + tf.dc_gain().abs() * 5.0)
+                );
             }
         }
     }
@@ -182,7 +189,8 @@ proptest! {
             let unstable = moduli.iter().filter(|modulus| **modulus < 1.0).count();
             let plan = SimulationPlan::new(n, FS, scheme, Start::ZERO).unwrap();
             let verdict = plan.simulate(&tf, &vec![1.0; n], &mut plan.workspace(), &mut vec![0.0; n]);
-            let expected = if unstable > 0 { Err(DynamicsError::Unstable { poles: unstable }) } else { Ok(()) };
+            let expected =
+                if unstable > 0 { Err(DynamicsError::Unstable { poles: unstable }) } else { Ok(()) };
             prop_assert_eq!(verdict, expected, "{} {}", tf, scheme);
         }
     }

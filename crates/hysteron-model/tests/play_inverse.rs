@@ -143,7 +143,11 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(300) })]
 
     #[test]
-    fn the_closed_form_undoes_the_model_from_both_sides(model in linear(), u in drive(), rest in -10.0..10.0_f64) {
+    fn the_closed_form_undoes_the_model_from_both_sides(
+        model in linear(),
+        u in drive(),
+        rest in -10.0..10.0_f64,
+    ) {
         let inverse = model.inverse().unwrap();
         let total = model.polynomial[0] + model.weights.iter().sum::<f64>();
         let (v, _) = simulate(&model, &u, Start::Rest { voltage_v: rest });
@@ -173,7 +177,11 @@ proptest! {
     fn the_inverse_of_the_inverse_is_the_model(model in linear(), u in -20.0..20.0_f64) {
         let inverse = model.inverse().unwrap();
         let back = inverse.inverse().unwrap();
-        for (a, b) in [(&model.polynomial, &back.polynomial), (&model.thresholds, &back.thresholds), (&model.weights, &back.weights)] {
+        for (a, b) in [
+            (&model.polynomial, &back.polynomial),
+            (&model.thresholds, &back.thresholds),
+            (&model.weights, &back.weights),
+        ] {
             close(a, b, 1e-11)?;
         }
         close(&[inverse.loading_curve(model.loading_curve(u))], &[u], TOLERANCE)?;

@@ -165,11 +165,19 @@ proptest! {
 
     #[test]
     fn plays_follow_the_rule_of_masing(
-        polynomial in vec(-1.0..1.0_f64, 1..4), plays in vec((0.05..1.5_f64, -1.0..2.0_f64), 0..10),
-        history in vec(prop_oneof![-6.0..6.0_f64, (-6..=6_i32).prop_map(f64::from)], 1..40), rest in -3.0..3.0_f64,
+        polynomial in vec(-1.0..1.0_f64, 1..4),
+        plays in vec((0.05..1.5_f64, -1.0..2.0_f64), 0..10),
+        history in vec(prop_oneof![-6.0..6.0_f64, (-6..=6_i32).prop_map(f64::from)], 1..40),
+        rest in -3.0..3.0_f64,
     ) {
         let mut threshold = 0.0;
-        let (thresholds, weights) = plays.iter().map(|(gap, w)| { threshold += gap; (threshold, *w) }).unzip();
+        let (thresholds, weights) = plays
+            .iter()
+            .map(|(gap, w)| {
+                threshold += gap;
+                (threshold, *w)
+            })
+            .unzip();
         let model = PrandtlIshlinskii::new(polynomial, thresholds, weights).unwrap();
         let v = simulate(&model, &history, Start::Rest { voltage_v: rest });
         for (k, v) in v.iter().enumerate() {

@@ -195,8 +195,10 @@ proptest! {
 
     #[test]
     fn any_finite_input_gives_finite_output_or_an_error(
-        c in prop::num::f64::NORMAL | prop::num::f64::ZERO, w in prop::array::uniform2(prop::num::f64::NORMAL),
-        u in vec(prop::num::f64::NORMAL | prop::num::f64::ZERO, 0..8), periodic in any::<bool>(),
+        c in prop::num::f64::NORMAL | prop::num::f64::ZERO,
+        w in prop::array::uniform2(prop::num::f64::NORMAL),
+        u in vec(prop::num::f64::NORMAL | prop::num::f64::ZERO, 0..8),
+        periodic in any::<bool>(),
     ) {
         let model = PrandtlIshlinskii::new(vec![c, 1.0], vec![1.0, 1e200], w.to_vec()).unwrap();
         let start = if periodic { Start::PERIODIC } else { REST };

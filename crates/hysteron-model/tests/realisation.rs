@@ -310,8 +310,12 @@ proptest! {
     /// Whatever the fractional mode, the response is met at frequencies that the fit has not seen.
     #[test]
     fn the_response_holds_between_the_points_of_the_fit(
-        f0 in 20.0..2000.0_f64, damping in 0.02..2.0_f64, alpha2 in 1.5..2.2_f64, share in 0.45..0.7_f64,
-        scheme in prop::sample::select(Scheme::ALL.to_vec()), places in prop::collection::vec(0.0..1.0_f64, 40),
+        f0 in 20.0..2000.0_f64,
+        damping in 0.02..2.0_f64,
+        alpha2 in 1.5..2.2_f64,
+        share in 0.45..0.7_f64,
+        scheme in prop::sample::select(Scheme::ALL.to_vec()),
+        places in prop::collection::vec(0.0..1.0_f64, 40),
     ) {
         let form = DynamicForm { modes: Modes::Fractional, creep: Creep::None };
         let g = form.transfer_function(&[f0, damping, alpha2, share * alpha2]).unwrap();

@@ -433,7 +433,10 @@ proptest! {
                             Start::PERIODIC => y[(k + 50 * n - shift) % n],
                             _ => if k < shift { 0.0 } else { y[k - shift] },
                         };
-                        prop_assert!((z[k] - expected).abs() < 1e-9 * largest(&y), "{scheme} {initial:?} {k}");
+                        prop_assert!(
+                            (z[k] - expected).abs() < 1e-9 * largest(&y),
+                            "{scheme} {initial:?} {k}"
+                        );
                     }
                 }
             }

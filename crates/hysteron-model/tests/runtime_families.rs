@@ -1,7 +1,8 @@
 //! Promise: every family that `hysteron-rt` runs is the library's own, sample by sample: forwards, in single
 //! precision, and inverted.
 
-#![allow(clippy::unwrap_used, clippy::panic)] // Helpers outside the test functions; a failure is a failed test.
+// Helpers outside the test functions; a failure is a failed test.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use hysteron_model::Start;
 use hysteron_model::compensator::{Compensation, CompensatorOptions, CompensatorParts, Prediction};

@@ -246,7 +246,8 @@ dispatched! {
 
 dispatched! {
     /// [`ResonanceBank::advance`] with the propagators of a place in the stretch.
-    resonances_advance => resonances_advance_kernel(bank: &mut ResonanceBank, inputs: &Parabolas, place: usize)
+    resonances_advance => resonances_advance_kernel(
+        bank: &mut ResonanceBank, inputs: &Parabolas, place: usize)
 }
 
 dispatched! {
@@ -258,7 +259,8 @@ dispatched! {
 
 dispatched! {
     /// [`super::complex_exponential::exponentials_less_one`] where no angle is too large.
-    exponentials_less_one => exponentials_less_one_kernel(pole: Complex64, times: &[f64], re: &mut [f64], im: &mut [f64])
+    exponentials_less_one => exponentials_less_one_kernel(
+        pole: Complex64, times: &[f64], re: &mut [f64], im: &mut [f64])
 }
 
 dispatched! {

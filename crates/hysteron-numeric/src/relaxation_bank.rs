@@ -107,8 +107,8 @@ pub fn relaxation_rate(slowest: f64, k: usize) -> f64 {
     slowest * (k as f64 / PER_OCTAVE as f64).exp2()
 }
 
-/// Row and lane of relaxation k; relaxation k + [`PER_OCTAVE`] is in the next row of the same lane, or else in
-/// the first row of the next lane.
+/// Row and lane of relaxation k; relaxation k + [`PER_OCTAVE`] is in the next row of the same lane, or else
+/// in the first row of the next lane.
 fn place(k: usize, rows: usize) -> (usize, usize) {
     let (column, in_column) = (k / (PER_OCTAVE * rows), k % (PER_OCTAVE * rows));
     (in_column / PER_OCTAVE, (in_column % PER_OCTAVE) * (LANES / PER_OCTAVE) + column)

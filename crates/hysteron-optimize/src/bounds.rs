@@ -153,7 +153,11 @@ mod tests {
 
     proptest! {
         #[test]
-        fn unit_map_is_inverted_by_its_inverse(t in 0.0..=1.0_f64, low in 1e-6..1e3_f64, factor in 1.5..1e6_f64) {
+        fn unit_map_is_inverted_by_its_inverse(
+            t in 0.0..=1.0_f64,
+            low in 1e-6..1e3_f64,
+            factor in 1.5..1e6_f64,
+        ) {
             for range in [Range::linear("a", low, low * factor), Range::logarithmic("b", low, low * factor)] {
                 let x = range.from_unit(t);
                 prop_assert!(range.low <= x && x <= range.high);
@@ -162,7 +166,11 @@ mod tests {
         }
 
         #[test]
-        fn slope_is_the_derivative_of_the_map(t in 0.01..0.99_f64, low in 1e-3..1e3_f64, factor in 1.5..1e3_f64) {
+        fn slope_is_the_derivative_of_the_map(
+            t in 0.01..0.99_f64,
+            low in 1e-3..1e3_f64,
+            factor in 1.5..1e3_f64,
+        ) {
             for range in [Range::linear("a", low, low * factor), Range::logarithmic("b", low, low * factor)] {
                 let h = 1e-5;
                 let difference = (range.from_unit(t + h) - range.from_unit(t - h)) / (2.0 * h);

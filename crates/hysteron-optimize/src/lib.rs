@@ -34,7 +34,9 @@
 //!   uninterrupted one. A checkpoint of another problem or other options is rejected ([`OptimizeError`]).
 //!
 //! ```
-//! use hysteron_optimize::{Algorithm, Bounds, DeAbcOptions, Problem, Range, Settings, Unobserved, minimize_cost};
+//! use hysteron_optimize::{
+//!     Algorithm, Bounds, DeAbcOptions, Problem, Range, Settings, Unobserved, minimize_cost,
+//! };
 //!
 //! struct Bowl(Bounds);
 //! impl Problem for Bowl {
@@ -48,8 +50,8 @@
 //!     }
 //! }
 //! let bowl = Bowl(Bounds { ranges: vec![Range::linear("a", -5.0, 5.0), Range::linear("b", -5.0, 5.0)] });
-//! let outcome =
-//!     minimize_cost(&bowl, &Algorithm::DeAbc(DeAbcOptions::default()), &Settings::default(), &mut Unobserved, None)?;
+//! let algorithm = Algorithm::DeAbc(DeAbcOptions::default());
+//! let outcome = minimize_cost(&bowl, &algorithm, &Settings::default(), &mut Unobserved, None)?;
 //! assert!(outcome.cost < 1e-12);
 //! # Ok::<(), hysteron_optimize::OptimizeError>(())
 //! ```

@@ -66,7 +66,9 @@ impl Fit {
 
 /// Identifies a model. Returns the best so far, and the exception that stopped the fit, if any.
 #[pyfunction]
-#[pyo3(signature = (records, kind, options, *, inputs=Vec::new(), outputs=Vec::new(), start=None, resume=None, progress=None))]
+#[pyo3(signature = (
+    records, kind, options, *, inputs=Vec::new(), outputs=Vec::new(), start=None, resume=None, progress=None
+))]
 #[allow(clippy::too_many_arguments, reason = "keywords of a call from Python")]
 pub fn identify(
     py: Python<'_>,

@@ -24,7 +24,10 @@ type Found<'py> = (Points<'py>, String, String, Option<Model>);
 
 /// The response of periodic records, or of a file of responses, and the structures fitted to it.
 #[pyfunction]
-#[pyo3(signature = (records, path=None, options="{}", structures=Vec::new(), modes=None, band=None, input=None, output=None, response=None, over=None))]
+#[pyo3(signature = (
+    records, path=None, options="{}", structures=Vec::new(), modes=None, band=None, input=None, output=None,
+    response=None, over=None
+))]
 #[allow(clippy::too_many_arguments, reason = "keywords of a call from Python")]
 pub fn explain_response<'py>(
     py: Python<'py>,

@@ -19,7 +19,8 @@ use hysteron_model::record::{Channel, Record, TimeBase, Unit};
 /// use hysteron_rig::{Truth, measure};
 /// use hysteron_rig::excitation::{ExcitationSpec, Waveform};
 ///
-/// let drive = ExcitationSpec::new(1_000.0, 0.0, 10.0, Waveform::Sine { frequency_hz: 5.0, periods: 2.0 }).generate()?;
+/// let sine = Waveform::Sine { frequency_hz: 5.0, periods: 2.0 };
+/// let drive = ExcitationSpec::new(1_000.0, 0.0, 10.0, sine).generate()?;
 /// let run = measure(&Truth::default(), &drive, 1, 0)?;
 /// assert_eq!(run.record.channels[1].samples.len(), 400);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

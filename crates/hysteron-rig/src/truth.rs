@@ -8,7 +8,8 @@ use super::Play;
 /// bench.
 ///
 /// ```text
-/// command u ─► DAC ─► plant (amplifier ─► hysteresis ─► dynamics ─► delay) ─► sensor (offset, drift, noise, ADC) ─► record
+/// command u ─► DAC ─► plant (amplifier ─► hysteresis ─► dynamics ─► delay)
+///           ─► sensor (offset, drift, noise, ADC) ─► record
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]

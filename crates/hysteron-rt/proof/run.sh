@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Proves at link time that hysteron-rt needs no std and cannot panic, f32 and f64, every n; and that the proof can fail.
+# Proves at link time that hysteron-rt needs no std and cannot panic, f32 and f64, every n; and that the
+# proof can fail.
 set -euo pipefail
 cd "$(dirname "$0")"
 command -v cargo >/dev/null || { echo "no_std proof: cargo not found; install a Rust toolchain" >&2; exit 1; }
@@ -8,8 +9,9 @@ target="${CARGO_TARGET_DIR:-$(cd ../../.. && pwd)/target}/no-std-proof"
 mkdir -p "$target"
 library="$target/release/libhysteron_rt_proof.a"
 log="$target/log"
-entries="proof_step_f32 proof_step_f64 proof_simulate_f32 proof_simulate_f64 proof_sensitivities_f32 proof_sensitivities_f64
-proof_plays_f32 proof_plays_f64 proof_online_f32 proof_online_f64 proof_model_f32 proof_model_f64
+entries="proof_step_f32 proof_step_f64 proof_simulate_f32 proof_simulate_f64
+proof_sensitivities_f32 proof_sensitivities_f64 proof_plays_f32 proof_plays_f64
+proof_online_f32 proof_online_f64 proof_model_f32 proof_model_f64
 proof_compensator_f32 proof_compensator_f64 proof_controller_f32 proof_controller_f64"
 
 build() { cargo build --quiet --locked --release --target-dir "$target" "$@" >"$log" 2>&1; }
@@ -33,4 +35,5 @@ grep -q "hysteron_rt_can_panic" "$log" || fail "the negative control failed for 
 build --features std && fail "a library with std was built: the proof proves nothing"
 grep -q "E0152" "$log" || fail "the std control failed for another reason"
 
-echo "no_std proof: $(wc -w <<<"$entries") entries need no std and cannot panic; both negative controls fail as they must"
+echo "no_std proof: $(wc -w <<<"$entries") entries need no std and cannot panic; both negative" \
+    "controls fail as they must"

@@ -100,7 +100,10 @@ macro_rules! elementary {
 }
 
 macro_rules! real {
-    ($t:ident, $small:expr, $vanished:expr, $floor:expr, $largest:expr, $exp:path, $ln_1p:path, $sqrt:path, $tan:path, $tanh:path, $atan:path, $pow:path, $ln:path) => {
+    (
+        $t:ident, $small:expr, $vanished:expr, $floor:expr, $largest:expr,
+        $exp:path, $ln_1p:path, $sqrt:path, $tan:path, $tanh:path, $atan:path, $pow:path, $ln:path
+    ) => {
         impl sealed::Sealed for $t {}
 
         impl Scalar for $t {

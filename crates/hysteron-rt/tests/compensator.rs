@@ -363,7 +363,8 @@ proptest! {
         let mut last = compensator.voltage();
         for (k, r) in fed.iter().enumerate() {
             let disturbance = fed[fed.len() - 1 - k];
-            let drive = if k % 2 == 0 { compensator.step(*r) } else { compensator.step_against(*r, disturbance) };
+            let drive =
+                if k % 2 == 0 { compensator.step(*r) } else { compensator.step_against(*r, disturbance) };
             prop_assert!((LIMITS.low..=LIMITS.high).contains(&drive.voltage));
             prop_assert!((drive.voltage - last).abs() <= step * (1.0 + 1e-12));
             if !r.is_finite() {

@@ -186,12 +186,20 @@ proptest! {
         let unit = BoucWen::unit(beta * size, alpha.signum() * gamma * size, n).unwrap();
         let zeta = unit.advance(z / alpha, du).unwrap();
         let want = exact(p, z, du).unwrap();
-        prop_assert!((alpha * zeta - want).abs() <= 1e-13 * (1.0 + z.abs() + du.abs()), "{} {}", alpha * zeta, want);
+        prop_assert!(
+            (alpha * zeta - want).abs() <= 1e-13 * (1.0 + z.abs() + du.abs()),
+            "{} {}",
+            alpha * zeta,
+            want
+        );
     }
 
     #[test]
     fn simulation_is_the_step_repeated_bit_for_bit(
-        p in parameters(), z in -2.0..2.0_f64, u in prop::collection::vec(-5.0..5.0_f64, 0..60), factor in 1..5_usize,
+        p in parameters(),
+        z in -2.0..2.0_f64,
+        u in prop::collection::vec(-5.0..5.0_f64, 0..60),
+        factor in 1..5_usize,
     ) {
         let [alpha, beta, gamma, n] = p;
         let b = BoucWen::new(alpha, beta, gamma, n).unwrap();
@@ -211,7 +219,12 @@ proptest! {
     }
 
     #[test]
-    fn order_of_states_is_kept(p in parameters(), z in -2.0..2.0_f64, gap in 0.0..1.0_f64, du in -5.0..5.0_f64) {
+    fn order_of_states_is_kept(
+        p in parameters(),
+        z in -2.0..2.0_f64,
+        gap in 0.0..1.0_f64,
+        du in -5.0..5.0_f64,
+    ) {
         prop_assert!(exact(p, z + gap, du).unwrap() >= exact(p, z, du).unwrap() - 1e-14);
     }
 
@@ -237,7 +250,8 @@ proptest! {
             prop_assume!(point.value.abs() > 10.0 * h * reach && reach < 30.0);
         }
         // Fourth-order central differences.
-        let quotient = |f: &dyn Fn(f64) -> f64| (8.0 * (f(h) - f(-h)) - (f(2.0 * h) - f(-2.0 * h))) / (12.0 * h);
+        let quotient =
+            |f: &dyn Fn(f64) -> f64| (8.0 * (f(h) - f(-h)) - (f(2.0 * h) - f(-2.0 * h))) / (12.0 * h);
         let want = [
             quotient(&|d| path(alpha, beta + d, gamma, n)),
             quotient(&|d| path(alpha, beta, gamma + d, n)),
@@ -265,8 +279,10 @@ proptest! {
     fn finite_numbers_give_a_finite_number_or_an_error(
         p in prop::array::uniform4(prop::num::f64::NORMAL | prop::num::f64::ZERO | prop::num::f64::SUBNORMAL),
         small in prop::array::uniform4(-3.0..3.0_f64),
-        z in prop::num::f64::NORMAL | prop::num::f64::ZERO, du in prop::num::f64::NORMAL | prop::num::f64::ZERO,
-        n in prop_oneof![Just(1.0), Just(2.0), 1.0..40.0_f64], mild in any::<bool>(),
+        z in prop::num::f64::NORMAL | prop::num::f64::ZERO,
+        du in prop::num::f64::NORMAL | prop::num::f64::ZERO,
+        n in prop_oneof![Just(1.0), Just(2.0), 1.0..40.0_f64],
+        mild in any::<bool>(),
     ) {
         let [alpha, beta, gamma, _] = if mild { small } else { p };
         let b = BoucWen::new(alpha, beta, gamma, n).unwrap();

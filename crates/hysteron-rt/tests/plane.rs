@@ -104,7 +104,12 @@ proptest! {
             prop_assert_eq!(looked, got);
             prop_assert!((got - wanted).abs() < 1e-13 * total, "{} {}", got, wanted);
             let got32 = f64::from(block32.step(u as f32).unwrap());
-            prop_assert!((got32 - wanted).abs() < 64.0 * f64::from(f32::EPSILON) * total, "{} {}", got32, wanted);
+            prop_assert!(
+                (got32 - wanted).abs() < 64.0 * f64::from(f32::EPSILON) * total,
+                "{} {}",
+                got32,
+                wanted
+            );
         }
     }
 

@@ -161,8 +161,11 @@ proptest! {
 
     #[test]
     fn any_numbers_give_a_finite_result_or_an_error(
-        r in prop::collection::vec(prop::num::f64::ANY, 0..5), w in prop::collection::vec(prop::num::f64::ANY, 0..5),
-        f in prop::collection::vec(prop::num::f64::ANY, 0..5), u in prop::num::f64::ANY, p0 in prop::num::f64::ANY,
+        r in prop::collection::vec(prop::num::f64::ANY, 0..5),
+        w in prop::collection::vec(prop::num::f64::ANY, 0..5),
+        f in prop::collection::vec(prop::num::f64::ANY, 0..5),
+        u in prop::num::f64::ANY,
+        p0 in prop::num::f64::ANY,
     ) {
         let mut r: Vec<f64> = r.iter().map(|r| r.abs()).collect();
         r.sort_by(f64::total_cmp);

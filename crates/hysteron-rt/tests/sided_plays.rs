@@ -149,7 +149,13 @@ proptest! {
             prop_assert_eq!(looked, got);
             prop_assert!((got - wanted).abs() < 1e-14 * 8.0, "{:?}: {} {}", kind, got, wanted);
             let got32 = f64::from(single.step(u as f32).unwrap());
-            prop_assert!((got32 - wanted).abs() < 32.0 * f64::from(f32::EPSILON) * 5.0, "{:?}: {} {}", kind, got32, wanted);
+            prop_assert!(
+                (got32 - wanted).abs() < 32.0 * f64::from(f32::EPSILON) * 5.0,
+                "{:?}: {} {}",
+                kind,
+                got32,
+                wanted
+            );
         }
     }
 
@@ -192,7 +198,12 @@ proptest! {
         let target = block.look(to);
         let reached = block.reach(output, target, [-5.0, 5.0], 0.5);
         prop_assert!(!reached.missed);
-        prop_assert!((reached.output - target).abs() <= 1e-14 * (1.0 + target.abs()), "{:?} {}", reached, target);
+        prop_assert!(
+            (reached.output - target).abs() <= 1e-14 * (1.0 + target.abs()),
+            "{:?} {}",
+            reached,
+            target
+        );
         prop_assert!((reached.voltage - to).abs() <= 1e-13, "{:?} {}", reached, to);
     }
 }

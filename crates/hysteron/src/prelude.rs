@@ -6,7 +6,10 @@
 //! use hysteron::prelude::*;
 //!
 //! fn main() -> Result<(), Error> {
-//! #   let source = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/piezo-p885-200hz/identification_1hz.csv");
+//! #   let source = concat!(
+//! #       env!("CARGO_MANIFEST_DIR"),
+//! #       "/../../examples/piezo-p885-200hz/identification_1hz.csv"
+//! #   );
 //! #   let folder = tempfile::tempdir().unwrap();
 //! #   std::env::set_current_dir(folder.path()).unwrap();
 //! #   std::fs::create_dir_all("examples/piezo-p885-200hz").unwrap();

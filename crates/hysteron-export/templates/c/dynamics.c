@@ -79,8 +79,9 @@ static void settle($name_state *state, real u, real v)
 //}
 }
 
-/* Virgin at `virgin`, moved to u without turning, and at rest there: *v is what the hysteresis puts out. 0 where that is out of range:
-   the state is as it was, or at rest at `virgin` where it was the move that failed. */
+/* Virgin at `virgin`, moved to u without turning, and at rest there: *v is what the hysteresis puts out. 0
+   where that is out of range: the state is as it was, or at rest at `virgin` where it was the move that
+   failed. */
 static int settle_after($name_state *state, real virgin, real u, real *v)
 {
     *v = hysteresis_at_rest($TUNED_FIRSTvirgin);

@@ -20,8 +20,9 @@ static reached reached_at(const $name_state *state, real voltage)
     return there;
 }
 
-/* The voltage from low to high, about the present one, to which one monotone move gives `target`: secants kept within a bracket (Illinois: M. Dowell,
-   P. Jarratt 1971, doi:10.1007/BF01934364), every third step a halving, at most $MOST_LOOKS looks. */
+/* The voltage from low to high, about the present one, to which one monotone move gives `target`: secants
+   kept within a bracket (Illinois: M. Dowell, P. Jarratt 1971, doi:10.1007/BF01934364), every third step a
+   halving, at most $MOST_LOOKS looks. */
 static reached reach(const $name_state *state, real target, real low, real high)
 {
 //{ moves_at_rest
@@ -101,7 +102,8 @@ static reached reach(const $name_state *state, real target, real low, real high)
     return F(fabs)(near.output - target) < F(fabs)(far.output - target) ? near : far;
 }
 
-/* What the hysteresis is to put out: a linear regulator with preview, counted from the last output v_1 so that a reference at rest is met exactly.
+/* What the hysteresis is to put out: a linear regulator with preview, counted from the last output v_1 so
+   that a reference at rest is met exactly.
    v = v_1 + sum recent (v_l - v_1) + sum k (x - v_1) + sum f (r - y_1). */
 static real wanted(const $name_state *state)
 {
@@ -241,5 +243,6 @@ $name_status $name_step($name_state *state, real reference, real *voltage)
     if (!there.missed) {
         return $NAME_OK;
     }
-    return there.voltage <= $NAME_VOLTAGE_LOW || there.voltage >= $NAME_VOLTAGE_HIGH ? $NAME_AT_RANGE : $NAME_AT_SLEW;
+    return there.voltage <= $NAME_VOLTAGE_LOW || there.voltage >= $NAME_VOLTAGE_HIGH ? $NAME_AT_RANGE
+                                                                                     : $NAME_AT_SLEW;
 }

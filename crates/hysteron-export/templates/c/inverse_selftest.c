@@ -1,4 +1,5 @@
-/* Self-test of $name: hysteron export's golden vectors, and what happens with bad numbers. Exit code 0: passed. */
+/* Self-test of $name: hysteron export's golden vectors, and what happens with bad numbers. Exit code 0:
+   passed. */
 #include <stdio.h>
 
 #include "$name.h"
@@ -6,13 +7,15 @@
 typedef $name_real real;
 
 #define SAMPLES $SAMPLES
-/* The first references last a sample each, those from here on so many: what they do has come out of the preview and of slow states then. */
+/* The first references last a sample each, those from here on so many: what they do has come out of the
+   preview and of slow states then. */
 #define HELD_FROM $HELD_FROM
 #define HOLD $HOLDL
 
 /* Voltage to rest at first [$INPUT_UNIT]. */
 static const real rest = $REST;
-/* References [$OUTPUT_UNIT], and the voltages [$INPUT_UNIT] at their ends that the library puts out in double precision. */
+/* References [$OUTPUT_UNIT], and the voltages [$INPUT_UNIT] at their ends that the library puts out in double
+   precision. */
 static const real references[SAMPLES] = {
 $REFERENCES
 };
@@ -38,8 +41,10 @@ static int passed(const char *what, int holds)
 /* Whether a voltage keeps to the limits after the one before, but for the rounding of a difference. */
 static int within_limits(real before, real voltage)
 {
-    const real rounding = R(4) * R(EPSILON) * ($NAME_VOLTAGE_HIGH - $NAME_VOLTAGE_LOW + difference($NAME_VOLTAGE_LOW, R(0)));
-    return voltage >= $NAME_VOLTAGE_LOW && voltage <= $NAME_VOLTAGE_HIGH && difference(voltage, before) <= $NAME_VOLTAGE_STEP + rounding;
+    const real rounding =
+        R(4) * R(EPSILON) * ($NAME_VOLTAGE_HIGH - $NAME_VOLTAGE_LOW + difference($NAME_VOLTAGE_LOW, R(0)));
+    return voltage >= $NAME_VOLTAGE_LOW && voltage <= $NAME_VOLTAGE_HIGH
+        && difference(voltage, before) <= $NAME_VOLTAGE_STEP + rounding;
 }
 
 /* Along the golden references. */

@@ -1,4 +1,5 @@
-/* Everything the compensator remembers. The caller's: static, on the stack, one for each device. Its members are nobody else's business. */
+/* Everything the compensator remembers. The caller's: static, on the stack, one for each device. Its members
+   are nobody else's business. */
 typedef struct {
     $name_real offset;       /* constant of the displacement */
     $name_real voltage;      /* last voltage */

@@ -21,8 +21,8 @@ typedef enum {
     $NAME_AT_RANGE = 1,
     /* The largest change from one sample to the next holds the drive back. */
     $NAME_AT_SLEW = 2,
-    /* A number handed in is infinite or not a number, or a reference so large that no voltage follows. In a step the last reference that was finite
-       is followed on; the other calls leave the state as it was. */
+    /* A number handed in is infinite or not a number, or a reference so large that no voltage follows. In a
+       step the last reference that was finite is followed on; the other calls leave the state as it was. */
     $NAME_NOT_FINITE = -1,
     /* The hysteresis leaves the range that can be computed with: the voltage stays as it was. */
     $NAME_OVERFLOW = -2

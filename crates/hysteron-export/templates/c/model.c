@@ -81,7 +81,8 @@ $name_status $name_step($name_state *state, real voltage, real *displacement)
         return $NAME_OVERFLOW;
     }
 //{ means
-    /* A polygon through what enters the dynamics has the means of v: a straight line leaves out two thirds of what is between (Simpson). */
+    /* A polygon through what enters the dynamics has the means of v: a straight line leaves out two thirds of
+       what is between (Simpson). */
     {
         const real left_out = R(2/3) * (middle - R(0.5) * (state->last_v + v));
         state->last_v = v;

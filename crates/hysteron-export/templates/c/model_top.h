@@ -9,18 +9,20 @@ extern "C" {
 /* The number type of everything in here. */
 typedef $real $name_real;
 
-/* What a call has come to. 0 and above: there is a result. Below 0: the state is what it was, and the result handed back is that of the
-   last call that had one. */
+/* What a call has come to. 0 and above: there is a result. Below 0: the state is what it was, and the result
+   handed back is that of the last call that had one. */
 typedef enum {
     $NAME_OK = 0,
 //{ range
-    /* There is a result, but the voltage lies outside of the range that the model was identified in ($NAME_VOLTAGE_LOW to
-       $NAME_VOLTAGE_HIGH and a hundredth of it to either side): the model extrapolates. */
+    /* There is a result, but the voltage lies outside of the range that the model was identified in
+       ($NAME_VOLTAGE_LOW to $NAME_VOLTAGE_HIGH and a hundredth of it to either side): the model
+       extrapolates. */
     $NAME_EXTRAPOLATED = 1,
 //}
     /* A voltage or a displacement is infinite or not a number. */
     $NAME_NOT_FINITE = -1,
-    /* The hysteresis leaves the range that can be computed with (above 1e$LARGEST_EXPONENT): a voltage out of all reason. */
+    /* The hysteresis leaves the range that can be computed with (above 1e$LARGEST_EXPONENT): a voltage out of
+       all reason. */
     $NAME_OVERFLOW = -2
 } $name_status;
 

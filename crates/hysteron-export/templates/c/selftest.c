@@ -1,4 +1,5 @@
-/* Self-test of $name: hysteron export's golden vectors, and what happens with bad numbers. Exit code 0: passed. */
+/* Self-test of $name: hysteron export's golden vectors, and what happens with bad numbers. Exit code 0:
+   passed. */
 #include <stdio.h>
 
 #include "$name.h"
@@ -6,11 +7,13 @@
 typedef $name_real real;
 
 #define SAMPLES $SAMPLES
-/* The first voltages last a sample each, those from here on so many: what they do has come out of the delay and of slow states then. */
+/* The first voltages last a sample each, those from here on so many: what they do has come out of the delay
+   and of slow states then. */
 #define HELD_FROM $HELD_FROM
 #define HOLD $HOLDL
 
-/* Voltages [$INPUT_UNIT], and the displacements [$OUTPUT_UNIT] at their ends that the library puts out in double precision. */
+/* Voltages [$INPUT_UNIT], and the displacements [$OUTPUT_UNIT] at their ends that the library puts out in
+   double precision. */
 static const real voltages[SAMPLES] = {
 $VOLTAGES
 };
@@ -93,10 +96,12 @@ static int bad_numbers(void)
         if (k % 7 == 0) {
             const real u = bad[(k / 7) % 3];
             same = same && $name_step(&state, u, &held) == $NAME_NOT_FINITE && !(difference(held, y) > zero);
-            same = same && $name_rest_at(&state, u, &held) == $NAME_NOT_FINITE && !(difference(held, y) > zero);
+            same = same && $name_rest_at(&state, u, &held) == $NAME_NOT_FINITE
+                && !(difference(held, y) > zero);
             same = same && $name_start_at(&state, voltages[k], u) == $NAME_NOT_FINITE;
 //{ refuses_largest
-            same = same && $name_step(&state, R(MAX), &held) == $NAME_OVERFLOW && !(difference(held, y) > zero);
+            same = same && $name_step(&state, R(MAX), &held) == $NAME_OVERFLOW
+                && !(difference(held, y) > zero);
 //}
         }
     }

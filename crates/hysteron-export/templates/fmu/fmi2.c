@@ -14,7 +14,8 @@ static void forward(void *environment, const char *name, const char *message, in
 {
     const instance *own = environment;
     if (own->logger != NULL) {
-        own->logger(own->common.log_function, name, is_error ? fmi2Error : fmi2Warning, "model", "%s", message);
+        own->logger(own->common.log_function, name, is_error ? fmi2Error : fmi2Warning, "model", "%s",
+                    message);
     }
 }
 
@@ -28,14 +29,16 @@ FMU_EXPORT const char *fmi2GetVersion(void)
     return "2.0";
 }
 
-FMU_EXPORT fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[])
+FMU_EXPORT fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n,
+                                          const fmi2String categories[])
 {
     (void)c, (void)on, (void)n, (void)categories;
     return fmi2OK;
 }
 
 FMU_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token, fmi2String place,
-                                         const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging)
+                                         const fmi2CallbackFunctions *functions, fmi2Boolean visible,
+                                         fmi2Boolean logging)
 {
     fmu_instance *common;
     instance *own;
@@ -63,8 +66,8 @@ FMU_EXPORT void fmi2FreeInstance(fmi2Component c)
     free(c);
 }
 
-FMU_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance, fmi2Real start,
-                                          fmi2Boolean has_stop, fmi2Real stop)
+FMU_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance,
+                                          fmi2Real start, fmi2Boolean has_stop, fmi2Real stop)
 {
     (void)has_tolerance, (void)tolerance, (void)has_stop, (void)stop;
     fmu_begin(c, start);
@@ -93,27 +96,31 @@ FMU_EXPORT fmi2Status fmi2Reset(fmi2Component c)
     return fmi2OK;
 }
 
-FMU_EXPORT fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference references[], size_t n, fmi2Real values[])
+FMU_EXPORT fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference references[], size_t n,
+                                  fmi2Real values[])
 {
     return STATUS(fmu_get_all(c, references, n, values));
 }
 
-FMU_EXPORT fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference references[], size_t n, const fmi2Real values[])
+FMU_EXPORT fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference references[], size_t n,
+                                  const fmi2Real values[])
 {
     return STATUS(fmu_set_all(c, references, n, values));
 }
 
-FMU_EXPORT fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference references[], size_t n, fmi2Integer values[])
+FMU_EXPORT fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference references[], size_t n,
+                                     fmi2Integer values[])
 {
     return STATUS(fmu_get_status(c, references, n, values));
 }
 
 /* There are no variables of the other types: nothing to get or set but of none. */
-#define NONE_OF_A_TYPE(name, type)                                                                                  \
-    FMU_EXPORT fmi2Status name(fmi2Component c, const fmi2ValueReference references[], size_t n, type values[])     \
-    {                                                                                                               \
-        (void)references, (void)values;                                                                             \
-        return STATUS(n == 0 || fmu_fail(c, #name ": there is no such variable"));                                  \
+#define NONE_OF_A_TYPE(name, type)                                                               \
+    FMU_EXPORT fmi2Status name(fmi2Component c, const fmi2ValueReference references[], size_t n, \
+                               type values[])                                                    \
+    {                                                                                            \
+        (void)references, (void)values;                                                          \
+        return STATUS(n == 0 || fmu_fail(c, #name ": there is no such variable"));               \
     }
 NONE_OF_A_TYPE(fmi2GetBoolean, fmi2Boolean)
 NONE_OF_A_TYPE(fmi2GetString, fmi2String)
@@ -146,33 +153,37 @@ FMU_EXPORT fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate s
     return fmi2OK;
 }
 
-FMU_EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
+FMU_EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[],
+                                            size_t size)
 {
     return STATUS(fmu_write(c, state, bytes, size));
 }
 
-FMU_EXPORT fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state)
+FMU_EXPORT fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size,
+                                              fmi2FMUstate *state)
 {
     return STATUS(fmu_read(c, bytes, size, state));
 }
 
-FMU_EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknowns[], size_t n_unknowns,
-                                                   const fmi2ValueReference knowns[], size_t n_knowns, const fmi2Real seed[],
+FMU_EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknowns[],
+                                                   size_t n_unknowns, const fmi2ValueReference knowns[],
+                                                   size_t n_knowns, const fmi2Real seed[],
                                                    fmi2Real sensitivity[])
 {
     (void)unknowns, (void)n_unknowns, (void)knowns, (void)n_knowns, (void)seed, (void)sensitivity;
     return STATUS(fmu_fail(c, "derivatives are not provided"));
 }
 
-FMU_EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference references[], size_t n,
-                                                  const fmi2Integer orders[], const fmi2Real values[])
+FMU_EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference references[],
+                                                  size_t n, const fmi2Integer orders[],
+                                                  const fmi2Real values[])
 {
     (void)references, (void)orders, (void)values;
     return STATUS(n == 0 || fmu_fail(c, "inputs are held over a communication step"));
 }
 
-FMU_EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference references[], size_t n,
-                                                   const fmi2Integer orders[], fmi2Real values[])
+FMU_EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference references[],
+                                                   size_t n, const fmi2Integer orders[], fmi2Real values[])
 {
     (void)references, (void)orders, (void)values;
     return STATUS(n == 0 || fmu_fail(c, "derivatives are not provided"));

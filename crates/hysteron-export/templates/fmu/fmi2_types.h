@@ -1,4 +1,5 @@
-/* The types of FMI 2.0 for co-simulation, after the standard (fmi-standard.org). Written by hysteron export. */
+/* The types of FMI 2.0 for co-simulation, after the standard (fmi-standard.org). Written by hysteron
+   export. */
 #ifndef FMI2_TYPES_H
 #define FMI2_TYPES_H
 
@@ -16,7 +17,8 @@ typedef const char *fmi2String;
 typedef enum { fmi2OK, fmi2Warning, fmi2Discard, fmi2Error, fmi2Fatal, fmi2Pending } fmi2Status;
 typedef enum { fmi2ModelExchange, fmi2CoSimulation } fmi2Type;
 typedef enum { fmi2DoStepStatus, fmi2PendingStatus, fmi2LastSuccessfulTime, fmi2Terminated } fmi2StatusKind;
-typedef void (*fmi2CallbackLogger)(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String, ...);
+typedef void (*fmi2CallbackLogger)(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String,
+                                   ...);
 typedef struct {
     fmi2CallbackLogger logger;
     void *(*allocateMemory)(size_t, size_t);

@@ -1,7 +1,9 @@
-/* What an instance of the FMU holds and does, the same for every version of the interface. Written by hysteron export.
+/* What an instance of the FMU holds and does, the same for every version of the interface. Written by
+ * hysteron export.
  *
- * Sample k is taken at the time start + k/rate with the input set before the communication step that begins at or before it; a communication
- * step from t to t + H takes all samples with t <= time < t + H, so that the output at t + H is that of the last of them. */
+ * Sample k is taken at the time start + k/rate with the input set before the communication step that begins
+ * at or before it; a communication step from t to t + H takes all samples with t <= time < t + H, so that
+ * the output at t + H is that of the last of them. */
 #ifndef FMU_INSTANCE_H
 #define FMU_INSTANCE_H
 
@@ -19,7 +21,14 @@
 #define FMU_TOKEN "$TOKEN"
 
 /* Numbers of the variables; parameters follow. */
-enum { FMU_TIME = 0, FMU_INPUT = 1, FMU_OUTPUT = 2, FMU_STATUS = 3, FMU_DISPLACEMENT = 4, FMU_REST_VOLTAGE = 5 };
+enum {
+    FMU_TIME = 0,
+    FMU_INPUT = 1,
+    FMU_OUTPUT = 2,
+    FMU_STATUS = 3,
+    FMU_DISPLACEMENT = 4,
+    FMU_REST_VOLTAGE = 5
+};
 
 typedef enum { FMU_INSTANTIATED, FMU_INITIALIZING, FMU_STEPPING, FMU_TERMINATED } fmu_phase;
 
@@ -161,7 +170,8 @@ static int fmu_settle(fmu_instance *fmu)
     fmu->now.status = (int)$name_rest_at(&fmu->now.model, ($name_real)fmu->now.input, &y);
     fmu->now.output = (double)y;
 //}
-    return fmu->now.status >= (int)$NAME_OK || fmu_fail(fmu, "the model cannot rest at the voltage it is to start at");
+    return fmu->now.status >= (int)$NAME_OK
+           || fmu_fail(fmu, "the model cannot rest at the voltage it is to start at");
 }
 
 static int fmu_step(fmu_instance *fmu, double time, double length)

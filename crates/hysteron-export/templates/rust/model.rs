@@ -216,11 +216,13 @@ impl Memory {
         let operator = Operator::SidedPlays { plays, states: &mut self.plays };
 //}
 //{ activated
-        let plays = ActivatedPlays::new((SIGMA, INTERVAL), RANGE, &THRESHOLD, &SLOPE).map_err(|_| ModelError::Coefficient)?;
+        let plays = ActivatedPlays::new((SIGMA, INTERVAL), RANGE, &THRESHOLD, &SLOPE)
+            .map_err(|_| ModelError::Coefficient)?;
         let operator = Operator::ActivatedPlays { plays, states: &mut self.plays };
 //}
 //{ plane
-        let plane = Plane::new([LOWEST, HIGHEST], $N_INTERVALS, &EVERETT).map_err(|_| ModelError::Coefficient)?;
+        let plane = Plane::new([LOWEST, HIGHEST], $N_INTERVALS, &EVERETT)
+            .map_err(|_| ModelError::Coefficient)?;
         let operator = Operator::Plane { plane, turns: Turns::new(&mut self.turns) };
 //}
         let hysteresis = Hysteresis::new(&POLYNOMIAL, operator)?;

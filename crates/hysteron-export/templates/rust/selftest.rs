@@ -43,7 +43,9 @@ fn bad_numbers_are_refused_and_leave_no_trace() {
     for u in VOLTAGES {
         assert_eq!(model.step(u), twin.step(u));
         for bad in [Real::NAN, Real::INFINITY, Real::NEG_INFINITY] {
-            assert!(model.step(bad).is_err() && model.rest_at(bad).is_err() && model.start_at(u, bad).is_err());
+            assert!(
+                model.step(bad).is_err() && model.rest_at(bad).is_err() && model.start_at(u, bad).is_err()
+            );
         }
     }
 }

@@ -1,4 +1,5 @@
-/* Reads calls, three doubles each (which, and two numbers), and writes two doubles each: the status and the output. */
+/* Reads calls, three doubles each (which, and two numbers), and writes two doubles each: the status and the
+   output. */
 #include <stdio.h>
 
 #include "MODEL.h"

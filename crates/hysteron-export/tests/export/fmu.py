@@ -1,4 +1,5 @@
-"""FMPy's judgement of an exported FMU: fmu.py UNIT.fmu RECORD.csv RATE TOLERANCE (columns t, u, y of the library; row 0: at rest)."""
+"""FMPy's judgement of an exported FMU: fmu.py UNIT.fmu RECORD.csv RATE TOLERANCE (columns t, u, y of the
+library; row 0: at rest)."""
 
 import sys
 
@@ -14,10 +15,11 @@ t, u, y = np.loadtxt(record, delimiter=",", unpack=True)
 problems = validate_fmu(path)
 assert not problems, problems
 
-# The whole record, at the model's rate; FMPy hands over inputs by straight lines, at communication points exactly.
+# The whole record, at the model's rate; FMPy hands over inputs by straight lines, at communication points
+# exactly.
 signals = np.array(list(zip(t, u)), dtype=[("time", float), ("voltage", float)])
-result = simulate_fmu(path, start_time=t[0], stop_time=t[-1], step_size=1 / rate, output_interval=1 / rate, input=signals,
-                      output=["displacement", "status"], validate=True)
+result = simulate_fmu(path, start_time=t[0], stop_time=t[-1], step_size=1 / rate, output_interval=1 / rate,
+                      input=signals, output=["displacement", "status"], validate=True)
 # The displacement at t[k + 1] is that of sample k; at t[0], the one at rest.
 assert len(result) == len(t), (len(result), len(t))
 first = abs(result["displacement"][0] - y[0])
@@ -28,7 +30,8 @@ assert set(np.unique(result["status"])) == {0}
 description = read_model_description(path)
 folder = extract(path)
 kind = FMU2Slave if description.fmiVersion == "2.0" else FMU3Slave
-unit = kind(guid=description.guid, modelIdentifier=description.coSimulation.modelIdentifier, unzipDirectory=folder, instanceName="one")
+unit = kind(guid=description.guid, modelIdentifier=description.coSimulation.modelIdentifier,
+            unzipDirectory=folder, instanceName="one")
 at = {v.name: v.valueReference for v in description.modelVariables}
 get = (lambda r: unit.getReal([r])[0]) if kind is FMU2Slave else (lambda r: unit.getFloat64([r])[0])
 put = (lambda r, x: unit.setReal([r], [x])) if kind is FMU2Slave else (lambda r, x: unit.setFloat64([r], [x]))
@@ -114,4 +117,5 @@ unit.terminate()
 unit.freeInstance()
 units = {v.name: v.unit for v in description.modelVariables}
 assert units["voltage"] == "V" and units["displacement"] == "um", units
-print(f"FMI {description.fmiVersion}: valid; {len(t)} samples, largest difference {worst:.1e} um, allowed {tolerance:.1e} um")
+print(f"FMI {description.fmiVersion}: valid; {len(t)} samples, largest difference {worst:.1e} um, "
+      f"allowed {tolerance:.1e} um")

@@ -1,4 +1,5 @@
-"""FMPy's judgement of an exported inverse: fmu_inverse.py UNIT.fmu RECORD.csv RATE TOLERANCE REST LOW HIGH STEP (columns r, u of the library; nan: not known)."""
+"""FMPy's judgement of an exported inverse: fmu_inverse.py UNIT.fmu RECORD.csv RATE TOLERANCE REST LOW HIGH
+STEP (columns r, u of the library; nan: not known)."""
 
 import sys
 
@@ -15,7 +16,8 @@ problems = validate_fmu(path)
 assert not problems, problems
 description = read_model_description(path)
 old = description.fmiVersion == "2.0"
-unit = (FMU2Slave if old else FMU3Slave)(guid=description.guid, modelIdentifier=description.coSimulation.modelIdentifier,
+unit = (FMU2Slave if old else FMU3Slave)(guid=description.guid,
+                                         modelIdentifier=description.coSimulation.modelIdentifier,
                                          unzipDirectory=extract(path), instanceName="one")
 at = {v.name: v.valueReference for v in description.modelVariables}
 get = (lambda n: unit.getReal([at[n]])[0]) if old else (lambda n: unit.getFloat64([at[n]])[0])
@@ -56,11 +58,13 @@ wild[::7] = np.nan
 wild[3::11] = np.inf
 wild[5::13] = 1e300
 driven = run(wild)
-assert np.all((driven >= low) & (driven <= high)) and np.max(np.abs(np.diff(driven))) <= step * (1 + 1e-5), "within the limits"
+within = np.all((driven >= low) & (driven <= high)) and np.max(np.abs(np.diff(driven))) <= step * (1 + 1e-5)
+assert within, "within the limits"
 run([np.nan], len(r))
 assert status() == -1
 units = {v.name: v.unit for v in description.modelVariables}
 assert units["reference"] == "um" and units["voltage"] == "V" and units["displacement"] == "um", units
 unit.terminate()
 unit.freeInstance()
-print(f"FMI {description.fmiVersion}: valid; {len(r)} samples, largest difference {worst:.1e} V, allowed {tolerance:.1e} V")
+print(f"FMI {description.fmiVersion}: valid; {len(r)} samples, largest difference {worst:.1e} V, "
+      f"allowed {tolerance:.1e} V")

@@ -1,6 +1,7 @@
-/* The example loop with the exported model as its stage: driven to a peak and back, the power is cycled at that voltage, and the loop starts again.
-   Arguments: peak, voltage at the cycle, whether it is known afterwards, reference, samples. Prints the largest step [V], the displacement, and the
-   alarms of the last quarter. */
+/* The example loop with the exported model as its stage: driven to a peak and back, the power is cycled at
+   that voltage, and the loop starts again. Arguments: peak, voltage at the cycle, whether it is known
+   afterwards, reference, samples. Prints the largest step [V], the displacement, and the alarms of the last
+   quarter. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -62,7 +63,8 @@ static void go_to(double voltage)
     int k;
     while ((double)put_out < voltage || (double)put_out > voltage) {
         const double left = voltage - (double)put_out;
-        put_out = (MODEL_real)(left > 0.5 ? (double)put_out + 0.5 : left < -0.5 ? (double)put_out - 0.5 : voltage);
+        put_out = (MODEL_real)(left > 0.5    ? (double)put_out + 0.5
+                               : left < -0.5 ? (double)put_out - 0.5 : voltage);
         wait_for_tick();
     }
     for (k = 0; k < 20000; k++) {

@@ -49,7 +49,8 @@ pub fn run(folder: &Path, program: impl AsRef<std::ffi::OsStr>, arguments: &[&st
 /// state, which take a gigabyte.
 pub fn workspace_of(members: &[String]) -> String {
     format!(
-        "[workspace]\nresolver = \"3\"\nmembers = [{}]\n\n[profile.dev]\ndebug = false\nincremental = false\n",
+        "[workspace]\nresolver = \"3\"\nmembers = [{}]\n\n\
+         [profile.dev]\ndebug = false\nincremental = false\n",
         members.join(", ")
     )
 }

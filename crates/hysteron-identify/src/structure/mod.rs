@@ -119,8 +119,8 @@ impl<'a> Selection<'a> {
     }
 }
 
-/// Compares candidates on a campaign. Structure, algorithm and demands in `options` are ignored. Where `watch`
-/// has a time limit ([`Watch::within`]), the comparison is of what is finished by then.
+/// Compares candidates on a campaign. Structure, algorithm and demands in `options` are ignored. Where
+/// `watch` has a time limit ([`Watch::within`]), the comparison is of what is finished by then.
 ///
 /// # Errors
 /// [`IdentifyError`]. A candidate that cannot be fitted is no error: see [`Entry::failures`].

@@ -79,7 +79,8 @@ proptest! {
             (45.0 * (at(1) - at(-1)) - 9.0 * (at(2) - at(-2)) + at(3) - at(-3)) / 60.0
         };
         let work: f64 = (0..count).map(|k| u[k] * slope(&y, k)).sum();
-        let viscous: f64 = (0..count).map(|k| slope(&y, k).powi(2)).sum::<f64>() * p.damping * count as f64 / period;
+        let viscous: f64 =
+            (0..count).map(|k| slope(&y, k).powi(2)).sum::<f64>() * p.damping * count as f64 / period;
         prop_assert!(work > 0.9 * viscous, "work {work}, dissipated by damping {viscous}");
     }
 }

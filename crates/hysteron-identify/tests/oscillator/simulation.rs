@@ -135,9 +135,8 @@ fn what_cannot_be_simulated_is_refused() {
         ("n", Oscillator { n: 0.5, ..BENCHMARK }),
         ("gamma", Oscillator { gamma: f64::NAN, ..BENCHMARK }),
     ] {
-        assert!(
-            matches!(run(bad, Start::AsIdentified, 8), SimulationError::Parameter { name: n, .. } if n == name)
-        );
+        assert!(matches!(run(bad, Start::AsIdentified, 8),
+            SimulationError::Parameter { name: n, .. } if n == name));
     }
     // Hardening of higher order, pushed far: z is infinite after a finite way.
     let hardening = Oscillator { beta: 0.0, gamma: -10.0, n: 2.0, ..BENCHMARK };

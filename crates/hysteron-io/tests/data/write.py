@@ -1,4 +1,5 @@
-"""Writes the arrays of this folder and some HDF5 files; they were written with numpy 2 and h5py 3. The TDMS files are some of ../oracle/tdms.py."""
+"""Writes the arrays of this folder and some HDF5 files; they were written with numpy 2 and h5py 3. The TDMS
+files are some of ../oracle/tdms.py."""
 import h5py
 import numpy as np
 
@@ -8,7 +9,8 @@ y = np.asfortranarray(np.arange(-1, 4, dtype=np.int16).reshape(5, 1))
 valid = np.array([1, 1, 0, 1, 1], dtype=bool)
 np.savez("numpy_savez.npz", u_V=u, y_um=y, valid=valid, fs=1000, note="bench 3")
 np.savez_compressed("numpy_savez_compressed.npz", t_s=t, u_V=u, y_um=y, valid=valid)
-fields = np.zeros(5, dtype=np.dtype([("t_s", "f8"), ("valid", "?"), ("u_V", ">f4"), ("y_um", "i2")], align=True))
+kinds = np.dtype([("t_s", "f8"), ("valid", "?"), ("u_V", ">f4"), ("y_um", "i2")], align=True)
+fields = np.zeros(5, dtype=kinds)
 fields["t_s"], fields["u_V"], fields["y_um"], fields["valid"] = t, u, y[:, 0], valid
 np.save("numpy_structured.npy", fields)
 
@@ -36,7 +38,8 @@ with h5py.File("unwritten.h5", "w") as file:
 with h5py.File("deep.h5", "w") as file:
     file["u_V"], file["y_um"] = np.arange(5.0), np.arange(5.0) ** 2
     file["/".join(f"g{level}" for level in range(40)) + "/w_V"] = np.arange(5.0)
-# MATLAB's cells: one that refers to the array it stands in, one to nothing; and classes that are no arrays of numbers.
+# MATLAB's cells: one that refers to the array it stands in, one to nothing; and classes that are no arrays of
+# numbers.
 with h5py.File("cells_7.3.mat", "w", userblock_size=512) as file:
     refs = file.create_group("#refs#")
     classed = lambda data, name: data.attrs.__setitem__("MATLAB_class", np.bytes_(name))

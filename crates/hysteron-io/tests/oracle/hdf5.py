@@ -34,7 +34,8 @@ def numbers(dtype, count):
     if kind.kind == "b":
         return random.normal(size=count) > 0
     info = np.iinfo(kind)
-    return random.integers(info.min, info.max, count, dtype=kind.newbyteorder("="), endpoint=True).astype(dtype)
+    native = kind.newbyteorder("=")
+    return random.integers(info.min, info.max, count, dtype=native, endpoint=True).astype(dtype)
 
 
 count = 0

@@ -1,4 +1,5 @@
-"""What afmformats reads from the JPK archives of its source distribution, and from those archives written anew in other ways.
+"""What afmformats reads from the JPK archives of its source distribution, and from those archives written
+anew in other ways.
 
 python jpk.py FOLDER has pip download the source distribution of the installed version (or takes that of
 AFMFORMATS_SOURCE), unpacks its archives into FOLDER, writes the others beside them, and FOLDER/expected.json.

@@ -84,8 +84,12 @@ for index in range(12):
         several[k] = (numbers("f8", 5 + k), "um")
     cells = np.empty(2, dtype=object)
     cells[:] = [numbers("f8", 4), inner]
-    held = {"rec": inner, "signals": several, "runs": cells, "c": numbers("f8", 4) * 1j, "yes": numbers("f8", 6) > 0}
-    scipy.io.savemat(folder / name, held, do_compression=bool(index % 2), oned_as=["row", "column"][index // 2 % 2])
+    held = {
+        "rec": inner, "signals": several, "runs": cells, "c": numbers("f8", 4) * 1j,
+        "yes": numbers("f8", 6) > 0,
+    }
+    oned_as = ["row", "column"][index // 2 % 2]
+    scipy.io.savemat(folder / name, held, do_compression=bool(index % 2), oned_as=oned_as)
     add(name)
 
 own = Path(scipy.io.matlab.__file__).parent / "tests/data"

@@ -1,4 +1,5 @@
-"""Files in the layout of MATLAB 7.3, by h5py and by hdf5storage, and what mat73 and hdf5storage read from them.
+"""Files in the layout of MATLAB 7.3, by h5py and by hdf5storage, and what mat73 and hdf5storage read from
+them.
 
 python matlab73.py FOLDER writes the files into FOLDER and FOLDER/expected.json.
 """
@@ -50,7 +51,8 @@ class Empty:
 
 
 class Matlab:
-    """A file that is filled as MATLAB fills it: cells and elements of arrays of structures stand in #refs#."""
+    """A file that is filled as MATLAB fills it: cells and elements of arrays of structures stand
+    in #refs#."""
 
     def __init__(self, file):
         self.file = file
@@ -85,7 +87,8 @@ class Matlab:
             own.attrs["MATLAB_class"] = np.bytes_(value.kind)
             own.attrs["MATLAB_empty"] = np.uint8(1)
         elif isinstance(value, str):
-            own = group.create_dataset(name, data=np.frombuffer(value.encode("utf-16-le"), "u2").reshape(-1, 1))
+            letters = np.frombuffer(value.encode("utf-16-le"), "u2").reshape(-1, 1)
+            own = group.create_dataset(name, data=letters)
             own.attrs["MATLAB_class"] = np.bytes_("char")
             own.attrs["MATLAB_int_decode"] = np.int32(2)
         else:
@@ -169,14 +172,17 @@ TREES = [
     lambda: {"runs": [numbers(), numbers(), "note", numbers()], "y_um": numbers("f8")},
     lambda: {"runs": [{"u": numbers(), "y": numbers()}, {"u": numbers(), "y": numbers()}]},
     lambda: {"deep": [[numbers(), [numbers(), {"a": [numbers()]}]], signals(2)]},
-    lambda: {"s": Structures([{"in": {"c": [numbers(), numbers()]}} for _ in range(4)]), "u_V": numbers("f8")},
+    lambda: {
+        "s": Structures([{"in": {"c": [numbers(), numbers()]}} for _ in range(4)]), "u_V": numbers("f8")
+    },
     lambda: {"long": [numbers() for _ in range(30)]},
 ]
 EMPTY = {"none": Empty("double"), "cells": Empty("cell"), "records": Empty("struct"), "text": Empty("char")}
 for index in range(60):
     tree = TREES[index % len(TREES)]()
     path = folder / f"h5py_{index}.mat"
-    with h5py.File(path, "w", userblock_size=512, libver=["earliest", "latest"][index // len(TREES) % 2]) as file:
+    libver = ["earliest", "latest"][index // len(TREES) % 2]
+    with h5py.File(path, "w", userblock_size=512, libver=libver) as file:
         matlab = Matlab(file)
         for name, value in (tree | EMPTY).items():
             matlab.put(file, name, value)
@@ -186,7 +192,8 @@ for index in range(60):
 
 
 def stored(value):
-    """A value as hdf5storage takes it: cells are arrays of objects, arrays of structures have named fields."""
+    """A value as hdf5storage takes it: cells are arrays of objects, arrays of structures have named
+    fields."""
     if isinstance(value, dict):
         return {key: stored(inner) for key, inner in value.items()}
     if isinstance(value, Structures):

@@ -123,7 +123,8 @@ def by_xlsxwriter(path, sheets, date1904=False, streamed=False, decorated=False)
 
 
 def decorate(book, sheet, own):
-    """What stands beside the numbers of a sheet: a table, a remark, a picture of the numbers, rules of colour."""
+    """What stands beside the numbers of a sheet: a table, a remark, a picture of the numbers, rules of
+    colour."""
     rows = max(row for row, _ in own.cells)
     columns = max(column for _, column in own.cells)
     headers = [{"header": own.cells[1, column]} for column in range(1, columns + 1)]

@@ -1,4 +1,5 @@
-"""Workbooks that pandas, openpyxl, XlsxWriter and PyExcelerate write, and what pandas and openpyxl read from them.
+"""Workbooks that pandas, openpyxl, XlsxWriter and PyExcelerate write, and what pandas and openpyxl read from
+them.
 
 python xlsx.py FOLDER writes the files and FOLDER/expected.json.
 """
@@ -206,7 +207,8 @@ FORMATS = [
 
 
 def variants():
-    """Sheets, what is compared of them, and what must be refused; names of programs that cannot write them."""
+    """Sheets, what is compared of them, and what must be refused; names of programs that cannot write
+    them."""
     for headers in HEADERS:
         yield "headers", *plain(zip(headers, ([k / 8 for k in range(12)], doubles(), doubles()))), (), ()
     for name in SHEETS:

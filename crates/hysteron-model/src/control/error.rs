@@ -31,7 +31,11 @@ pub enum ControlError {
     #[error(transparent)]
     Runtime(#[from] ModelError<f64>),
     /// The sine is too slow to be played.
-    #[error("a sine of {} Hz is too long to be played: the lowest at this sample rate has {} Hz", short(*frequency_hz), short(*lowest_hz))]
+    #[error(
+        "a sine of {} Hz is too long to be played: the lowest at this sample rate has {} Hz",
+        short(*frequency_hz),
+        short(*lowest_hz)
+    )]
     Sine {
         /// Its frequency \[Hz\].
         frequency_hz: f64,

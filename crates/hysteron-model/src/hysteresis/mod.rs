@@ -74,8 +74,8 @@ pub use preisach::{DensityLaw, Preisach, PreisachDensity};
 pub use rate_dependent_plays::RateDependentPlays;
 pub use song_der_kiureghian::SongDerKiureghian;
 
-/// The list of families, in the order in which they are shown to users, the article's first. A new one is a line here, its own
-/// file with its `mod`, and the law of its moves in `hysteron-rt`.
+/// The list of families, in the order in which they are shown to users, the article's first. A new one is
+/// a line here, its own file with its `mod`, and the law of its moves in `hysteron-rt`.
 static FAMILIES: &[&dyn family::ColumnOperators] = &[
     &bouc_wen::Entry,
     &prandtl_ishlinskii::Entry,

@@ -52,7 +52,10 @@ pub enum ModelFileError {
     #[error(transparent)]
     Modes(#[from] AxesError),
     /// The file is of a version this program does not know.
-    #[error("version: this program reads versions 1 and {VERSION}, found {}", found.as_deref().unwrap_or("no such key"))]
+    #[error(
+        "version: this program reads versions 1 and {VERSION}, found {}",
+        found.as_deref().unwrap_or("no such key")
+    )]
     UnknownVersion {
         /// The value found, as JSON.
         found: Option<String>,

@@ -219,7 +219,9 @@ impl Inspection {
                      them as they are; what needs one rate takes the record resampled.",
                     self.segments.len()
                 );
-                findings.push(Finding::new(FindingKind::Verdict, "record", text).with_advice(Advice::Resample));
+                findings.push(
+                    Finding::new(FindingKind::Verdict, "record", text).with_advice(Advice::Resample),
+                );
             }
             TimeBase::NonUniform { .. } => findings.push(warning(format!(
                 "The time stamps are not uniform (longest distance {} times the median): a Hammerstein model \
@@ -227,9 +229,11 @@ impl Inspection {
                  resampled, or the rate if the stamps are only written coarsely.",
                 self.largest_gap.map_or("unknown".to_string(), |g| format!("{g:.3}"))
             )).with_advice(Advice::Resample)),
-            TimeBase::Uniform { jitter_samples, .. } if *jitter_samples > 0.01 => findings.push(warning(format!(
-                "The time stamps scatter by up to {jitter_samples:.3} of a sample about a uniform grid."
-            ))),
+            TimeBase::Uniform { jitter_samples, .. } if *jitter_samples > 0.01 => {
+                findings.push(warning(format!(
+                    "The time stamps scatter by up to {jitter_samples:.3} of a sample about a uniform grid."
+                )));
+            }
             TimeBase::Uniform { .. } => {}
         }
         if let Some(shape) = &self.loop_shape {

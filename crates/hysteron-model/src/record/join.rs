@@ -179,10 +179,12 @@ mod tests {
             masked in any::<bool>(),
         ) {
             let n = steps.len() + 1;
-            let times: Vec<f64> = std::iter::once(0.0).chain(steps.iter().scan(0.0, |t, step| {
-                *t += step;
-                Some(*t)
-            })).collect();
+            let times: Vec<f64> = std::iter::once(0.0)
+                .chain(steps.iter().scan(0.0, |t, step| {
+                    *t += step;
+                    Some(*t)
+                }))
+                .collect();
             let time = match rate {
                 Some(rate) => TimeBase::uniform(rate),
                 None => TimeBase::from_times("r", times).unwrap(),
@@ -212,7 +214,8 @@ mod tests {
                 }
                 _ => 0.0,
             };
-            let allowed = parts.iter().map(|part| moved(&part.time)).fold(0.0, f64::max) + moved(&joined.time);
+            let allowed =
+                parts.iter().map(|part| moved(&part.time)).fold(0.0, f64::max) + moved(&joined.time);
             for k in 0..n {
                 let (t, before) = (joined.time.time_s(k).unwrap(), record.time.time_s(k).unwrap());
                 prop_assert!((t - before).abs() <= allowed + moved(&record.time), "{} {}", t, before);

@@ -229,7 +229,10 @@ proptest! {
     /// For any finite numbers, scores are finite, ordered as they must be, and no panic happens.
     #[test]
     fn scores_are_finite_and_ordered(
-        samples in prop::collection::vec((-1e3..1e3_f64, -1e3..1e3_f64, -1e3..1e3_f64, any::<bool>()), 0..120),
+        samples in prop::collection::vec(
+            (-1e3..1e3_f64, -1e3..1e3_f64, -1e3..1e3_f64, any::<bool>()),
+            0..120,
+        ),
         skip_s in 0.0..2.0_f64,
         estimated in any::<bool>(),
     ) {
@@ -240,7 +243,10 @@ proptest! {
         if let Ok(s) = score(&rec, &column(|s| s.2), &Scoring { skip_s: Some(skip_s), offset }) {
             prop_assert_eq!(s.samples + s.skipped_samples, samples.len());
             prop_assert!(s.rmse <= s.max_abs_error * (1.0 + 1e-12));
-            for x in [s.rmse_percent_of_stroke, s.fit_percent, s.relative_error, s.loop_width_error_percent].into_iter().flatten() {
+            for x in [s.rmse_percent_of_stroke, s.fit_percent, s.relative_error, s.loop_width_error_percent]
+                .into_iter()
+                .flatten()
+            {
                 prop_assert!(x.is_finite());
             }
             for t in [s.whiteness, s.input_correlation].into_iter().flatten() {

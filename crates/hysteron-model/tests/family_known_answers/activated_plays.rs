@@ -26,7 +26,11 @@ proptest! {
 
     #[test]
     fn a_move_solves_its_equation(
-        sigma in 0.05..0.4_f64, r in 0.3..2.0_f64, start in -1.0..1.0_f64, by in -3.0..3.0_f64, seconds in 0.01..5.0_f64,
+        sigma in 0.05..0.4_f64,
+        r in 0.3..2.0_f64,
+        start in -1.0..1.0_f64,
+        by in -3.0..3.0_f64,
+        seconds in 0.01..5.0_f64,
     ) {
         // From within the reach of the play.
         let z = start * (r + 0.3);
@@ -37,7 +41,11 @@ proptest! {
 
     #[test]
     fn a_move_in_parts_is_one_move(
-        sigma in 0.05..0.4_f64, r in 0.1..2.0_f64, start in -1.0..1.0_f64, by in -3.0..3.0_f64, seconds in 0.01..5.0_f64,
+        sigma in 0.05..0.4_f64,
+        r in 0.1..2.0_f64,
+        start in -1.0..1.0_f64,
+        by in -3.0..3.0_f64,
+        seconds in 0.01..5.0_f64,
         share in 0.01..0.99_f64,
     ) {
         let z = start * r;

@@ -7,7 +7,9 @@ proptest! {
 
     #[test]
     fn six_coefficients_solve_their_own_equation(
-        first in 0.6..1.5_f64, others in prop::array::uniform5(-0.1..0.1_f64), turns in vec(-5.0..5.0_f64, 1..6),
+        first in 0.6..1.5_f64,
+        others in prop::array::uniform5(-0.1..0.1_f64),
+        turns in vec(-5.0..5.0_f64, 1..6),
     ) {
         let [a, b, c, d, e] = others;
         let zeta = column(&SongDerKiureghian, &[first, a, b, c, d, e], &turns, REST);
@@ -31,13 +33,18 @@ proptest! {
 
     #[test]
     fn the_delta_term_solves_its_own_equation(
-        beta in 0.2..1.5_f64, part in -0.9..0.9_f64, delta in -0.5..0.5_f64, turns in vec(-5.0..5.0_f64, 1..6),
+        beta in 0.2..1.5_f64,
+        part in -0.9..0.9_f64,
+        delta in -0.5..0.5_f64,
+        turns in vec(-5.0..5.0_f64, 1..6),
     ) {
         let zeta = column(&NonSymmetricBoucWen, &[beta, part * beta, delta], &turns, REST);
         let (mut from, mut z) = (0.0, 0.0);
         for (&to, zeta) in turns.iter().zip(&zeta) {
             let s = f64::signum(to - from);
-            z = integrate(from, z, to, |u, z| 1.0 - (beta * s + part * beta * z.signum()) * z + delta * s * u);
+            z = integrate(from, z, to, |u, z| {
+                1.0 - (beta * s + part * beta * z.signum()) * z + delta * s * u
+            });
             from = to;
             // The second derivative jumps where ζ passes 0.
             prop_assert!((zeta - z).abs() < 1e-5, "{zeta} {z}");
@@ -51,7 +58,9 @@ proptest! {
         let gamma = part * beta;
         let run = |beta: f64, gamma: f64, u: &[f64], rest: f64| {
             let mut zeta = vec![0.0; u.len()];
-            UnitShape { beta, gamma, n: 1.0 }.simulate_every(1, u, Start::Rest { voltage_v: rest }, &mut zeta).unwrap();
+            UnitShape { beta, gamma, n: 1.0 }
+                .simulate_every(1, u, Start::Rest { voltage_v: rest }, &mut zeta)
+                .unwrap();
             zeta
         };
         let start = Start::Rest { voltage_v: rest };

@@ -53,10 +53,14 @@ proptest! {
 
     #[test]
     fn dahl_with_exponent_one_is_bouc_wen_without_gamma(
-        reach in 0.2..8.0_f64, stiffness in 0.1..4.0_f64, u in vec(-6.0..6.0_f64, 1..40), rest in -2.0..2.0_f64,
+        reach in 0.2..8.0_f64,
+        stiffness in 0.1..4.0_f64,
+        u in vec(-6.0..6.0_f64, 1..40),
+        rest in -2.0..2.0_f64,
     ) {
         let polynomial = vec![2.0, 0.1];
-        let dahl = ColumnModel { polynomial, kernel: Dahl, shape: vec![reach, 1.0], weights: vec![-stiffness] };
+        let dahl =
+            ColumnModel { polynomial, kernel: Dahl, shape: vec![reach, 1.0], weights: vec![-stiffness] };
         let bouc_wen = BoucWen::new(vec![2.0, 0.1], stiffness, 1.0 / reach, 0.0, 1.0).unwrap();
         let mut want = vec![0.0; u.len()];
         bouc_wen.simulate(&u, Start::Rest { voltage_v: rest }, &mut want).unwrap();

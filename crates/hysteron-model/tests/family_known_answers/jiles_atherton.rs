@@ -47,7 +47,8 @@ proptest! {
     fn jiles_atherton_of_small_fields_is_duhem(k in 0.3..3.0_f64, u in vec(-6.0..6.0_f64, 1..10)) {
         // L(x) = x/3 (1 − x²/15 …) with x ≤ 1.2e-4; from rest at 0 and never turning before its anhysteretic
         // value.
-        let tops: Vec<f64> = u.iter().enumerate().map(|(k, u)| if k % 2 == 0 { 6.0 + u } else { -6.0 + u }).collect();
+        let tops: Vec<f64> =
+            u.iter().enumerate().map(|(k, u)| if k % 2 == 0 { 6.0 + u } else { -6.0 + u }).collect();
         let a = 1e5;
         let m = column(&JilesAtherton, &[a, k, 0.0, 0.0], &tops, REST);
         let duhem = coleman_hodgdon(1.0 / k, &[1.0], &[]);

@@ -1,6 +1,7 @@
 //! Promise: every family of hysteresis columns agrees with numbers worked out by hand, with another family
 //! where theory makes them equal, and with a plain integration of its own equation.
-#![allow(clippy::unwrap_used, clippy::panic)] // Helpers outside the test functions; a failure is a failed test.
+// Helpers outside the test functions; a failure is a failed test.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 mod activated_plays;
 mod bouc_wen;
@@ -92,7 +93,8 @@ fn prandtl_ishlinskii() -> impl Strategy<Value = PrandtlIshlinskii> {
 
 #[test]
 fn column_errors_carry_the_numbers() {
-    let shape = |name| move |e: HysteresisError| matches!(e, HysteresisError::ShapeParameter { name: n, .. } if n == name);
+    use HysteresisError::ShapeParameter;
+    let shape = |name| move |e: HysteresisError| matches!(e, ShapeParameter { name: n, .. } if n == name);
     assert!(shape("Duhem rate b")(Duhem { degree: 0 }.check(&[-1.0]).unwrap_err()));
     assert!(shape("Dahl exponent")(Dahl.check(&[1.0, f64::NAN]).unwrap_err()));
     let dahl: HysteresisForm = "dahl".parse().unwrap();

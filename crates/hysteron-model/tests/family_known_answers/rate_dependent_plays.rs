@@ -57,7 +57,8 @@ proptest! {
         prop_assert_eq!(&both[u.len()..], &once[..]);
         // One play, a sine: the width at 0 V grows with the rate.
         let one = PrandtlIshlinskii::new(vec![1.0], vec![0.5], vec![1.0]).unwrap();
-        let sine: Vec<f64> = (0..1000).map(|k| 5.0 * (std::f64::consts::TAU * f64::from(k) / 1000.0).sin()).collect();
+        let sine: Vec<f64> =
+            (0..1000).map(|k| 5.0 * (std::f64::consts::TAU * f64::from(k) / 1000.0).sin()).collect();
         let width = |rate_hz: f64| {
             let v = rate_dependent(&one, 0.01, &sine, rate_hz, Start::PERIODIC);
             v[500] - v[0]

@@ -56,7 +56,12 @@ proptest! {
         let kernel = KrasnoselskiiPokrovskii { range: [-2.0, 3.0], lines: 4 };
         finite_or_refused(&kernel, shapes, &u, start)?;
         let plane = Preisach { levels: vec![-2.0, 0.0, 1.0, 3.0] };
-        finite_or_refused(&PreisachDensity { plane: plane.clone(), law: DensityLaw::Gaussian }, shapes, &u, start)?;
+        finite_or_refused(
+            &PreisachDensity { plane: plane.clone(), law: DensityLaw::Gaussian },
+            shapes,
+            &u,
+            start,
+        )?;
         finite_or_refused(&plane, shapes, &u, start)?;
         finite_or_refused(&JilesAtherton, shapes, &u, start)?;
         finite_or_refused(&SongDerKiureghian, shapes, &u, start)?;

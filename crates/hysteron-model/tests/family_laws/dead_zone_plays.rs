@@ -24,7 +24,10 @@ proptest! {
     /// Bands of one slope each are Kuhnen's S(H\[u\]); no band falls where the voltage rises.
     #[test]
     fn bands_are_a_broken_line_of_the_plays(
-        share in 0.0..0.9_f64, reach in 0.3..5.0_f64, u in drive(), slopes in prop::array::uniform5(0.0..2.0_f64),
+        share in 0.0..0.9_f64,
+        reach in 0.3..5.0_f64,
+        u in drive(),
+        slopes in prop::array::uniform5(0.0..2.0_f64),
     ) {
         // Corners at −2, −1, 0, 1, 2; none at 0, since both bands beside it have one slope.
         let kernel = DeadZonePlays::regular([-3.0, 3.0], 3);
@@ -63,7 +66,8 @@ proptest! {
         prop_assert_eq!(&plain[2], &with[with.len() - 1]);
         // −1 … 1 V, after 7 V and after −7 V: a band is cut elsewhere.
         let [above, below] = [7.0, -7.0].map(|from| run(&[from, -1.0, 1.0, -1.0]));
-        let apart = (0..kernel.columns()).map(|j| ((above[2][j] - above[1][j]) - (below[2][j] - below[1][j])).abs());
+        let apart =
+            (0..kernel.columns()).map(|j| ((above[2][j] - above[1][j]) - (below[2][j] - below[1][j])).abs());
         prop_assert!(apart.fold(0.0, f64::max) > 0.1);
     }
 }

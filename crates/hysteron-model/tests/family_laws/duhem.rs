@@ -11,7 +11,11 @@ proptest! {
 
     #[test]
     fn laws(
-        (kernel, shape) in model(), u in drive(), between in 1..20_usize, moves in moves(), rest in -3.0..3.0_f64,
+        (kernel, shape) in model(),
+        u in drive(),
+        between in 1..20_usize,
+        moves in moves(),
+        rest in -3.0..3.0_f64,
     ) {
         only_turning_points_count(&kernel, &shape, &u, between, 1e-12)?;
         odd(&Duhem { degree: 0 }, &shape, &u, 1e-15)?;

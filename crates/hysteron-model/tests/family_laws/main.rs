@@ -1,6 +1,7 @@
 //! Promise: laws of every family of hysteresis columns, whatever its parameters, and where a law does not
 //! hold.
-#![allow(clippy::unwrap_used, clippy::panic)] // Helpers outside the test functions; a failure is a failed test.
+// Helpers outside the test functions; a failure is a failed test.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 mod any_input;
 mod asymmetric_bouc_wen;

@@ -32,7 +32,11 @@ proptest! {
 
     #[test]
     fn laws(
-        thresholds in thresholds(), scale in 0.3..3.0_f64, u in drive(), moves in moves(), rest in -3.0..3.0_f64,
+        thresholds in thresholds(),
+        scale in 0.3..3.0_f64,
+        u in drive(),
+        moves in moves(),
+        rest in -3.0..3.0_f64,
         inner in vec(0.0..1.0_f64, 0..8),
     ) {
         let record = (&u[..], &moves[..], rest);

@@ -18,7 +18,11 @@ proptest! {
 
     #[test]
     fn laws(
-        plane in plane(), u in drive(), moves in moves(), rest in -3.0..3.0_f64, inner in vec(0.0..1.0_f64, 0..8),
+        plane in plane(),
+        u in drive(),
+        moves in moves(),
+        rest in -3.0..3.0_f64,
+        inner in vec(0.0..1.0_f64, 0..8),
     ) {
         only_turning_points_count(&plane, &[], &u, 7, 1e-13)?;
         the_periodic_start_closes(&plane, &[], &u, 1e-13)?;

@@ -32,7 +32,11 @@ proptest! {
 
     #[test]
     fn laws(
-        gain in 0.01..0.3_f64, scale in 0.3..2.0_f64, interval_s in 0.05..2.0_f64, u in drive(), rest in -3.0..3.0_f64,
+        gain in 0.01..0.3_f64,
+        scale in 0.3..2.0_f64,
+        interval_s in 0.05..2.0_f64,
+        u in drive(),
+        rest in -3.0..3.0_f64,
     ) {
         let kernel = RateDependentPlays { thresholds: vec![0.5, 1.5, 3.0], interval_s };
         let shape = [scale, gain];

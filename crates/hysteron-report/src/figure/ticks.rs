@@ -200,16 +200,25 @@ mod tests {
             for (value, label) in t.major.iter().zip(&t.labels) {
                 let text = label.replace('−', "-").replace('\u{2009}', "");
                 let read: f64 = text.parse().unwrap();
-                prop_assert!((read * 10f64.powi(t.exponent) - value).abs() <= 1e-6 * (high - low), "{label} for {value}");
+                prop_assert!(
+                    (read * 10f64.powi(t.exponent) - value).abs() <= 1e-6 * (high - low),
+                    "{label} for {value}"
+                );
             }
         }
 
         #[test]
-        fn logarithmic_ticks_stay_inside_and_are_few(low in -12f64..6.0, span in 0.05f64..15.0, limit in 3usize..=10) {
+        fn logarithmic_ticks_stay_inside_and_are_few(
+            low in -12f64..6.0,
+            span in 0.05f64..15.0,
+            limit in 3usize..=10,
+        ) {
             let (low, high) = (10f64.powf(low), 10f64.powf(low + span));
             let t = ticks(Scale::Log, low, high, limit);
             prop_assert!(!t.major.is_empty() && t.major.len() <= limit, "{} ticks", t.major.len());
-            prop_assert!(t.major.iter().chain(&t.minor).all(|v| *v >= low * 0.999_999 && *v <= high * 1.000_001));
+            prop_assert!(
+                t.major.iter().chain(&t.minor).all(|v| *v >= low * 0.999_999 && *v <= high * 1.000_001)
+            );
             prop_assert!(t.major.windows(2).all(|w| w[1] > w[0]));
             if span >= 1.0 {
                 prop_assert!(t.major.len() >= 2, "a decade or more needs two labels");

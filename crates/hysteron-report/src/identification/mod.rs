@@ -344,7 +344,8 @@ fn degrees(data: &IdentificationReportData) -> Table {
 
 /// Correlation of the estimates of one step.
 fn correlation(c: &Correlation) -> Figure {
-    correlation_matrix(format!("Correlation of the parameters: {}", c.step), &c.names, &c.matrix).captioned(format!(
+    let title = format!("Correlation of the parameters: {}", c.step);
+    correlation_matrix(title, &c.names, &c.matrix).captioned(format!(
         "Correlation of the estimates of the step '{}'; condition number {}. Parameters with a correlation \
          near ±1 are hardly distinguishable: these records determine only their combination.",
         c.step,

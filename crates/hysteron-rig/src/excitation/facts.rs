@@ -194,7 +194,11 @@ proptest! {
             Waveform::Staircase { steps, .. } => f64::from(4 * steps + 1),
             _ => 1.5,
         };
-        prop_assert!((proper.len() as f64 - expected).abs() <= legs, "{} samples, expected {expected}", proper.len());
+        prop_assert!(
+            (proper.len() as f64 - expected).abs() <= legs,
+            "{} samples, expected {expected}",
+            proper.len()
+        );
         prop_assert_eq!(spec.generate().unwrap(), drive);
     }
 }

@@ -8,10 +8,16 @@
 //! ```
 //! use hysteron_rig::excitation::{AmplifierLimits, ExcitationSpec, SweepLaw, Waveform};
 //!
-//! let sweep = Waveform::Sweep { law: SweepLaw::Logarithmic, start_hz: 1.0, end_hz: 100.0, duration_s: 10.0 };
+//! let law = SweepLaw::Logarithmic;
+//! let sweep = Waveform::Sweep { law, start_hz: 1.0, end_hz: 100.0, duration_s: 10.0 };
 //! let drive = ExcitationSpec::new(10_000.0, 0.0, 10.0, sweep).generate()?;
-//! let amplifier =
-//!     AmplifierLimits { low_v: -2.0, high_v: 12.0, slew_v_per_s: Some(4_000.0), current_a: None, capacitance_f: None };
+//! let amplifier = AmplifierLimits {
+//!     low_v: -2.0,
+//!     high_v: 12.0,
+//!     slew_v_per_s: Some(4_000.0),
+//!     current_a: None,
+//!     capacitance_f: None,
+//! };
 //! amplifier.check(&drive)?;
 //! assert_eq!(drive.samples_v.len(), 100_000);
 //! # Ok::<(), hysteron_rig::RigError>(())

@@ -254,7 +254,10 @@ fn controller<T: Real>(
 type Adapting<'a, T> = (LmsFilter<'a, T>, LmsMemory<'a, T>, LmsSettings<T>);
 
 macro_rules! entries {
-    ($t:ty, $step:ident, $simulate:ident, $sensitivities:ident, $plays:ident, $online:ident, $model:ident, $compensator:ident, $controller:ident) => {
+    (
+        $t:ty, $step:ident, $simulate:ident, $sensitivities:ident, $plays:ident,
+        $online:ident, $model:ident, $compensator:ident, $controller:ident
+    ) => {
         #[unsafe(no_mangle)]
         #[allow(improper_ctypes_definitions)]
         pub extern "C" fn $controller(

@@ -31,9 +31,10 @@ static real held(real z, real bound)
     return z;
 }
 
-/* What a monotone move by du changes z by: dz/d|u| = s alpha - (beta + s gamma sign z) z |z|^(n-1) in two steps of an exponential
-   Rosenbrock method of order 3 (M. Hochbruck, A. Ostermann, J. Schweitzer 2009, doi:10.1137/080717717), in more where one would go further than
-   an eighth of the saturation, |z| held within it. */
+/* What a monotone move by du changes z by: dz/d|u| = s alpha - (beta + s gamma sign z) z |z|^(n-1) in two
+   steps of an exponential Rosenbrock method of order 3 (M. Hochbruck, A. Ostermann, J. Schweitzer 2009,
+   doi:10.1137/080717717), in more where one would go further than an eighth of the saturation, |z| held
+   within it. */
 static real increment(const bouc_wen *p, real z, real du)
 {
     const int down = du < R(0);

@@ -1,6 +1,6 @@
 //{ quadratic_law
-/* tanh(h sqrt(a kappa))/sqrt(a kappa), and as it continues where a kappa <= 0; 0 where the tangent has gone through its pole, and *t
-   is not set. */
+/* tanh(h sqrt(a kappa))/sqrt(a kappa), and as it continues where a kappa <= 0; 0 where the tangent has gone
+   through its pole, and *t is not set. */
 static int tangent(real a, real kappa, real h, real *t)
 {
     const real y = (a * h) * (kappa * h);
@@ -54,7 +54,8 @@ static real inverse_tangent(real a, real kappa, real t)
 
 typedef enum { LEG_END, LEG_ZERO, LEG_UNBOUNDED } leg_kind;
 
-/* Moves w = |z| >= 0 by the distance h, dw/dh = a - kappa w^2. *end is w there, or what is left of h where w has come to 0. */
+/* Moves w = |z| >= 0 by the distance h, dw/dh = a - kappa w^2. *end is w there, or what is left of h where w
+   has come to 0. */
 static leg_kind leg(real a, real kappa, real w, real h, real *end)
 {
     real top = R(0), bottom = R(0), t, slope;
@@ -113,8 +114,9 @@ static real move_through_zero(const bouc_wen *p, real z, real du)
     return F(HUGE_VAL);
 }
 
-/* What a monotone move by du changes z by, without the cancellation of a difference: with w = |z| and dw/d|u| = a - kappa w^2,
-   dw = T (a - kappa w^2)/(1 + kappa w T), T = tanh(|du| sqrt(a kappa))/sqrt(a kappa). */
+/* What a monotone move by du changes z by, without the cancellation of a difference: with w = |z| and
+   dw/d|u| = a - kappa w^2, dw = T (a - kappa w^2)/(1 + kappa w T),
+   T = tanh(|du| sqrt(a kappa))/sqrt(a kappa). */
 static real increment(const bouc_wen *p, real z, real du)
 {
     const int down = du < R(0);

@@ -1,4 +1,5 @@
-/* What a move by `by` changes y by. With x = 1 - s y/reach: x <- x exp(-ln(1 + (i - 1) q)/(i - 1)), q = x^(i-1) |by|/reach. */
+/* What a move by `by` changes y by. With x = 1 - s y/reach: x <- x exp(-ln(1 + (i - 1) q)/(i - 1)),
+   q = x^(i-1) |by|/reach. */
 static real branch_increment(real y, real from, real to)
 {
     const real by = to - from;

@@ -90,7 +90,8 @@ static real relaxed(real field, real p, real sign, real way)
     return x * sum;
 }
 
-/* What the voltage has passed its aim by once the field has moved by `way`: field, p, direction, what is left, m_an there. */
+/* What the voltage has passed its aim by once the field has moved by `way`: field, p, direction, what is
+   left, m_an there. */
 static real gone(const rising_function *f, real way, real *slope)
 {
     const real field = f->number[0], p = f->number[1], sign = f->number[2];

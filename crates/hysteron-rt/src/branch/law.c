@@ -44,7 +44,8 @@ static real hysteresis_look(const $name_state *state, real u$RATE_PARAMETER)
 }
 
 //}
-/* Moves monotonically to u: *v is the output of the hysteresis there. 0, and nothing has moved, where that is out of range. */
+/* Moves monotonically to u: *v is the output of the hysteresis there. 0, and nothing has moved, where that is
+   out of range. */
 static int hysteresis_move($name_state *state, real u, real *v)
 {
     real y[$NAME_STATES], y_carry[$NAME_STATES], own[$NAME_STATES], sum = R(0);

@@ -1,5 +1,6 @@
 //{ moments
-/* m_k(x), the integral of theta^k exp(-x (1 - theta)) from 0 to 1, x >= 0: a series of positive terms, far out the recurrence. */
+/* m_k(x), the integral of theta^k exp(-x (1 - theta)) from 0 to 1, x >= 0: a series of positive terms, far
+   out the recurrence. */
 static void moments(real x, int count, real *m)
 {
     const real decay = F(exp)(-x);

@@ -34,7 +34,8 @@ pub enum Misfit {
 /// standard-normal residuals r:
 ///
 /// ```text
-/// S± ← max(0, S± ± δr − δ²/2),   S ← max(0, S + (1 − κ⁻²)r²/2 − ln κ),   alarm where a sum exceeds h = ln(c·L)
+/// S± ← max(0, S± ± δr − δ²/2),   S ← max(0, S + (1 − κ⁻²)r²/2 − ln κ),
+/// alarm where a sum exceeds h = ln(c·L)
 /// ```
 ///
 /// c sums are watched (2 for a shift, 1 for a spread). For independent standard-normal r the mean number of

@@ -42,7 +42,8 @@ static real mirror_node(int mirrored, int p, int q)
     return mirrored ? node($N_INTERVALS - q, $N_INTERVALS - p) : node(p, q);
 }
 
-/* Weight of the relays with alpha up to `to` above the antidiagonal through `rest`: along it, cell by cell. */
+/* Weight of the relays with alpha up to `to` above the antidiagonal through `rest`: along it, cell by
+   cell. */
 static real virgin_weight(int mirrored, real rest, real to)
 {
     real x = rest > R(0) ? rest : R(0), share, sum = R(0), row, column;
@@ -117,7 +118,8 @@ static plane_move plane_look(const $name_state *state, real u)
         return to;
     }
     to.left += state->moved && state->rising != rising;
-    while (to.left > 1 && (rising ? u >= turn_voltage(state, to.left - 2) : u <= turn_voltage(state, to.left - 2))) {
+    while (to.left > 1 && (rising ? u >= turn_voltage(state, to.left - 2)
+                                  : u <= turn_voltage(state, to.left - 2))) {
         to.left -= 2;
     }
     if (to.left == 1) {
@@ -141,7 +143,8 @@ static plane_move plane_look(const $name_state *state, real u)
     return to;
 }
 
-/* Makes room for a turn at the present place: of the pairs of neighbours between two others, the one that least lies between is forgotten. */
+/* Makes room for a turn at the present place: of the pairs of neighbours between two others, the one that
+   least lies between is forgotten. */
 static void forget_turns($name_state *state)
 {
     real least = F(HUGE_VAL);
@@ -198,7 +201,8 @@ static real hysteresis_look(const $name_state *state, real u$RATE_PARAMETER)
 }
 
 //}
-/* Moves monotonically to u: *v is the output of the hysteresis there. 0, and nothing has moved, where that is out of range. */
+/* Moves monotonically to u: *v is the output of the hysteresis there. 0, and nothing has moved, where that is
+   out of range. */
 static int hysteresis_move($name_state *state, real u, real *v)
 {
     const plane_move to = plane_look(state, u);

@@ -5,7 +5,8 @@
 //}
 //= members of the state
 //{ plane
-    $name_real turn_voltage[$NAME_TURNS], turn_output[$NAME_TURNS]; /* of the loops that are open, the widest first */
+    /* Of the loops that are open, the widest first. */
+    $name_real turn_voltage[$NAME_TURNS], turn_output[$NAME_TURNS];
     $name_real virgin, plane_virgin; /* where the relays were virgin, and what they put out there */
     $name_real plane;                /* what they put out now */
     int kept, moved, rising;             /* turns; whether there has been a move, and upwards */

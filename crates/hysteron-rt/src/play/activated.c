@@ -50,7 +50,8 @@ static real beyond(const activated_move *step, real r, real distance)
 static real activated_distance(const activated_move *step, real r, real z)
 {
     const int behind = z < R(0) || (z == R(0) && step->by < R(0));
-    const real distance = behind ? -z : z, outwards = behind ? -step->by : step->by, limit = -step->shrinks + r;
+    const real distance = behind ? -z : z, outwards = behind ? -step->by : step->by;
+    const real limit = -step->shrinks + r;
     real left;
     if (!(step->seconds > R(0))) {
         return z + step->by;
@@ -74,11 +75,13 @@ static real activated_output(real p, int i)
     const real inner = x < R(0) ? R(0) : x > R(1) ? R(1) : x;
     const real square = inner * inner, third = square * inner * (R(1) / R(3));
     const real below = x < R(0) ? x : R(0), above = x > R(1) ? x - R(1) : R(0);
-    return SLOPE[3 * i] * ((inner - square + third + below) * span) + SLOPE[3 * i + 1] * ((square - third * R(2)) * span)
+    return SLOPE[3 * i] * ((inner - square + third + below) * span)
+         + SLOPE[3 * i + 1] * ((square - third * R(2)) * span)
         + SLOPE[3 * i + 2] * ((third + above) * span);
 }
 
-/* What the plays put out after a move to u that takes that share of a sample; they go there in `moved`, where that is given. */
+/* What the plays put out after a move to u that takes that share of a sample; they go there in `moved`, where
+   that is given. */
 static real plays_at(const $name_state *state, real u, real share, real *moved)
 {
     const real du = u - state->voltage;
@@ -116,7 +119,8 @@ static real hysteresis_look(const $name_state *state, real u$RATE_PARAMETER)
 }
 
 //}
-/* Moves monotonically to u: *v is the output of the hysteresis there. 0, and nothing has moved, where that is out of range. */
+/* Moves monotonically to u: *v is the output of the hysteresis there. 0, and nothing has moved, where that is
+   out of range. */
 static int hysteresis_move($name_state *state, real u, real *v)
 {
     const real out = polynomial_at($TUNED_FIRSTu) + plays_at(state, u, R(1), (real *)0);

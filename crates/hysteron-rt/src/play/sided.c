@@ -31,7 +31,8 @@ static real line_at(real h)
 
 //}
 //{ sided
-/* What the plays put out after a monotone move$THROUGH_IN_WORDS to u; they go there in `moved`, where that is given. */
+/* What the plays put out after a monotone move$THROUGH_IN_WORDS to u; they go there in `moved`, where that is
+   given. */
 static real plays_at(const $name_state *state, $THROUGH_PARAMETERreal u, real *moved)
 {
     real sum = R(0);
@@ -39,8 +40,10 @@ static real plays_at(const $name_state *state, $THROUGH_PARAMETERreal u, real *m
     real behind = R(0);
 //}
 //{ rate
-    /* First the sides in the middle, then those at the end: upwards the low one at the end decides, downwards the high one. */
-    const real wider = WIDENING * F(fabs)(du), above = middle > u ? u : middle, below = middle > u ? middle : u;
+    /* First the sides in the middle, then those at the end: upwards the low one at the end decides, downwards
+       the high one. */
+    const real wider = WIDENING * F(fabs)(du), above = middle > u ? u : middle;
+    const real below = middle > u ? middle : u;
 //}
 //{ envelopes
     const real right = F(tanh)(RIGHT[0] * (u - RIGHT[1])), left = F(tanh)(LEFT[0] * (u - LEFT[1]));
@@ -128,7 +131,8 @@ static real hysteresis_at_rest($TUNED_AS_ARGUMENT_FIRSTreal u)
         sum = sum + K(weight)[i] * virgin_play(u, i);
     }
 //{ envelopes
-    if (F(tanh)(RIGHT[0] * (u - RIGHT[1])) - F(tanh)(LEFT[0] * (u - LEFT[1])) > R(2) * THRESHOLD[0] + R(4) * R(EPSILON)) {
+    if (F(tanh)(RIGHT[0] * (u - RIGHT[1])) - F(tanh)(LEFT[0] * (u - LEFT[1]))
+        > R(2) * THRESHOLD[0] + R(4) * R(EPSILON)) {
         return F(HUGE_VAL); /* the narrowest has no place to stand */
     }
 //}
@@ -151,7 +155,8 @@ static real hysteresis_look(const $name_state *state, real u$RATE_PARAMETER)
 }
 
 //}
-/* Moves monotonically to u: *v is the output of the hysteresis there. 0, and nothing has moved, where that is out of range. */
+/* Moves monotonically to u: *v is the output of the hysteresis there. 0, and nothing has moved, where that is
+   out of range. */
 static int hysteresis_move($name_state *state, real u, real *v)
 {
 //{ rate

@@ -116,7 +116,8 @@ proptest! {
             let fall = before - distance(nlms.parameters(), &truth);
             let q: f64 = (0..3).map(|i| (DEVIATIONS[i] * phi[i]).powi(2)).sum();
             let power = regulariser + q;
-            let want = e * e * (2.0 * step * power - step * step * q) / (power * power).max(f64::MIN_POSITIVE);
+            let want =
+                e * e * (2.0 * step * power - step * step * q) / (power * power).max(f64::MIN_POSITIVE);
             prop_assert!(fall >= want - 1e-9 * (1.0 + before), "{fall} {want}");
             prop_assert!(bounded || (fall - want).abs() <= 1e-9 * (1.0 + before), "{fall} {want}");
         }

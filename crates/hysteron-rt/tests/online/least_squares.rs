@@ -268,7 +268,9 @@ proptest! {
 
     #[test]
     fn no_direction_ever_becomes_less_certain_than_stated(
-        forgetting in 0.3..1.0_f64, seed in any::<u64>(), directions in prop::collection::vec(0..4_usize, 1..200),
+        forgetting in 0.3..1.0_f64,
+        seed in any::<u64>(),
+        directions in prop::collection::vec(0..4_usize, 1..200),
         probe in prop::array::uniform3(-1.0..1.0_f64),
     ) {
         let mut noise = Noise(seed);
@@ -285,7 +287,10 @@ proptest! {
 
     #[test]
     fn any_numbers_give_finite_parameters_within_their_bounds_or_an_error(
-        samples in prop::collection::vec((prop::array::uniform3(prop::num::f32::ANY), prop::num::f32::ANY), 1..30),
+        samples in prop::collection::vec(
+            (prop::array::uniform3(prop::num::f32::ANY), prop::num::f32::ANY),
+            1..30,
+        ),
         forgetting in 0.1..=1.0_f32,
     ) {
         let bounds = [(0.5, 1.5), (-1.0, 1.0), (f32::NEG_INFINITY, 0.0)];

@@ -1,7 +1,8 @@
 //! Promises of what runs online: least squares are least squares, nothing winds up, gradients converge,
 //! alarms are as rare as said.
 
-#![allow(clippy::unwrap_used, clippy::print_stdout)] // Helpers outside the test functions; a failure is a failed test.
+// Helpers outside the test functions; a failure is a failed test.
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod gradient;
 mod least_squares;

@@ -188,22 +188,28 @@ proptest! {
 
     #[test]
     fn sums_are_those_of_the_definition_and_finite(
-        residuals in prop::collection::vec(-6.0..6.0_f64, 1..60), shift in 0.1..3.0_f64, ratio in 1.1..4.0_f64,
+        residuals in prop::collection::vec(-6.0..6.0_f64, 1..60),
+        shift in 0.1..3.0_f64,
+        ratio in 1.1..4.0_f64,
     ) {
         let mut watch = monitor(Some(shift), Some(ratio), 1e9);
         for end in 1..=residuals.len() {
             watch.step(residuals[end - 1]).unwrap();
             // max over starts of the sum of log-likelihood ratios since: Page's other form.
             let best = |ratio: &dyn Fn(f64) -> f64| {
-                (0..=end).map(|from| residuals[from..end].iter().map(|&r| ratio(r)).sum::<f64>()).fold(0.0, f64::max)
+                (0..=end)
+                    .map(|from| residuals[from..end].iter().map(|&r| ratio(r)).sum::<f64>())
+                    .fold(0.0, f64::max)
             };
-            let density = |r: f64, mean: f64, deviation: f64| -0.5 * ((r - mean) / deviation).powi(2) - deviation.ln();
-            let ratio_to = |mean: f64, deviation: f64| {
-                best(&|r| density(r, mean, deviation) - density(r, 0.0, 1.0))
-            };
+            let density =
+                |r: f64, mean: f64, deviation: f64| -0.5 * ((r - mean) / deviation).powi(2) - deviation.ln();
+            let ratio_to =
+                |mean: f64, deviation: f64| best(&|r| density(r, mean, deviation) - density(r, 0.0, 1.0));
             let want = [ratio_to(shift, 1.0), ratio_to(-shift, 1.0), ratio_to(0.0, ratio)];
             let h = watch.threshold();
-            if want.iter().any(|&w| w > h) { break; }
+            if want.iter().any(|&w| w > h) {
+                break;
+            }
             for (found, want) in watch.sums().iter().zip(want) {
                 prop_assert!((found - want).abs() < 1e-10, "{found} {want}");
             }
@@ -212,7 +218,8 @@ proptest! {
 
     #[test]
     fn any_residual_leaves_finite_sums(residuals in prop::collection::vec(prop::num::f32::ANY, 1..60)) {
-        let settings = MonitorSettings { shift: Some(0.5_f32), spread: Some(2.0), run_length: 1e4, fewest: 2 };
+        let settings =
+            MonitorSettings { shift: Some(0.5_f32), spread: Some(2.0), run_length: 1e4, fewest: 2 };
         let mut watch = FitMonitor::new(settings).unwrap();
         for residual in residuals {
             prop_assert_eq!(watch.step(residual).is_err(), !residual.is_finite());

@@ -1,5 +1,6 @@
-/* Instructions of a sample, with every instruction lasting 1 ns of the simulator's time (-icount shift=0) and the system timer
-   counting that time at 25 MHz: a tick is 40 instructions. The overhead of the loop is taken off. */
+/* Instructions of a sample, with every instruction lasting 1 ns of the simulator's time (-icount shift=0) and
+   the system timer counting that time at 25 MHz: a tick is 40 instructions. The overhead of the loop is taken
+   off. */
 #include <stdint.h>
 #include <stdio.h>
 
@@ -61,7 +62,8 @@ int main(void)
     CONTROL = 5u;
     {
         const uint32_t with = ticks(1), without = ticks(0);
-        printf("instructions %.0f mean %.0f worst state %u\n", 40.0 * (with - without) / SAMPLES, worst(), (unsigned)sizeof state);
+        printf("instructions %.0f mean %.0f worst state %u\n", 40.0 * (with - without) / SAMPLES,
+               worst(), (unsigned)sizeof state);
     }
     return 0;
 }

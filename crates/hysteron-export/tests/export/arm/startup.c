@@ -1,4 +1,5 @@
-/* Start of a program on a Cortex-M4 or M7: floating-point unit on, memory set up, main, exit through semihosting. */
+/* Start of a program on a Cortex-M4 or M7: floating-point unit on, memory set up, main, exit through
+   semihosting. */
 #include <stdint.h>
 #include <stdlib.h>
 

@@ -5,9 +5,9 @@
 //! its samples as [`crate::record::InterSample`].
 //!
 //! ```text
-//! S     = (level / reference)^exponent − 1              level: rms of the inputs about their means, a slow state
-//! q_k⁺  = (p_k + S p'_k) q_k + b_k·u + h_k·w            complex, k = 1 … K
-//! a_i⁺  = (α_i + S α'_i) a_i + β_i·u + h_i·w            real, i = 1 … N
+//! S     = (level / reference)^exponent − 1          level: rms of the inputs about their means, a slow state
+//! q_k⁺  = (p_k + S p'_k) q_k + b_k·u + h_k·w        complex, k = 1 … K
+//! a_i⁺  = (α_i + S α'_i) a_i + β_i·u + h_i·w        real, i = 1 … N
 //! y     = (C + S C') x + (D + S D') u + D_h w
 //! w_i   = f(v_i) + f_i(σ_i)                             strains of actuator i
 //! v_i, σ_i                                              rows of (x, u): its free stroke in V, and its stress

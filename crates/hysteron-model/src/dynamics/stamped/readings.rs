@@ -98,8 +98,8 @@ impl Readings {
         }
     }
 
-    /// The output at the wanted times, `v` being that of the hysteresis along the drive and `rest` that before
-    /// it.
+    /// The output at the wanted times, `v` being that of the hysteresis along the drive and `rest` that
+    /// before it.
     pub fn of<'a>(&'a self, v: &'a [f64], rest: f64) -> impl Iterator<Item = f64> + 'a {
         std::iter::repeat_n(rest, self.before).chain(self.places.iter().map(|place| v[*place]))
     }

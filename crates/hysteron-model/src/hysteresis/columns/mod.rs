@@ -174,7 +174,8 @@ macro_rules! simulate_with_sensitivities {
         ) -> Result<(), $crate::hysteresis::HysteresisError> {
             use $crate::hysteresis::columns::differentiate;
             match shape.len() {
-                $($parameters => differentiate::<{ $parameters + 1 }, _>(self, shape, grid.into(), u, start, out),)+
+                $($parameters =>
+                    differentiate::<{ $parameters + 1 }, _>(self, shape, grid.into(), u, start, out),)+
                 given => Err($crate::hysteresis::HysteresisError::ShapeCount {
                     expected: self.shape_names().len(),
                     found: given,

@@ -165,8 +165,8 @@ pub trait FamilyDescription: fmt::Debug + Sync {
         None
     }
 
-    /// Size of a loop of this `range_v` over that at which it saturates, where the shape of a much smaller one
-    /// is not determined.
+    /// Size of a loop of this `range_v` over that at which it saturates, where the shape of a much smaller
+    /// one is not determined.
     fn share_of_saturation(&self, own_shape: &[f64], weights: &[f64], range_v: f64) -> Option<f64> {
         let _ = (own_shape, weights, range_v);
         None

@@ -4,8 +4,8 @@ use super::Hysteresis;
 use super::operators::Mover;
 use crate::hysteresis::{HysteresisError, polynomial};
 
-/// A [`Hysteresis`] with its memory: voltage \[V\] in, v \[µm\] out, what [`Hysteresis::simulate_every`] gives for a
-/// whole record.
+/// A [`Hysteresis`] with its memory: voltage \[V\] in, v \[µm\] out, what
+/// [`Hysteresis::simulate_every`] gives for a whole record.
 #[derive(Clone, Debug)]
 pub struct FamilyStream {
     mover: Box<dyn Mover>,

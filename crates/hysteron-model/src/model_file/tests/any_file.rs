@@ -6,7 +6,10 @@ proptest! {
     /// Any finite numbers come back bit for bit.
     #[test]
     fn numbers_survive_the_file_bit_for_bit(
-        polynomial in prop::collection::vec(prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO, 1..9),
+        polynomial in prop::collection::vec(
+            prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO,
+            1..9,
+        ),
         alpha in prop::num::f64::NORMAL,
         offset in prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL,
         n in 1.0..20.0_f64,
@@ -19,7 +22,10 @@ proptest! {
         let denominator = orders.iter().map(|&o| term(coefficient, f64::from(o) / 7e8)).collect();
         let model = Model {
             hysteresis: Hysteresis::from(BoucWen { polynomial, alpha, beta: offset, gamma: -alpha, n }),
-            dynamics: Dynamics::Fractional(TransferFunction { numerator: vec![term(coefficient, 0.0)], denominator }),
+            dynamics: Dynamics::Fractional(TransferFunction {
+                numerator: vec![term(coefficient, 0.0)],
+                denominator,
+            }),
             offset,
             delay_s,
             scheme: Scheme::BandLimited,

@@ -97,7 +97,10 @@ proptest! {
 
     #[test]
     fn any_record_can_be_inspected(
-        samples in prop::collection::vec((-1e3..1e3f64, prop_oneof![Just(0.0), Just(1.0), -1e300..1e300f64]), 2..120),
+        samples in prop::collection::vec(
+            (-1e3..1e3f64, prop_oneof![Just(0.0), Just(1.0), -1e300..1e300f64]),
+            2..120,
+        ),
         rate in prop::option::of(1e-3..1e6f64),
     ) {
         let (u, y): (Vec<f64>, Vec<f64>) = samples.into_iter().unzip();
