@@ -69,8 +69,8 @@ def compare(
         records: records of one device, of different content.
         candidates: structures, ``"fractional+prandtl-ishlinskii"``; a search if none is given.
         quick: without candidates, one pass of the search through the commonest structures.
-        time_limit: end after this many seconds with the candidates finished by then; the model of the preferred
-            one is identified after that.
+        time_limit: end the search after this many seconds with the candidates finished by then; they are
+            timed and the preferred one is identified after that.
         continued: the records are consecutive parts of one run on one clock.
         threads: threads; all cores if not given.
         progress: as in ``fit``.

@@ -63,7 +63,8 @@ pub struct Watch<'a> {
     told: Option<Mutex<Box<Told<'a>>>>,
     stop: Stop,
     furthest: Mutex<f64>,
-    is_out_of_time: Option<Arc<dyn Fn() -> bool + Send + Sync>>,
+    /// The stop signal without the time limit, where there is one.
+    unlimited: Option<Stop>,
 }
 
 impl Default for Watch<'_> {
@@ -75,7 +76,7 @@ impl Default for Watch<'_> {
 impl<'a> Watch<'a> {
     /// A watch without a listener.
     pub fn silent() -> Self {
-        Self { told: None, stop: Stop::new(), furthest: Mutex::new(0.0), is_out_of_time: None }
+        Self { told: None, stop: Stop::new(), furthest: Mutex::new(0.0), unlimited: None }
     }
 
     /// Reports events to `told`, from one thread at a time.
@@ -92,24 +93,21 @@ impl<'a> Watch<'a> {
     /// A watch that reports to this one and is stopped with it, or at the `limit` by the clock `now`.
     pub fn within(&self, limit: Duration, now: impl Fn() -> Duration + Send + Sync + 'static) -> Watch<'_> {
         let now = Arc::new(now);
-        let is_out_of_time: Arc<dyn Fn() -> bool + Send + Sync> = {
+        let stop = self.stop.or({
             let now = Arc::clone(&now);
-            Arc::new(move || now() >= limit)
-        };
+            move || now() >= limit
+        });
         let told = move |event: &Event<'_>| {
             let of_time = now().as_secs_f64() / limit.as_secs_f64();
             self.tell(Event { fraction: event.fraction.max(of_time), ..*event })
         };
-        let stop = self.stop.or({
-            let is_out_of_time = Arc::clone(&is_out_of_time);
-            move || is_out_of_time()
-        });
-        Watch { is_out_of_time: Some(is_out_of_time), ..Watch::new(told).stopped_by(&stop) }
+        let unlimited = Some(self.unlimited.as_ref().unwrap_or(&self.stop).clone());
+        Watch { unlimited, ..Watch::new(told).stopped_by(&stop) }
     }
 
-    /// True if a time limit is over ([`Self::within`]).
-    pub fn is_out_of_time(&self) -> bool {
-        self.is_out_of_time.as_ref().is_some_and(|is_out_of_time| is_out_of_time())
+    /// True if a stop is requested, other than by a time limit ([`Self::within`]).
+    pub fn is_interrupted(&self) -> bool {
+        self.unlimited.as_ref().unwrap_or(&self.stop).is_requested()
     }
 
     /// The stop signal.

@@ -37,7 +37,14 @@ pub fn compare(
     let candidates = candidates.iter().map(|name| name.parse::<Candidate>());
     let candidates = candidates.collect::<Result<Vec<_>, _>>().map_err(option)?;
     let options = Options { continued, threads, ..Options::default() };
-    let limit = time_limit.map(Duration::try_from_secs_f64).transpose().map_err(option)?;
+    if quick && !candidates.is_empty() {
+        return Err(option("quick is a search: it takes no candidates"));
+    }
+    let limit = time_limit.map(|seconds| match seconds {
+        _ if seconds > 0.0 => Ok(Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX)),
+        _ => Err(option(format!("time_limit is {seconds}: it must be a number of seconds above 0"))),
+    });
+    let limit = limit.transpose()?;
     let begun = Instant::now();
     let work = |watch: &hysteron_identify::Watch<'_>| {
         let selection = Selection::of(&candidates, quick);

@@ -64,9 +64,12 @@ pub struct Compare {
     #[arg(long, conflicts_with = "candidates")]
     quick: bool,
 
-    /// End after this time with what is finished by then, in seconds; identifying the preferred structure
-    /// for --output-model comes after it
-    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
+    /// End the search after this time, in seconds, with what is finished by then; timing the candidates and
+    /// identifying the preferred one for --output-model come after it
+    #[arg(
+        long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true,
+        conflicts_with = "baselines",
+    )]
     time_limit: Option<f64>,
 
     /// The records are consecutive parts of one run on one clock: each part is left out in turn; hysteresis
@@ -132,26 +135,28 @@ impl Compare {
         if found.comparison.ranking.is_none() {
             return Err(stop.told(nothing(&found.comparison)));
         }
-        if found.comparison.interrupted {
-            return Err(self.interrupted(&found, &campaign)?.exiting_with(stop.exit_code()));
+        let interrupted = || self.interrupted(&found, &campaign).map_err(|e| stop.told(e));
+        if stop.stop().is_requested() {
+            return Err(stop.told(interrupted()?));
         }
         let Some(path) = &self.out else { return Ok(()) };
         let watch = Watch::silent().stopped_by(stop.stop());
         let Some((candidate, fit)) = found.identify_preferred(&campaign, &watch, &maker) else {
             return Ok(());
         };
+        if stop.stop().is_requested() {
+            return Err(stop.told(interrupted()?));
+        }
         let failure = || Failure::new(format!("cannot identify {candidate} from all records"));
         crate::model::save(path, &fit.map_err(|e| failure().because(e))?.model)?;
         console::message(&format!("model of {candidate} written to {}", path.display()));
         Ok(())
     }
-}
 
-impl Compare {
     /// Writes the preferred model so far beside where the model was to be, and says so.
     fn interrupted(&self, found: &Compared, campaign: &[CampaignRecord]) -> Result<Failure, Failure> {
         let failure = Failure::new("the comparison was interrupted")
-            .hint("run it again, with --quick or --time-limit, or name fewer structures with --candidates");
+            .hint("run it again, with --time-limit, or name fewer structures with --candidates");
         let (Some(path), Some((candidate, model))) = (&self.out, found.preferred_so_far(campaign)) else {
             return Ok(failure.because("the finished candidates are printed, and no model is written"));
         };

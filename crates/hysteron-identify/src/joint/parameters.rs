@@ -177,7 +177,8 @@ pub(super) fn give_intervals(
     let operator = &solution.hysteresis;
     let form = operator.form();
     let (searched, reported) = (operator.shape(), operator.own_shape());
-    let memory_is_searched = form.own_memory(1.0, operator.weights()) == 1.0;
+    let scaled = form.description().remembers_output();
+    let exponent = operator.number("n").filter(|_| form.description().has_exponent());
     let shape_names = form.shape_names();
     for p in parameters {
         let Some(error) = p.std_error else { continue };
@@ -186,15 +187,18 @@ pub(super) fn give_intervals(
             ("b" | "c0" | "c1", _) if p.value > 0.0 => Interval::logarithmic(p.value, error),
             (name, Some(i)) if let Some(index) = shape_names.iter().position(|own| own == name) => {
                 match (searched.get(index), reported.get(index)) {
+                    // Shape numbers of another exponent than 1 depend on the weights, too.
+                    _ if exponent.is_some_and(|n| n != 1.0) && name != "n" => {
+                        Interval::symmetric(p.value, error, IntervalMethod::Unchecked)
+                    }
                     (Some(searched), Some(reported)) if searched == reported => i,
                     (Some(searched), Some(reported)) if *searched == -reported => {
                         Interval { low: -i.high, high: -i.low, ..i }
                     }
-                    // It depends on the weights, too.
                     _ => Interval::symmetric(p.value, error, IntervalMethod::Unchecked),
                 }
             }
-            (name, Some(i)) if !memory_is_searched && name.starts_with("memory_") => {
+            (name, Some(i)) if scaled && name.starts_with("memory_") => {
                 Interval::symmetric(p.value, error, i.method)
             }
             (_, Some(interval)) => interval,

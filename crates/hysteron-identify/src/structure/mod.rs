@@ -153,6 +153,7 @@ pub fn compare(
         done: AtomicUsize::new(0),
         planned: 0,
         finished: Vec::new(),
+        cut_short: false,
         preferred: None,
     };
     match selection {
@@ -175,6 +176,8 @@ struct RunningComparison<'a, 'w> {
     done: AtomicUsize,
     planned: usize,
     finished: Vec<Finished>,
+    /// A stop came before the end.
+    cut_short: bool,
     /// The preferred candidate so far, and its held-out error.
     preferred: Option<(Candidate, f64)>,
 }
@@ -204,7 +207,10 @@ impl RunningComparison<'_, '_> {
                     Some(ranking) if !self.watch.is_stopped() => {
                         best = self.finished[ranking.best].entry.candidate;
                     }
-                    _ => return,
+                    _ => {
+                        self.cut_short |= self.watch.is_stopped();
+                        return;
+                    }
                 }
             }
             if best == before {
@@ -218,6 +224,7 @@ impl RunningComparison<'_, '_> {
         self.planned = self.planned.max(self.done.load(Ordering::Relaxed) + candidates.len() * fits);
         for &candidate in candidates {
             if self.watch.is_stopped() {
+                self.cut_short = true;
                 return;
             }
             if self.finished.iter().any(|f| f.entry.candidate == candidate) {
@@ -232,7 +239,10 @@ impl RunningComparison<'_, '_> {
                         (self.finished[ranking.preferred].entry.candidate, error)
                     });
                 }
-                None => return,
+                None => {
+                    self.cut_short = true;
+                    return;
+                }
             }
         }
     }
@@ -313,8 +323,8 @@ impl RunningComparison<'_, '_> {
         // Residuals of the best fit are the least structured.
         let closest = self.finished.iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
         let information = closest.and_then(|f| f.training).map_or(2.0, |t| t.information.max(2.0));
-        let out_of_time = self.watch.is_out_of_time();
-        let interrupted = self.watch.is_stopped() && !out_of_time;
+        let interrupted = self.cut_short && self.watch.is_interrupted();
+        let out_of_time = self.cut_short && !interrupted;
         let entries = self
             .finished
             .into_iter()

@@ -1,4 +1,4 @@
-//! Hysteresis block: operators, most of them rate independent, one file per model behind one enum.
+//! Hysteresis block: operators, most of them rate independent, a file or folder for each family.
 //!
 //! * [`BoucWen`] (article Eq. 1) and its [`UnitShape`], the two or three numbers that enter nonlinearly.
 //! * [`PrandtlIshlinskii`]: polynomial and plays, with their inverse.

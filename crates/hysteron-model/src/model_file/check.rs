@@ -9,9 +9,6 @@ use super::{
 };
 use crate::hysteresis::{HysteresisForm, ModelNumber, Place};
 
-const NAMES: &str = "linear, quadratic, cubic, quartic, quintic, degree_6 … without gaps, and the numbers of \
-                     the kind, numbered ones as weight_1, weight_2 … without gaps";
-
 impl ModelFile {
     /// Checks everything that is not a matter of types: version, finite numbers, ranges, units, parameter
     /// names, terms that suit the kind of dynamics, a correlation matrix that is one.
@@ -118,7 +115,10 @@ fn family(form: HysteresisForm, parameters: &Parameters, units: &Units) -> Resul
     let known: std::collections::HashSet<&str> = numbers.iter().map(|number| number.name.as_str()).collect();
     let is_known = |name: &str| known.contains(name) || (1..=degree).any(|i| polynomial_name(i) == name);
     if let Some((name, _)) = parameters.iter().find(|(name, _)| !is_known(name)) {
-        return Err(ModelFileError::UnknownParameter { name: name.to_owned(), expected: NAMES });
+        let polynomial = "linear, quadratic, cubic, quartic, quintic, degree_6 … without gaps";
+        let own: Vec<&str> = numbers.iter().map(|number| number.name.as_str()).collect();
+        let expected = format!("{polynomial}, and {}", own.join(", "));
+        return Err(ModelFileError::UnknownParameter { name: name.to_owned(), expected });
     }
     let mut shape = vec![f64::NAN; form.shape_names().len()];
     for number in &numbers {

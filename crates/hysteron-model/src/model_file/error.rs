@@ -92,7 +92,7 @@ pub enum ModelFileError {
         /// Its name.
         name: String,
         /// The names there are.
-        expected: &'static str,
+        expected: String,
     },
     /// The shape numbers are invalid for the hysteresis block.
     #[error("hysteresis.parameters: {problem}")]

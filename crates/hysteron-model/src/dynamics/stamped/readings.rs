@@ -48,7 +48,9 @@ impl Readings {
             readings.before += 1;
         }
         readings.push(first_v, Pace::default());
-        readings.read_if(read_s.next_if(|read| *read == first_s).is_some());
+        while read_s.next_if(|read| *read == first_s).is_some() {
+            readings.read_last();
+        }
         for (sample, times) in times_s.windows(2).enumerate() {
             let Some(&[from, voltage, ref after @ ..]) = u.get(sample..) else { break };
             let [mut since_s, time] = [times[0], times[1]];
@@ -56,7 +58,7 @@ impl Readings {
             let mut is_read_on_the_way = false;
             if rule == InterSample::Hold {
                 while read_s.next_if(|read| *read < time).is_some() {
-                    readings.read_if(true);
+                    readings.read_last();
                 }
             } else {
                 if depends_on == Dependence::Rate && rate < rate_to(sample) {
@@ -66,17 +68,20 @@ impl Readings {
                 while let Some(read) = read_s.next_if(|read| *read < time) {
                     readings
                         .push(from + slope * (read - times[0]), Pace { rate, interval_s: read - since_s });
-                    readings.read_if(true);
+                    readings.read_last();
                     since_s = read;
                     is_read_on_the_way = true;
                 }
             }
-            let is_read = read_s.next_if(|read| *read == time).is_some();
+            let is_read = read_s.peek() == Some(&time);
             let is_passed = after.first().is_some_and(|next| (voltage - from) * (next - voltage) > 0.0);
             // Of an operator that steps over a move numerically no move becomes longer than two steps.
             if is_read || !(is_read_on_the_way && is_passed && depends_on == Dependence::Order) {
                 readings.push(voltage, Pace { rate, interval_s: time - since_s });
-                readings.read_if(is_read);
+                // Several samples may have one time.
+                while read_s.next_if(|read| *read == time).is_some() {
+                    readings.read_last();
+                }
             }
         }
         let last = readings.drive_v.len() - 1;
@@ -92,10 +97,8 @@ impl Readings {
     }
 
     /// The value pushed last is read.
-    fn read_if(&mut self, is_read: bool) {
-        if is_read {
-            self.places.push(self.drive_v.len() - 1);
-        }
+    fn read_last(&mut self) {
+        self.places.push(self.drive_v.len() - 1);
     }
 
     /// The output at the wanted times, `v` being that of the hysteresis along the drive and `rest` that
@@ -133,6 +136,18 @@ mod tests {
         let readings = readings(InterSample::Linear, Dependence::Order, &[-2.0, -1.0, 0.5]);
         let output: Vec<f64> = readings.of(&readings.drive_v, 7.0).collect();
         assert_eq!(output, [7.0, 7.0, 0.5]);
+    }
+
+    #[test]
+    fn samples_of_one_time_are_read_before_the_jump_between_them() {
+        let (times_s, u) = ([0.0, 0.0, 1.0, 1.0, 2.0, 2.0], [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+        let read_s = times_s.map(|time| time - 1.0);
+        let of = |rule| {
+            let readings = Readings::new(&times_s, &u, rule, Dependence::Order, read_s.into_iter());
+            readings.of(&readings.drive_v, 7.0).collect::<Vec<f64>>()
+        };
+        assert_eq!(of(InterSample::Linear), [7.0, 7.0, 0.0, 0.0, 2.0, 2.0]);
+        assert_eq!(of(InterSample::Hold), [7.0, 7.0, 0.0, 0.0, 2.0, 2.0]);
     }
 
     #[test]

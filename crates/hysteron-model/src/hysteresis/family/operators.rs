@@ -1,4 +1,4 @@
-//! Families whose columns are those of a [`ColumnKernel`].
+//! Operations on a family: most have those of a [`ColumnKernel`], by [`ColumnFamily`].
 
 use std::fmt;
 
@@ -11,7 +11,7 @@ use crate::hysteresis::outputs::Columns;
 use crate::hysteresis::{DriveGrid, Hysteresis, HysteresisError, Invertibility, invertibility, polynomial};
 use crate::start::Start;
 
-/// A family and its kernel.
+/// A family and its kernel. Its models have the numbers of its columns, and the sign 1.
 pub(in crate::hysteresis) trait ColumnFamily: FamilyDescription {
     /// The operators of its columns.
     type Kernel: ColumnKernel<State<f64>: fmt::Debug + Send + Sync>
