@@ -17,7 +17,7 @@ struct Request {
     also: Option<Also>,
 }
 
-/// What else makes the request.
+/// Another stop, and a condition, each of which makes the request.
 struct Also {
     stop: Stop,
     is_over: Box<dyn Fn() -> bool + Send + Sync>,

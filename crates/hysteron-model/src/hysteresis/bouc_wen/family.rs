@@ -1,7 +1,7 @@
 //! Bouc–Wen as a family: one column ζ, the weight α, the sign −1. A model has the article's β and γ, its
 //! columns those of the unit-α form, β' and γ'.
 
-use super::{Admissibility, BoucWen, BoucWenState, UnitShape, run, sign};
+use super::{Admissibility, BoucWen, BoucWenState, UnitShape, run};
 use crate::hysteresis::family::{
     ColumnOperators, DriveSpan, FamilyDescription, ModelNumber, Mover, NumberUnit, Place, RuntimeOperator,
     SKEWS, Search, ShapeNumber,
@@ -49,12 +49,12 @@ fn numbers(polynomial: &[f64], own_shape: &[f64], weights: &[f64]) -> Option<Bou
     }
 }
 
-/// β and γ times |α| to a power of n, and γ times the sign of α.
+/// The shape with β and γ times |α| to a power of n, and γ times the sign of α.
 fn in_other_scale(shape: &[f64], weights: &[f64], power: impl Fn(f64) -> f64) -> Vec<f64> {
     match (shape, weights) {
         (&[beta, gamma, n], &[alpha]) => {
-            let size = alpha.abs().powf(power(n));
-            vec![beta * size, sign(alpha) * gamma * size, n]
+            let UnitShape { beta, gamma, n } = UnitShape { beta, gamma, n }.scaled(alpha, power(n));
+            vec![beta, gamma, n]
         }
         _ => shape.to_vec(),
     }

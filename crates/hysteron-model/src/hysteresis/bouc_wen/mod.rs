@@ -87,14 +87,13 @@ impl BoucWen {
     /// # Errors
     /// Those of [`Self::validate`]; with α = 0 the article's β and γ exist for n = 1 only.
     pub fn from_unit(polynomial: Vec<f64>, alpha: f64, shape: UnitShape) -> Result<Self, HysteresisError> {
-        let size = alpha.abs().powf(1.0 - shape.n);
-        Self::new(polynomial, alpha, shape.beta * size, sign(alpha) * shape.gamma * size, shape.n)
+        let UnitShape { beta, gamma, n } = shape.scaled(alpha, 1.0 - shape.n);
+        Self::new(polynomial, alpha, beta, gamma, n)
     }
 
     /// The shape of the unit-α form: β' = β|α|ⁿ⁻¹, γ' = sign(α) γ |α|ⁿ⁻¹.
     pub fn unit_shape(&self) -> UnitShape {
-        let size = self.alpha.abs().powf(self.n - 1.0);
-        UnitShape { beta: self.beta * size, gamma: sign(self.alpha) * self.gamma * size, n: self.n }
+        UnitShape { beta: self.beta, gamma: self.gamma, n: self.n }.scaled(self.alpha, self.n - 1.0)
     }
 
     /// Checks that every parameter is finite, n ≥ 1 and the polynomial not empty.
@@ -162,6 +161,12 @@ impl BoucWen {
 }
 
 impl UnitShape {
+    /// β and γ times |α| to this power, and γ times the sign of α.
+    fn scaled(self, alpha: f64, power: f64) -> Self {
+        let size = alpha.abs().powf(power);
+        Self { beta: self.beta * size, gamma: sign(alpha) * self.gamma * size, n: self.n }
+    }
+
     /// The streaming operator for ζ.
     ///
     /// # Errors

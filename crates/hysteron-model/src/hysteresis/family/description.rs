@@ -154,7 +154,7 @@ pub trait FamilyDescription: fmt::Debug + Sync {
         false
     }
 
-    /// What loops of one amplitude leave undetermined, as a sentence about its numbers.
+    /// Clause naming the numbers that loops of one amplitude do not determine.
     fn undetermined_by_one_loop(&self) -> &'static str {
         "the polynomial is distinguished from the hysteretic part only by the shape of one loop"
     }

@@ -238,7 +238,6 @@ impl HysteresisForm {
         weights: &[f64],
         shape: &[f64],
     ) -> Result<Hysteresis, HysteresisError> {
-        self.check(shape)?;
         Hysteresis::new(polynomial, self, self.family.own_shape(shape, weights), weights.to_vec())
     }
 }
