@@ -1,7 +1,7 @@
 //! C99 source.
 
 use hysteron_model::realise::{Coefficients, RuntimeParts};
-use hysteron_rt::{Real, c_source};
+use hysteron_rt::{Real, StateLaw, c_source};
 
 use crate::error::ExportError;
 use crate::escape::{c_comment, c_string};
@@ -126,7 +126,8 @@ fn of_type<T: Real + Into<f64>>(subject: &Subject, numbers: Numbers) -> Result<F
         let literal = |x: f64| format!("({})", subject.precision.c_literal(x));
         filling.key("RANGE_LOW", literal(range.input.low)).key("RANGE_HIGH", literal(range.input.high));
     }
-    for (name, constant) in [("polynomial", "POLYNOMIAL"), ("operators", "OPERATORS"), ("weight", "WEIGHT")] {
+    for (name, constant) in [("polynomial", "POLYNOMIAL"), ("state_laws", "STATE_LAWS"), ("weight", "WEIGHT")]
+    {
         let place = if tunable { format!("state->parameters.{name}") } else { constant.to_owned() };
         filling.coefficients(name, place);
     }
@@ -144,8 +145,9 @@ fn sizes<T: Real>(filling: &mut Filling, coefficients: &Coefficients<'_, T>) {
         filling.part(heading, c_source::header_lines(heading).collect::<Vec<_>>().join("\n"));
     }
     filling
-        .part("shared functions", c_source::SHARED)
-        .part("operators", c_source::OPERATORS)
+        .part("type of a state", c_source::STATE_LAW)
+        .part("shared functions", c_source::SHARED.concat())
+        .part("operators", c_source::OPERATORS.concat())
         .flag("accumulates", real + sections.pairs.len() > 0)
         .flag("polynomial", !coefficients.polynomial.is_empty())
         .flag("real_poles", real > 0)
@@ -185,27 +187,17 @@ fn tables<T: Real>(
         out.push_str(&format!("/* {comment} */\nstatic const {declaration} = {{\n{content}\n}};\n"));
     };
     let numbers = OperatorNumbers::new(coefficients.operator);
-    let of_bouc_wen = numbers.bouc_wen.as_ref().map(|operators| {
-        let four = |numbers: &[T; 4]| format!("{{{}}}", numbers.map(literal).join(", "));
-        (operators.len(), rows(operators.iter().map(four)))
+    let states = numbers.states.as_ref().map(|(parameters, _)| {
+        let own = |parameters: &[T; 4]| format!("{{{}}}", parameters.map(literal).join(", "));
+        (parameters.len(), rows(parameters.iter().map(own)))
     });
-    let mut opening = String::new();
-    let on_branch = numbers.names("bouc_wen");
-    if on_branch || of_bouc_wen.is_some() {
-        opening = if tunable && !on_branch {
-            format!("typedef {name}_bouc_wen bouc_wen;\n\n")
-        } else {
-            "/* A Bouc-Wen operator. */\ntypedef struct {\n    real alpha, beta, gamma, n;\n} bouc_wen;\n\n"
-                .into()
-        };
-    }
     let polynomial = (coefficients.polynomial.len(), all(coefficients.polynomial));
     let weights = numbers.weights.as_ref().filter(|(_, weights)| !weights.is_empty());
     let weights = weights.map(|(what, weights)| (what, weights.len(), all(weights)));
     if tunable {
         let members = [
             Some(&polynomial.1).filter(|_| polynomial.0 > 0),
-            of_bouc_wen.as_ref().map(|(_, operators)| operators),
+            states.as_ref().map(|(_, parameters)| parameters),
             weights.as_ref().map(|(.., weights)| weights),
         ];
         let members: Vec<String> =
@@ -220,8 +212,9 @@ fn tables<T: Real>(
             let comment = "Coefficients of u, u^2, ... of the polynomial.";
             table(comment, &format!("real POLYNOMIAL[{size}]"), numbers);
         }
-        if let Some((size, operators)) = &of_bouc_wen {
-            table("alpha, beta, gamma, n.", &format!("bouc_wen OPERATORS[{size}]"), operators);
+        if let Some((size, parameters)) = &states {
+            let comment = format!("{}.", StateLaw::<T>::PARAMETERS.join(", "));
+            table(&comment, &format!("state_law STATE_LAWS[{size}]"), parameters);
         }
         if let Some((what, size, weights)) = &weights {
             table(&format!("Weights of the {what}s."), &format!("real WEIGHT[{size}]"), weights);
@@ -275,7 +268,7 @@ fn tables<T: Real>(
         );
     }
     format!(
-        "{opening}{out}/* Gain of the dynamics at rest. */\nstatic const real \
+        "{out}/* Gain of the dynamics at rest. */\nstatic const real \
          REST_GAIN = {};\n/* Constant of the displacement. */\nstatic const real OFFSET = {};\n",
         literal(sections.rest_gain),
         literal(coefficients.offset)

@@ -2,7 +2,7 @@
 //! operator of the runtime is written here and in the template of the Rust crate; its C stands beside it in
 //! `hysteron-rt`.
 
-use hysteron_model::hysteresis::RuntimeOperator;
+use hysteron_model::hysteresis::{NumberUnit, RuntimeOperator};
 use hysteron_model::realise::TURNS;
 use hysteron_rt::{Branch, Real, Sides};
 
@@ -27,8 +27,8 @@ pub(crate) struct Constant<T> {
 /// The numbers of an operator.
 #[derive(Clone, Debug)]
 pub(crate) struct OperatorNumbers<T> {
-    /// α, β, γ, n of Bouc–Wen operators.
-    pub bouc_wen: Option<Vec<[T; 4]>>,
+    /// Parameters of states in parallel, and their units.
+    pub states: Option<(Vec<[T; 4]>, [NumberUnit; 4])>,
     /// The law of a branch.
     pub law: Option<Branch<T>>,
     /// Tunable weights, and their owner, `state` or `play`.
@@ -45,7 +45,7 @@ pub(crate) struct OperatorNumbers<T> {
 impl<T: Real> OperatorNumbers<T> {
     pub fn new(operator: &RuntimeOperator<T>) -> Self {
         let mut all = Self {
-            bouc_wen: None,
+            states: None,
             law: None,
             weights: None,
             tables: Vec::new(),
@@ -55,7 +55,7 @@ impl<T: Real> OperatorNumbers<T> {
         };
         let constant = |comment, name, value| Constant { comment, name, value };
         match operator {
-            RuntimeOperator::BoucWen(operators) => all.bouc_wen = Some(operators.clone()),
+            RuntimeOperator::States { parameters, units } => all.states = Some((parameters.clone(), *units)),
             RuntimeOperator::Branch { law, weights } => {
                 all.law = Some(*law);
                 all.weights = Some(("state", weights.clone()));
@@ -89,7 +89,7 @@ impl<T: Real> OperatorNumbers<T> {
                     all.table("Slopes between them, one more.", "SLOPE", &line.slopes);
                 }
             }
-            RuntimeOperator::ActivatedPlays { pace: (sigma, interval), range, thresholds, slopes } => {
+            RuntimeOperator::RelaxingPlays { pace: (sigma, interval), range, thresholds, slopes } => {
                 all.table("Half-widths of the plays.", "THRESHOLD", thresholds);
                 all.table("Slopes of the play outputs, three per play.", "SLOPE", slopes);
                 all.table("Ends of the range over which these hold.", "RANGE", range);
@@ -112,9 +112,9 @@ impl<T: Real> OperatorNumbers<T> {
         self.tables.push(Table { comment, name, numbers: numbers.to_vec() });
     }
 
-    /// The exponent of Bouc–Wen operators: one for all, several in parallel have n = 1.
+    /// The exponent of states in parallel: one for all, several have n = 1.
     fn exponent(&self) -> Option<T> {
-        self.bouc_wen.as_ref()?.first().map(|&[.., n]| n)
+        self.states.as_ref()?.0.first().map(|&[.., n]| n)
     }
 
     /// The law of a branch in C; empty for other operators.
@@ -143,6 +143,7 @@ pub(crate) fn fill<T: Real>(filling: &mut Filling, operator: &RuntimeOperator<T>
         .flag("own_virgin", numbers.names("branch_virgin"))
         .flag("moments", numbers.names("moments"))
         .flag("roots", numbers.names("rising_root"))
+        .flag("state_law", exponent.is_some() || numbers.names("state_law"))
         .flag("linear_law", linear_law)
         .flag("quadratic_law", quadratic)
         .flag("power_law", power)
@@ -162,10 +163,10 @@ pub(crate) fn fill<T: Real>(filling: &mut Filling, operator: &RuntimeOperator<T>
         filling.key(key, "");
     }
     match operator {
-        RuntimeOperator::BoucWen(operators) => {
-            let none = operators.is_empty();
-            filling.flag("bouc_wen", !none).flag("memoryless", none).flag("accumulates", !none);
-            filling.key("N_OPERATORS", operators.len());
+        RuntimeOperator::States { parameters, .. } => {
+            let none = parameters.is_empty();
+            filling.flag("states", !none).flag("memoryless", none).flag("accumulates", !none);
+            filling.key("N_STATE_LAWS", parameters.len());
         }
         RuntimeOperator::Branch { weights, .. } => {
             filling.flag("branch", true).flag("accumulates", true).key("N_STATES", weights.len());
@@ -200,9 +201,9 @@ pub(crate) fn fill<T: Real>(filling: &mut Filling, operator: &RuntimeOperator<T>
                     .key("THROUGH_IN_WORDS", " through `middle`, in a sample that moves by du,");
             }
         }
-        RuntimeOperator::ActivatedPlays { thresholds, .. } => {
+        RuntimeOperator::RelaxingPlays { thresholds, .. } => {
             filling
-                .flag("activated", true)
+                .flag("relaxing", true)
                 .flag("relaxes", true)
                 .flag("moves_at_rest", true)
                 .key("N_PLAYS", thresholds.len())

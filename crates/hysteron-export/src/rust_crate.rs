@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use hysteron_model::realise::RuntimeParts;
-use hysteron_rt::{Branch, LANES, Real};
+use hysteron_rt::{Branch, LANES, Real, StateLaw};
 
 use crate::c::{Numbers, filling, golden_keys, rows};
 use crate::error::ExportError;
@@ -173,10 +173,10 @@ fn tables<T: Real + Into<f64>>(subject: &Subject) -> Result<String, ExportError>
         &all(polynomial),
     );
     let numbers = OperatorNumbers::new(coefficients.operator);
-    if let Some(operators) = &numbers.bouc_wen {
-        let four = |numbers: &[T; 4]| format!("[{}]", numbers.map(literal).join(", "));
-        let content = rows(operators.iter().map(four));
-        table("α, β, γ, n.", "OPERATORS", "[Real; 4]", operators.len(), &content);
+    if let Some((parameters, _)) = &numbers.states {
+        let own = |parameters: &[T; 4]| format!("[{}]", parameters.map(literal).join(", "));
+        let comment = format!("{}.", StateLaw::<T>::PARAMETERS.join(", "));
+        table(&comment, "STATES", "[Real; 4]", parameters.len(), &rows(parameters.iter().map(own)));
     }
     if let Some((what, weights)) = &numbers.weights {
         table(&format!("Weights of the {what}s."), "WEIGHT", "Real", weights.len(), &all(weights));
@@ -221,5 +221,5 @@ fn tables<T: Real + Into<f64>>(subject: &Subject) -> Result<String, ExportError>
         literal(sections.rest_gain),
         literal(coefficients.offset)
     ));
-    Ok(out.replace("static OPERATORS", "const OPERATORS"))
+    Ok(out.replace("static STATES", "const STATES"))
 }

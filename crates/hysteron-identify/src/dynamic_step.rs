@@ -12,7 +12,7 @@ use hysteron_model::Start;
 use hysteron_model::dynamics::delay::delay_in_place;
 use hysteron_model::dynamics::{Dynamics, TransferFunction};
 use hysteron_model::hammerstein::extend;
-use hysteron_model::hysteresis::BoucWen;
+use hysteron_model::hysteresis::ArticleOperator;
 use hysteron_optimize::{Bounds, OptimizeError, Problem, Range};
 
 /// Longest delay searched: the larger of this number of samples and this share of the fastest period in the
@@ -38,7 +38,7 @@ pub(super) struct HysteresisOutput<'a> {
 }
 
 pub(super) fn hysteresis_outputs<'a>(
-    operator: &BoucWen,
+    operator: &ArticleOperator,
     records: &[&'a RecordFacts],
     starts: &[Start],
 ) -> Result<Vec<HysteresisOutput<'a>>, IdentifyError> {
@@ -122,7 +122,7 @@ pub(super) fn identify_dynamic(
     outputs: &[HysteresisOutput<'_>],
     options: &Options,
     integer: bool,
-    hysteresis: &BoucWen,
+    hysteresis: &ArticleOperator,
     engine: &mut Engine<'_, '_>,
 ) -> Result<DynamicStep, IdentifyError> {
     let fastest_hz = outputs.iter().map(|o| o.facts.highest_frequency_hz()).fold(0.0, f64::max);

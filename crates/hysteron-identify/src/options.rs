@@ -384,11 +384,12 @@ mod as_model_file {
 mod tests {
     use super::*;
     use hysteron_model::dynamics::Dynamics;
-    use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+    use hysteron_model::hysteresis::{ArticleOperator, Hysteresis};
 
     #[test]
     fn options_are_read_back_and_what_is_left_out_is_the_default() {
-        let hysteresis = BoucWen { polynomial: vec![0.1, 0.02], alpha: 0.3, beta: 0.2, gamma: -0.1, n: 1.0 };
+        let hysteresis =
+            ArticleOperator { polynomial: vec![0.1, 0.02], alpha: 0.3, beta: 0.2, gamma: -0.1, n: 1.0 };
         let start = Model {
             hysteresis: Hysteresis::from(hysteresis),
             dynamics: Dynamics::None,
@@ -399,7 +400,7 @@ mod tests {
             sample_rate_hz: None,
         };
         let options = Options {
-            hysteresis: Choice::Given(HysteresisForm::prandtl_ishlinskii(9)),
+            hysteresis: Choice::Given(HysteresisForm::plays(9)),
             dynamics: DynamicsChoice::TwoFractional,
             creep: Creep::KelvinVoigt { elements: 3 },
             degree: Choice::Given(4),

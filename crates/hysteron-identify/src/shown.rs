@@ -2,7 +2,7 @@
 
 use hysteron_model::dynamics::Dynamics;
 use hysteron_model::hammerstein::Model;
-use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+use hysteron_model::hysteresis::{ArticleOperator, Hysteresis};
 use hysteron_model::model_file::{ModelFile, SignalUnits};
 
 use super::RecordFacts;
@@ -10,7 +10,7 @@ use super::options::Options;
 
 /// The intermediate model, without standard errors and scores.
 pub(super) fn shown(
-    hysteresis: &BoucWen,
+    hysteresis: &ArticleOperator,
     dynamics: Dynamics,
     delay_s: f64,
     options: &Options,

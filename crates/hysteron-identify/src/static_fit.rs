@@ -6,11 +6,11 @@ use super::static_problem::{StaticProblem, StaticWorkspace};
 use super::static_step::{Scales, Setup, Shift, prepare};
 use super::{IdentifyError, RecordFacts};
 use hysteron_model::Start;
-use hysteron_model::hysteresis::BoucWen;
+use hysteron_model::hysteresis::ArticleOperator;
 use hysteron_model::record::InputOutput;
 use hysteron_optimize::{Bounds, LeastSquaresProblem, Problem};
 
-/// Step 1 of the article on one record: RMSE (Eq. 7) of the improved Bouc–Wen block (Eq. 1) over the search
+/// Step 1 of the article on one record: RMSE (Eq. 7) of its hysteresis block (Eq. 1) over the search
 /// box that [`super::identify`] would use, every parameter searched and only a free offset eliminated.
 ///
 /// The search vector is, in the order of [`Problem::bounds`], the coefficients of u, u², …, then α, β, γ (and
@@ -42,7 +42,7 @@ impl StaticFit {
     }
 
     /// The hysteresis block at the search vector `x`; `None` where it cannot be simulated.
-    pub fn operator(&self, x: &[f64]) -> Option<BoucWen> {
+    pub fn operator(&self, x: &[f64]) -> Option<ArticleOperator> {
         Some(self.problem.solve(x)?.hysteresis)
     }
 }

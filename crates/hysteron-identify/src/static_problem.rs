@@ -1,7 +1,7 @@
-//! Step 1, the static block: Bouc–Wen from quasi-static records (article §4.3, step 1) as a least-squares
-//! problem.
+//! Step 1, the static block (article §4.3, step 1): the operator of Eq. 1 from quasi-static records, as a
+//! least-squares problem.
 //!
-//! Output of one record at a candidate (unit-α form z = α ζ, `docs/theory/bouc-wen.md`):
+//! Output of one record at a candidate (unit-α form z = α ζ, `docs/theory`):
 //!
 //! y = offset + F\[ Σ cᵢ uⁱ − α ζ(β', γ', n) \],  F = delay ► first-order lag 1/(T s + 1),
 //!
@@ -13,7 +13,7 @@ use super::projection::Projection;
 use hysteron_model::Start;
 use hysteron_model::dynamics::Scheme;
 use hysteron_model::dynamics::delay::delay_in_place;
-use hysteron_model::hysteresis::{BoucWen, UnitShape};
+use hysteron_model::hysteresis::{ArticleOperator, UnitShape};
 use hysteron_optimize::{Bounds, LeastSquaresProblem, Problem, root_mean_square};
 
 /// One record prepared for the static step.
@@ -72,7 +72,7 @@ pub(super) struct StaticLayout {
 /// Values of all parameters of the static step.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct StaticSolution {
-    pub(super) hysteresis: BoucWen,
+    pub(super) hysteresis: ArticleOperator,
     pub(super) delay_s: f64,
     pub(super) lag_s: f64,
     /// Offset of each record \[µm\].
@@ -259,7 +259,7 @@ impl StaticProblem {
         let values: Vec<f64> =
             roles.iter().map(|role| role.value(x).or_else(|| eliminated.next())).collect::<Option<_>>()?;
         let (alpha, polynomial) = values.split_last()?;
-        let hysteresis = BoucWen::from_unit(polynomial.to_vec(), *alpha, shape.unit).ok()?;
+        let hysteresis = ArticleOperator::from_unit(polynomial.to_vec(), *alpha, shape.unit).ok()?;
         let mut solution = StaticSolution {
             hysteresis,
             delay_s: shape.delay_s,

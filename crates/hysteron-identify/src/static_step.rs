@@ -10,7 +10,7 @@ use super::{IdentifyError, RecordFacts};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme};
 use hysteron_model::hammerstein::extend;
-use hysteron_model::hysteresis::BoucWen;
+use hysteron_model::hysteresis::ArticleOperator;
 use hysteron_model::model_file::polynomial_name;
 use hysteron_optimize::{Bounds, LeastSquaresProblem, OptimizeError, Problem, Range};
 
@@ -298,7 +298,7 @@ impl Setup<'_> {
         let middle = |range: &Range| range.from_unit(0.5);
         let mut guesses = Vec::new();
         if let Some(model) = &self.options.start
-            && let Some(b) = BoucWen::of(&model.hysteresis)
+            && let Some(b) = ArticleOperator::of(&model.hysteresis)
         {
             let unit = b.unit_shape();
             let (beta, gamma) =

@@ -18,7 +18,7 @@ use hysteron_model::dynamics::Creep;
 use hysteron_model::dynamics::arx::{ArxRecord, ArxSearch, OrderCriterion, select_orders};
 use hysteron_model::dynamics::{Arx, Dynamics, Term, TransferFunction};
 use hysteron_model::hammerstein::Model;
-use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+use hysteron_model::hysteresis::{ArticleOperator, Hysteresis};
 use hysteron_model::model_file::polynomial_name;
 use hysteron_model::validate::{Scoring, score};
 use hysteron_optimize::{Bounds, Problem};
@@ -156,7 +156,7 @@ impl Step2 {
         outputs: &[HysteresisOutput<'_>],
         options: &Options,
         integer: bool,
-        hysteresis: &BoucWen,
+        hysteresis: &ArticleOperator,
         engine: &mut Engine<'_, '_>,
     ) -> Result<Self, IdentifyError> {
         let step = dynamic_step::identify_dynamic(outputs, options, integer, hysteresis, engine)?;

@@ -287,7 +287,7 @@ fn bent() -> Truth {
 
 #[test]
 fn bands_follow_a_bent_device_where_plays_alone_do_not() {
-    let plays = on_the_bench(&bent(), HysteresisForm::prandtl_ishlinskii(12));
+    let plays = on_the_bench(&bent(), HysteresisForm::plays(12));
     let bands = on_the_bench(&bent(), named("dead-zone-plays", 12));
     for (bands, plays) in bands.iter().zip(&plays) {
         assert!(*bands < 0.7 * plays, "{bands} {plays} % of stroke");

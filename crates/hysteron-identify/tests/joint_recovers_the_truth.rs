@@ -320,7 +320,7 @@ fn weights_of_plays_come_back_within_three_standard_errors() {
         .map(|r| CampaignRecord { data: data(r), role: None })
         .collect();
     let options = Options {
-        hysteresis: Choice::Given(HysteresisForm::prandtl_ishlinskii(4)),
+        hysteresis: Choice::Given(HysteresisForm::plays(4)),
         dynamics: DynamicsChoice::Integer,
         degree: Choice::Given(1),
         ..Options::default()
@@ -468,7 +468,7 @@ fn plays_meet_the_default_bench_to_a_thousandth_of_its_stroke() {
         .map(|r| CampaignRecord { data: data(r), role: None })
         .collect();
     assert_eq!(campaign.len(), 2);
-    let hysteresis = HysteresisForm::prandtl_ishlinskii(20);
+    let hysteresis = HysteresisForm::plays(20);
     let options =
         Options { hysteresis: Choice::Given(hysteresis), degree: Choice::Given(5), ..Options::default() };
     let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();

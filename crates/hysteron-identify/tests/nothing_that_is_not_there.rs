@@ -85,7 +85,7 @@ fn a_delay_that_slow_drive_does_not_tell_is_in_the_errors() {
     assert!(moved > 2.0, "the delay must matter: {moved}");
 
     // Plays, fitted jointly, by the same rule.
-    let plays = Choice::Given(HysteresisForm::prandtl_ishlinskii(4));
+    let plays = Choice::Given(HysteresisForm::plays(4));
     let (late, prompt) = (of(plays, 1.5e-3), of(plays, 0.0));
     assert_eq!(number(&late, "delay"), (0.0, None));
     let ((value, error), (without, _)) = (number(&late, "linear"), number(&prompt, "linear"));

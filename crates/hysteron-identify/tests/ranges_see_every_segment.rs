@@ -53,7 +53,7 @@ fn record() -> CampaignRecord {
 #[test]
 fn ranges_are_those_of_the_small_fast_sine_too() {
     let options = Options {
-        hysteresis: Choice::Given(HysteresisForm::prandtl_ishlinskii(4)),
+        hysteresis: Choice::Given(HysteresisForm::plays(4)),
         dynamics: DynamicsChoice::Integer,
         order: 1,
         degree: Choice::Given(1),

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
 use hysteron_model::Start;
-use hysteron_model::hysteresis::{HysteresisError, PrandtlIshlinskii};
+use hysteron_model::hysteresis::{DriveLimits, Hysteresis, HysteresisError, PrandtlIshlinskii};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -227,5 +227,20 @@ proptest! {
         }
         let u = model.step_inverse(RANGE).unwrap().solve(&plays, v).unwrap();
         prop_assert!((u - low).abs() <= TOLERANCE, "{u} {low}");
+    }
+}
+
+#[test]
+fn plays_follow_as_their_closed_form_does() {
+    let plays = PrandtlIshlinskii::new(vec![1.0, 0.02], vec![0.31, 0.9, 1.7, 3.3], vec![0.3, 0.2, -0.1, 0.1])
+        .unwrap();
+    let limits = DriveLimits { range: [-2.0, 10.0], step: f64::INFINITY, interval_s: None };
+    let wanted: Vec<f64> = (0..500).map(|k| 6.0 + 4.0 * (f64::from(k) * 0.31).sin()).collect();
+    let mut states = plays.plays_at(2.0, 2.0);
+    let mut exact = vec![0.0; wanted.len()];
+    plays.step_inverse(limits.range).unwrap().follow(&wanted, &mut states, &mut exact).unwrap();
+    let found = Hysteresis::from(plays).follow(&wanted, 2.0, None, &limits).unwrap();
+    for (found, exact) in found.drive.iter().zip(&exact) {
+        assert!((found - exact).abs() < 1e-12, "{found} {exact}");
     }
 }

@@ -5,42 +5,45 @@
 //! between `//{ flag` and `//}` hold where the flag is set. The law of one branch
 //! ([`crate::Branch::c_fragment`]) comes between the two.
 
+use crate::state_law;
+
+/// Type of the parameters of a state; it comes before any table of them.
+pub const STATE_LAW: &str = state_law::C_PARAMETERS;
+
 /// Functions called by laws and operators, each after those it calls itself.
-pub const SHARED: &str = concat!(
+pub const SHARED: &[&str] = &[
     include_str!("increment.c"),
     include_str!("series.c"),
-    include_str!("bouc_wen/linear.c"),
-    include_str!("bouc_wen/quadratic.c"),
-    include_str!("bouc_wen/power.c"),
+    state_law::C_INCREMENT,
     include_str!("branch/moments.c"),
     include_str!("branch/root.c"),
-);
+];
 
 /// Functions of every operator: virgin output at a voltage (`hysteresis_at_rest`), output after a trial move
 /// (`hysteresis_look`) and after a move (`hysteresis_move`), reset to virgin (`hysteresis_rest`); with the
 /// provided methods of a branch law.
-pub const OPERATORS: &str = concat!(
-    include_str!("bouc_wen/operator.c"),
+pub const OPERATORS: &[&str] = &[
+    state_law::C_OPERATOR,
     include_str!("branch/law.c"),
     include_str!("play/play.c"),
     include_str!("play/sided.c"),
-    include_str!("play/activated.c"),
+    include_str!("play/relaxing.c"),
     include_str!("plane/plane.c"),
-);
+];
 
 /// Lines of a header under `//= sizes`, `//= members of the state` and `//= parameters`, operator by
 /// operator.
-const HEADERS: &str = concat!(
-    include_str!("bouc_wen/operator.h"),
+const HEADERS: &[&str] = &[
+    state_law::C_HEADER,
     include_str!("branch/law.h"),
     include_str!("play/plays.h"),
     include_str!("plane/plane.h"),
-);
+];
 
 /// The lines of a header that belong under this heading: `sizes`, `members of the state` or `parameters`.
 pub fn header_lines(heading: &str) -> impl Iterator<Item = &'static str> {
     let mut current = "";
-    HEADERS.lines().filter(move |line| match line.strip_prefix("//= ") {
+    HEADERS.iter().flat_map(|header| header.lines()).filter(move |line| match line.strip_prefix("//= ") {
         Some(next) => {
             current = next;
             false

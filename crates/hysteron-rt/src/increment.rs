@@ -11,8 +11,7 @@ pub(crate) fn accumulate<T: Real>(x: &mut T, carry: &mut T, delta: T) {
     *x = sum;
 }
 
-/// State updated by increments (z of a Bouc–Wen operator, say) with its Kahan compensation. Equality compares
-/// these two only.
+/// State updated by increments, with its Kahan compensation. Equality compares these two only.
 #[derive(Clone, Copy, Debug)]
 pub struct IncrementMemory<T> {
     z: T,

@@ -40,6 +40,7 @@
 #![forbid(unsafe_code)]
 
 mod bouc_wen;
+use bouc_wen as state_law;
 pub mod branch;
 pub mod c_source;
 mod dual;
@@ -52,6 +53,8 @@ mod play;
 mod real;
 mod series;
 
+/// Law of a state of which several may stand in parallel, each with its parameters.
+pub use bouc_wen::BoucWen as StateLaw;
 pub use bouc_wen::{BoucWen, BoucWenState, SimulateError, StepError};
 pub use branch::Branch;
 pub use dual::Dual;
@@ -67,7 +70,7 @@ pub use online::{
 pub use parameter_error::ParameterError;
 pub use plane::{LEAST_TURNS, Plane, Turn, Turns, wipe_out};
 pub use play::{
-    ActivatedMove, ActivatedPlays, BrokenLine, LinearPiece, PlayBank, PlayError, SLOPES, SidedPlays, Sides,
+    BrokenLine, LinearPiece, PlayBank, PlayError, RelaxingMove, RelaxingPlays, SLOPES, SidedPlays, Sides,
     bernstein_integrals, between, between_ramps, each_band, play, ramp,
 };
 pub use real::{Real, Scalar};

@@ -70,9 +70,7 @@ impl<T: Real> Parts<T> {
     fn blocks(&mut self, kind: Kind) -> (Hysteresis<'_, T>, Linear<'_, T>, Law<'_, T>, &mut [T]) {
         let operator = match kind {
             Kind::None => Operator::None,
-            Kind::BoucWen(_) => {
-                Operator::BoucWen { operators: &self.bouc_wen, memory: &mut self.bouc_wen_memory }
-            }
+            Kind::BoucWen(_) => Operator::States { laws: &self.bouc_wen, memory: &mut self.bouc_wen_memory },
             Kind::Plays => Operator::Plays {
                 bank: PlayBank::new(&self.thresholds, &self.weights).unwrap(),
                 states: &mut self.plays,
@@ -172,7 +170,7 @@ fn a_start_that_is_refused_does_not_move_the_drive() {
     let mut memory = [IncrementMemory::new(0.0)];
     let mut parts = Parts::<f64>::new(Kind::None);
     let (_, dynamics, law, ring) = parts.blocks(Kind::None);
-    let operator = Operator::BoucWen { operators: &operators, memory: &mut memory };
+    let operator = Operator::States { laws: &operators, memory: &mut memory };
     let limits = Limits { low: 0.0, high: 10.0, step: 0.5 };
     let hysteresis = Hysteresis::new(&[2.0], operator).unwrap();
     let mut compensator = Compensator::new(hysteresis, dynamics, law, ring, limits, 0.0).unwrap();

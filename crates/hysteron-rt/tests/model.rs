@@ -197,7 +197,7 @@ fn a_rest_is_a_rest_and_a_start_has_no_jump() {
     let mut block = Block::<f64>::new();
     let operators = [BoucWen::new(0.5, 0.11, 0.02, 1.0).unwrap()];
     let mut memory = [IncrementMemory::new(0.0)];
-    let operator = Operator::BoucWen { operators: &operators, memory: &mut memory };
+    let operator = Operator::States { laws: &operators, memory: &mut memory };
     let hysteresis = Hysteresis::new(&[2.0, 0.003], operator).unwrap();
     let mut model = Model::new(hysteresis, block.linear(), 1.5).unwrap();
     for u in [3.0, 8.0, 2.0, -4.0] {
@@ -225,7 +225,7 @@ fn a_rest_is_a_rest_and_a_start_has_no_jump() {
 fn half_way_is_where_two_half_moves_meet() {
     let operators = [1.0, 2.0].map(|n| BoucWen::new(0.5, 0.11, 0.02, n).unwrap());
     let (mut memory, mut oracle_memory) = ([IncrementMemory::new(0.0); 2], [IncrementMemory::new(0.0); 2]);
-    let bouc_wen = |memory| Operator::BoucWen { operators: &operators, memory };
+    let bouc_wen = |memory| Operator::States { laws: &operators, memory };
     let (thresholds, weights) = ([0.5, 1.5], [0.7, 0.2]);
     let bank = PlayBank::new(&thresholds, &weights).unwrap();
     let (mut states, mut oracle_states) = ([0.0; 2], [0.0; 2]);
@@ -252,8 +252,8 @@ fn a_move_out_of_range_leaves_the_operators_where_they_were() {
     let operators = [1.0, 2.0, 1.5].map(|n| BoucWen::new(0.5, 0.11, 0.02, n).unwrap());
     let (mut memory, mut untouched) = ([IncrementMemory::new(0.0); 3], [IncrementMemory::new(0.0); 3]);
     let mut tried =
-        Hysteresis::new(&[1.0], Operator::BoucWen { operators: &operators, memory: &mut memory }).unwrap();
-    let operator = Operator::BoucWen { operators: &operators, memory: &mut untouched };
+        Hysteresis::new(&[1.0], Operator::States { laws: &operators, memory: &mut memory }).unwrap();
+    let operator = Operator::States { laws: &operators, memory: &mut untouched };
     let mut oracle = Hysteresis::new(&[1.0], operator).unwrap();
     for u in [0.3, 1.1, 0.4, 0.9] {
         assert_eq!(tried.step(u), oracle.step(u));
@@ -290,7 +290,7 @@ fn memory_that_does_not_fit_is_refused() {
     let infinite = Sections { taps: &[f64::NAN], real: &[], ..sections };
     assert_eq!(Linear::new(infinite, none()).err(), Some(ModelError::Coefficient));
     let operators = [BoucWen::new(0.5, 0.11, 0.02, 1.0).unwrap()];
-    let operator = Operator::BoucWen { operators: &operators, memory: &mut [] };
+    let operator = Operator::States { laws: &operators, memory: &mut [] };
     assert!(matches!(Hysteresis::new(&[1.0], operator), Err(ModelError::Memory { expected: 1, found: 0 })));
 }
 
@@ -380,8 +380,8 @@ fn hysteresis_in_single_precision_follows_double_at_any_rate() {
         let operators = [BoucWen::new(alpha, beta, gamma, n).unwrap()];
         let operators32 = [BoucWen::new(alpha as f32, beta as f32, gamma as f32, n as f32).unwrap()];
         let (mut memory, mut memory32) = ([IncrementMemory::new(0.0)], [IncrementMemory::new(0.0)]);
-        let operator = Operator::BoucWen { operators: &operators, memory: &mut memory };
-        let operator32 = Operator::BoucWen { operators: &operators32, memory: &mut memory32 };
+        let operator = Operator::States { laws: &operators, memory: &mut memory };
+        let operator32 = Operator::States { laws: &operators32, memory: &mut memory32 };
         let mut double = Hysteresis::new(&[], operator).unwrap();
         let mut single = Hysteresis::new(&[], operator32).unwrap();
         // 2¹⁶ samples a ramp of 4 V: moves of 2⁻¹⁴ V, of which 2⁻¹⁶ of z is left.

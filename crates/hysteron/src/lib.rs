@@ -21,7 +21,7 @@
 //! # std::fs::write("unseen.csv", &text)?;
 //! let records = hysteron::read(["loop.csv"])?;
 //! let fit = Identify::new(&records)
-//!     .hysteresis("prandtl-ishlinskii".parse()?)
+//!     .hysteresis(HysteresisForm::plays(12))
 //!     .watch(|event| {
 //!         eprintln!("{}: {:.0} %", event.stage, 100.0 * event.fraction);
 //!         ControlFlow::Continue(())

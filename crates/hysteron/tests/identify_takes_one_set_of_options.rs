@@ -8,7 +8,7 @@ fn options_beside_a_task_or_another_kind_are_refused() {
     let task = Task::of(Kind::Hammerstein);
     let both = Identify::new(&[]).task(task).seed(7).run();
     assert!(matches!(both, Err(Error::OptionsOfTask)), "{both:?}");
-    let family = HysteresisForm::prandtl_ishlinskii(8);
+    let family = HysteresisForm::plays(8);
     let other = Identify::new(&[]).kind(Kind::Oscillator).hysteresis(family).run();
     assert!(matches!(other, Err(Error::OptionsOfKind { kind: Kind::Oscillator })), "{other:?}");
     // Without them the records are looked at.

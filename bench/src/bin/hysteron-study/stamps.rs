@@ -94,7 +94,7 @@ fn operators() -> Outcome<[(&'static str, HysteresisForm, Hysteresis); 2]> {
             HysteresisForm::bouc_wen(),
             Hysteresis::from(BoucWen::new(vec![3.2, -0.02], 1.1, 0.35, 0.08, 1.0)?),
         ),
-        ("12 plays", HysteresisForm::prandtl_ishlinskii(PLAYS), Hysteresis::from(plays)),
+        ("12 plays", HysteresisForm::plays(PLAYS), Hysteresis::from(plays)),
     ])
 }
 

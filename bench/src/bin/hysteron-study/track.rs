@@ -152,7 +152,7 @@ pub fn study(seed: usize) -> Outcome<()> {
         };
         Ok(identify(&records, &options, &Watch::silent(), None)?.model)
     };
-    let model = fit(HysteresisForm::prandtl_ishlinskii(20))?;
+    let model = fit(HysteresisForm::plays(20))?;
     let truth = truth();
     let stage = RigStage { truth: &truth, seed, stream: 0 };
     let plant = Plant::Stage(&stage);

@@ -9,6 +9,7 @@ use clap::Args;
 use hysteron_identify::baselines::cross_validate_all;
 use hysteron_identify::structure::{Candidate, Comparison, Selection, UnknownCandidate, compare};
 use hysteron_identify::{CampaignRecord, Compared, IdentifyError, Options, Watch};
+use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_report::comparison;
 
 use crate::columns::ColumnFlags;
@@ -24,8 +25,9 @@ use crate::result_flags::ResultFlags;
 /// Compare structures by held-out simulation error (cross-validation), and say which of them the records
 /// support.
 #[derive(Args)]
-#[command(after_help = "Cross-validation: each record (or part of one, where there are fewer than three of \
-    different content) is held out in turn, every candidate is fitted to the rest and simulated on the \
+#[command(after_help = format!("\
+    Cross-validation: each record (or part of one, where there are fewer than three of different content) is \
+    held out in turn, every candidate is fitted to the rest and simulated on the \
     held-out record. Records that repeat one experiment are refused, with what to measure instead.\n\n\
     Without --candidates the structure is searched for: first the usual dynamic blocks (none, integer1 to \
     integer4, arx, fractional ones), then variations of the best so far in creep, hysteresis family (those \
@@ -47,10 +49,9 @@ use crate::result_flags::ResultFlags;
     Example: hysteron compare loop.csv sweep.csv --candidates none,integer2,fractional,fractional+degree2 -o \
     model.json\n\
     Example: hysteron compare loop_1hz.csv sweep.csv sine_*.csv --candidates fractional+creep --baselines\n\
-    Example: hysteron compare cycle_*.csv --continued --candidates \
-    integer1,integer1+kelvin-voigt+preisach-density\n\
-    Example: hysteron compare loops.csv sweep.csv --candidates \
-    fractional+creep,fractional+creep+prandtl-ishlinskii,fractional+creep+dahl")]
+    Example: hysteron compare cycle_*.csv --continued --candidates integer1,integer1+kelvin-voigt\n\
+    Example: hysteron compare loops.csv sweep.csv --candidates fractional+creep,fractional+creep+{}",
+    HysteresisForm::plays(1).name()))]
 pub struct Compare {
     /// The records
     #[arg(value_name = "RECORD", required = true)]

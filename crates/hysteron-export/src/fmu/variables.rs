@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use hysteron_model::realise::Coefficients;
-use hysteron_rt::Real;
+use hysteron_rt::{Real, StateLaw};
 
 use super::FmiVersion;
 use crate::escape::xml;
@@ -53,19 +53,19 @@ pub(super) fn parameters<T: Real + Into<f64>>(
         });
     }
     let numbers = OperatorNumbers::new(coefficients.operator);
-    for (k, &[alpha, beta, gamma, n]) in numbers.bouc_wen.iter().flatten().enumerate() {
-        let n: f64 = n.into();
-        let rate = if n == 1.0 { format!("1/{input}") } else { format!("{output}^{}/{input}", 1.0 - n) };
-        for (name, value, unit) in
-            [("alpha", alpha, per(1)), ("beta", beta, rate.clone()), ("gamma", gamma, rate)]
-        {
-            all.push(Parameter {
-                name: format!("{name}_{}", k + 1),
-                unit,
-                start: value.into(),
-                member: format!("parameters.operators[{k}].{name}"),
-                description: "Number of the Bouc-Wen operator".into(),
-            });
+    if let Some((parameters, units)) = &numbers.states {
+        let [names @ .., _] = StateLaw::<T>::PARAMETERS;
+        for (k, own) in parameters.iter().enumerate() {
+            let [values @ .., n] = *own;
+            for ((name, value), unit) in names.into_iter().zip(values).zip(units) {
+                all.push(Parameter {
+                    name: format!("{name}_{}", k + 1),
+                    unit: unit.of_exponent(n.into(), input, output),
+                    start: value.into(),
+                    member: format!("parameters.state_laws[{k}].{name}"),
+                    description: "Parameter of a state of the hysteresis".into(),
+                });
+            }
         }
     }
     let form = subject.realisation.model.hysteresis.form().description();

@@ -12,6 +12,13 @@ $DESCRIPTION
 
 typedef $name_real real;
 
+//{ state_law
+//{ !states|!tunable
+//+ type of a state
+//}
+typedef $name_state_law state_law;
+
+//}
 $TABLES
 /* Neither infinite nor NaN. */
 static int is_finite(real x)

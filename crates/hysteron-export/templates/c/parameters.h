@@ -1,11 +1,7 @@
 //{ tunable
 
-//{ bouc_wen
-/* A Bouc-Wen operator. */
-typedef struct {
-    $name_real alpha, beta, gamma, n;
-} $name_bouc_wen;
-
+//{ states
+//+ type of a state
 //}
 /* The numbers of the hysteresis, which may be changed while the model runs. */
 typedef struct {

@@ -32,8 +32,8 @@ pub mod inverse;
 //! ```
 //}
 
-//{ bouc_wen
-use hysteron_rt::{BoucWen, IncrementMemory};
+//{ states
+use hysteron_rt::{IncrementMemory, StateLaw};
 //}
 //{ branch
 use hysteron_rt::{Branch, IncrementMemory, branch};
@@ -47,8 +47,8 @@ use hysteron_rt::BrokenLine;
 //{ sided
 use hysteron_rt::{SidedPlays, Sides};
 //}
-//{ activated
-use hysteron_rt::ActivatedPlays;
+//{ relaxing
+use hysteron_rt::RelaxingPlays;
 //}
 //{ plane
 use hysteron_rt::{Plane, Turn, Turns};
@@ -97,9 +97,9 @@ const TURNS: usize = $N_TURNS;
 /// What is remembered: the caller's, one for each device.
 #[derive(Clone, Debug)]
 pub struct Memory {
-//{ bouc_wen
-    operators: [BoucWen<Real>; OPERATORS.len()],
-    z: [IncrementMemory<Real>; OPERATORS.len()],
+//{ states
+    laws: [StateLaw<Real>; STATES.len()],
+    z: [IncrementMemory<Real>; STATES.len()],
 //}
 //{ branch
     states: [IncrementMemory<Real>; WEIGHT.len()],
@@ -107,7 +107,7 @@ pub struct Memory {
 //{ plays|sided
     plays: [Real; WEIGHT.len()],
 //}
-//{ activated
+//{ relaxing
     plays: [Real; THRESHOLD.len()],
 //}
 //{ plane
@@ -137,9 +137,9 @@ impl Memory {
     /// None with the tables as they were exported: whoever changes them learns here what a parameter must be.
     pub fn new() -> Result<Self, ModelError<Real>> {
         Ok(Self {
-//{ bouc_wen
-            operators: operators().ok_or(ModelError::Coefficient)?,
-            z: [IncrementMemory::new(0.0); OPERATORS.len()],
+//{ states
+            laws: laws().ok_or(ModelError::Coefficient)?,
+            z: [IncrementMemory::new(0.0); STATES.len()],
 //}
 //{ branch
             states: [IncrementMemory::new(0.0); WEIGHT.len()],
@@ -147,7 +147,7 @@ impl Memory {
 //{ plays|sided
             plays: [0.0; WEIGHT.len()],
 //}
-//{ activated
+//{ relaxing
             plays: [0.0; THRESHOLD.len()],
 //}
 //{ plane
@@ -182,8 +182,8 @@ impl Memory {
     /// As [`Self::new`].
     pub fn model(&mut self) -> Result<Model<'_, Real>, ModelError<Real>> {
 //}
-//{ bouc_wen
-        let operator = Operator::BoucWen { operators: &self.operators, memory: &mut self.z };
+//{ states
+        let operator = Operator::States { laws: &self.laws, memory: &mut self.z };
 //}
 //{ plays
         let bank = PlayBank::new(&THRESHOLD, &WEIGHT).map_err(|_| ModelError::Coefficient)?;
@@ -215,10 +215,10 @@ impl Memory {
 //}
         let operator = Operator::SidedPlays { plays, states: &mut self.plays };
 //}
-//{ activated
-        let plays = ActivatedPlays::new((SIGMA, INTERVAL), RANGE, &THRESHOLD, &SLOPE)
+//{ relaxing
+        let plays = RelaxingPlays::new((SIGMA, INTERVAL), RANGE, &THRESHOLD, &SLOPE)
             .map_err(|_| ModelError::Coefficient)?;
-        let operator = Operator::ActivatedPlays { plays, states: &mut self.plays };
+        let operator = Operator::RelaxingPlays { plays, states: &mut self.plays };
 //}
 //{ plane
         let plane = Plane::new([LOWEST, HIGHEST], $N_INTERVALS, &EVERETT)
@@ -255,13 +255,12 @@ impl Memory {
 //}
     }
 }
-//{ bouc_wen
+//{ states
 
-fn operators() -> Option<[BoucWen<Real>; OPERATORS.len()]> {
-    let [alpha, beta, gamma, n] = OPERATORS[0];
-    let mut all = [BoucWen::new(alpha, beta, gamma, n).ok()?; OPERATORS.len()];
-    for (operator, [alpha, beta, gamma, n]) in all.iter_mut().zip(OPERATORS) {
-        *operator = BoucWen::new(alpha, beta, gamma, n).ok()?;
+fn laws() -> Option<[StateLaw<Real>; STATES.len()]> {
+    let mut all = [StateLaw::of(STATES[0]).ok()?; STATES.len()];
+    for (law, parameters) in all.iter_mut().zip(STATES) {
+        *law = StateLaw::of(parameters).ok()?;
     }
     Some(all)
 }

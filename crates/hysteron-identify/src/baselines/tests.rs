@@ -12,16 +12,16 @@ use crate::structure::Fold;
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme};
 use hysteron_model::hammerstein::Model;
-use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+use hysteron_model::hysteresis::{ArticleOperator, Hysteresis};
 use hysteron_model::record::{InterSample, TimeBase};
 
 const RATE_HZ: f64 = 400.0;
 const NOISE_UM: f64 = 0.01;
 
-/// A Bouc–Wen loop: rate-independent, so that a polynomial can approximate it and no linear model can.
+/// A hysteresis loop: rate-independent, so that a polynomial can approximate it and no linear model can.
 fn device() -> Model {
     Model {
-        hysteresis: Hysteresis::from(BoucWen::new(vec![3.0, -0.08], 0.9, 0.9, 0.3, 1.0).unwrap()),
+        hysteresis: Hysteresis::from(ArticleOperator::new(vec![3.0, -0.08], 0.9, 0.9, 0.3, 1.0).unwrap()),
         dynamics: Dynamics::None,
         offset: 1.0,
         delay_s: 0.0,

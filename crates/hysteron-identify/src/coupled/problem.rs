@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use hysteron_model::axes::{AxesRecord, CoupledHammerstein, Path, branch, start};
-use hysteron_model::hysteresis::BoucWen;
+use hysteron_model::hysteresis::ArticleOperator;
 use hysteron_optimize::{Bounds, LeastSquaresProblem, Problem, Range, root_mean_square};
 
 /// Numbers of an actuator: α, β', γ'/β'.
@@ -34,7 +34,7 @@ pub(super) struct CoupledProblem<'a> {
 /// Model parameters at a point of the search.
 #[derive(Clone, Debug)]
 pub(super) struct Point {
-    pub actuators: Vec<BoucWen>,
+    pub actuators: Vec<ArticleOperator>,
     /// With gain 1 where gains are eliminated.
     pub paths: Vec<Path>,
 }
@@ -85,7 +85,7 @@ impl<'a> CoupledProblem<'a> {
     pub(super) fn point(&self, x: &[f64]) -> Point {
         let (actuators, rest) = x.split_at(OF_ACTUATOR * self.inputs);
         let (paths, gains) = rest.split_at(OF_PATH * self.inputs * self.outputs);
-        let actuator = |a: &[f64]| BoucWen {
+        let actuator = |a: &[f64]| ArticleOperator {
             polynomial: vec![1.0],
             alpha: a[0],
             beta: a[1],

@@ -299,7 +299,7 @@ mod tests {
     use super::*;
     use hysteron_model::dynamics::{Creep, Dynamics, Modes};
     use hysteron_model::hammerstein::Model;
-    use hysteron_model::hysteresis::{BoucWen, Hysteresis, UnitShape};
+    use hysteron_model::hysteresis::{ArticleOperator, Hysteresis, UnitShape};
     use hysteron_optimize::Range;
     use rand::Rng;
     use rand_xoshiro::Xoshiro256PlusPlus;
@@ -323,7 +323,7 @@ mod tests {
             _ => 0.0,
         });
         let known = OutputUncertainty {
-            hysteresis: HysteresisForm::bouc_wen(),
+            hysteresis: HysteresisForm::default(),
             form,
             layout: JointLayout {
                 polynomial: vec![Role::Projected; 2],
@@ -357,7 +357,9 @@ mod tests {
                 .collect();
             let shape = UnitShape { beta: q[3], gamma: q[4], n: 1.0 };
             let model = Model {
-                hysteresis: Hysteresis::from(BoucWen::from_unit(q[..2].to_vec(), q[2], shape).unwrap()),
+                hysteresis: Hysteresis::from(
+                    ArticleOperator::from_unit(q[..2].to_vec(), q[2], shape).unwrap(),
+                ),
                 dynamics: Dynamics::Fractional(form.transfer_function(&q[5..9]).unwrap()),
                 offset: 0.0,
                 delay_s: q[9],
@@ -400,7 +402,7 @@ mod tests {
     #[test]
     fn refuses_a_settled_start_of_broken_periods() {
         let known = OutputUncertainty {
-            hysteresis: HysteresisForm::bouc_wen(),
+            hysteresis: HysteresisForm::default(),
             form: DynamicForm { modes: Modes::None, creep: Creep::None },
             layout: JointLayout {
                 polynomial: vec![Role::Projected],

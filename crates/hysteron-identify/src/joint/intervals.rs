@@ -265,7 +265,7 @@ mod tests {
         let form = DynamicForm { modes: Modes::None, creep: Creep::None };
         let problem = JointProblem::new(
             vec![record].into(),
-            (HysteresisForm::bouc_wen(), form),
+            (HysteresisForm::default(), form),
             layout,
             Bounds { ranges: Vec::new() },
             String::new(),

@@ -67,12 +67,12 @@ fn records(scheme: Scheme, transients: bool, before: [Start<()>; 2], factor: usi
 /// Shape numbers with their ranges: held where there is one value only.
 type Shape<'a> = &'a [(&'a str, f64, f64)];
 
-const BOUC_WEN: [(&str, f64, f64); 2] = [("beta", 0.0, 3.0), ("gamma", -3.0, 3.0)];
+const LOOP_SHAPE: [(&str, f64, f64); 2] = [("beta", 0.0, 3.0), ("gamma", -3.0, 3.0)];
 
 fn problem(form: DynamicForm, n: Option<f64>, records: Vec<JointRecord>, memory: [bool; 2]) -> JointProblem {
     let n = n.map_or(("n", 1.0, 4.0), |n| ("n", n, n));
-    let shape = [BOUC_WEN[0], BOUC_WEN[1], n];
-    of_family((HysteresisForm::bouc_wen(), &shape, &[Role::Projected]), form, records, memory)
+    let shape = [LOOP_SHAPE[0], LOOP_SHAPE[1], n];
+    of_family((HysteresisForm::default(), &shape, &[Role::Projected]), form, records, memory)
 }
 
 fn of_family(
@@ -156,7 +156,7 @@ fn check(problem: &JointProblem, x: &[f64]) {
         // A play that starts or stops to move between the steps has no difference there: short steps, and
         // what rounding leaves of them.
         let jumps = range.name.contains("threshold")
-            || (range.name.contains("memory") && problem.hysteresis() != HysteresisForm::bouc_wen());
+            || (range.name.contains("memory") && problem.hysteresis() != HysteresisForm::default());
         let h = match (jumps, hysteretic) {
             (true, _) => 2e-5,
             (_, true) => 2e-4,
@@ -217,7 +217,7 @@ fn jacobian_agrees_with_differences_for_other_exponents() {
 }
 
 fn three_plays() -> HysteresisForm {
-    HysteresisForm::prandtl_ishlinskii(3)
+    HysteresisForm::plays(3)
 }
 
 #[test]

@@ -8,13 +8,13 @@
 //! use hysteron_model::dynamics::{Dynamics, Scheme};
 //! use hysteron_model::hammerstein::Model;
 //! use hysteron_model::Start;
-//! use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+//! use hysteron_model::hysteresis::{ArticleOperator, Hysteresis};
 //! use hysteron_identify::online::{Adapter, Correction, Estimator, Term};
 //! use hysteron_model::record::InterSample;
 //! use hysteron_rt::{FitMonitor, MonitorSettings, Rls, RlsSettings, Unexcited};
 //!
 //! let model = Model {
-//!     hysteresis: Hysteresis::from(BoucWen::new(vec![3.2, -0.02], 1.1, 0.35, 0.08, 1.0)?),
+//!     hysteresis: Hysteresis::from(ArticleOperator::new(vec![3.2, -0.02], 1.1, 0.35, 0.08, 1.0)?),
 //!     dynamics: Dynamics::None,
 //!     offset: 0.0,
 //!     delay_s: 0.0,

@@ -1,7 +1,7 @@
 use super::*;
 use hysteron_model::Memory;
 use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
-use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+use hysteron_model::hysteresis::{ArticleOperator, Hysteresis};
 use hysteron_model::model_file::{ModelFile, SignalUnits};
 use hysteron_model::record::{InterSample, TimeBase, Timing};
 use std::f64::consts::TAU;
@@ -11,7 +11,9 @@ fn rig_like() -> Model {
     let c0 = (TAU * 338.0_f64).powf(1.97);
     let denominator = vec![Term::new(c0, 0.0), Term::new(0.9 * c0.sqrt(), 1.0), Term::new(1.0, 1.97)];
     Model {
-        hysteresis: Hysteresis::from(BoucWen::new(vec![6.76, 0.0186], 2.15, 0.197, 0.0446, 1.0).unwrap()),
+        hysteresis: Hysteresis::from(
+            ArticleOperator::new(vec![6.76, 0.0186], 2.15, 0.197, 0.0446, 1.0).unwrap(),
+        ),
         dynamics: Dynamics::Fractional(TransferFunction::new(vec![Term::new(c0, 0.0)], denominator).unwrap()),
         offset: 1.5,
         delay_s: 2e-4,
@@ -177,7 +179,7 @@ fn with_covariance() -> ModelFile {
 #[test]
 fn the_prior_is_that_of_gain_and_delay_with_all_else_held() {
     // By hand: C = ½ [2 −1; −1 2]/100 has the inverse (200/3) [2 1; 1 2]; with D = (2, 1) it is (200/3) · 14.
-    let block = BoucWen::new(vec![2.0], 1.0, 0.2, 0.0, 1.0).unwrap();
+    let block = ArticleOperator::new(vec![2.0], 1.0, 0.2, 0.0, 1.0).unwrap();
     let model = Model { hysteresis: Hysteresis::from(block), ..rig_like() };
     let mut file = ModelFile::from_model(&model, SignalUnits::default());
     let names = ["linear", "alpha"].map(String::from);
@@ -221,7 +223,7 @@ fn a_new_file_knows_gain_and_delay_as_the_recalibration_does() {
 #[test]
 fn a_scaled_block_has_a_scaled_output_for_every_exponent() {
     for (alpha, n) in [(2.1, 1.0), (2.1, 1.7), (-0.8, 2.5)] {
-        let block = Hysteresis::from(BoucWen::new(vec![6.0, 0.2], alpha, 0.3, -0.1, n).unwrap());
+        let block = Hysteresis::from(ArticleOperator::new(vec![6.0, 0.2], alpha, 0.3, -0.1, n).unwrap());
         let one = Model { hysteresis: block.clone(), dynamics: Dynamics::None, delay_s: 0.0, ..rig_like() };
         let more = Model { hysteresis: block.scaled(1.37).unwrap(), ..one.clone() };
         let start = Start::Rest { voltage_v: 0.0 };

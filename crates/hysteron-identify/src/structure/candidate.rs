@@ -30,7 +30,7 @@ fn creep(name: &str) -> Option<Creep> {
 }
 
 /// One structure: `BLOCK[+CREEP][+degreeN][+n-free][+FAMILY]`, e.g. `fractional`, `integer2+creep`,
-/// `none+degree1`, `fractional+n-free`, `integer2+log-creep+prandtl-ishlinskii`.
+/// `none+degree1`, `fractional+n-free`, `integer2+log-creep+FAMILY`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Candidate {
     /// Dynamic block.

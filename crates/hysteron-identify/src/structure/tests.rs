@@ -8,7 +8,7 @@ use std::time::Duration;
 use super::*;
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme, TransferFunction};
-use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+use hysteron_model::hysteresis::{ArticleOperator, Hysteresis};
 use hysteron_model::record::{InputOutput, InterSample, TimeBase};
 
 const RATE_HZ: f64 = 1000.0;
@@ -23,7 +23,7 @@ fn truth() -> Model {
         denominator: vec![term(omega * omega, 0.0), term(0.3 * omega, 1.0), term(1.0, 2.0)],
     };
     Model {
-        hysteresis: Hysteresis::from(BoucWen::new(vec![3.0, -0.08], 0.9, 0.9, 0.3, 1.0).unwrap()),
+        hysteresis: Hysteresis::from(ArticleOperator::new(vec![3.0, -0.08], 0.9, 0.9, 0.3, 1.0).unwrap()),
         dynamics: Dynamics::Integer(g),
         offset: 0.0,
         delay_s: 3e-4,

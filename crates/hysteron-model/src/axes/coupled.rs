@@ -3,7 +3,7 @@
 use super::AxesError;
 use crate::dynamics::{Dynamics, Scheme, SecondOrder};
 use crate::hammerstein::{Model, SimulationError};
-use crate::hysteresis::{BoucWen, Hysteresis};
+use crate::hysteresis::{ArticleOperator, Hysteresis};
 use crate::record::InterSample;
 use crate::start::Start;
 
@@ -15,7 +15,7 @@ use crate::start::Start;
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoupledHammerstein {
     /// One operator per input, with the polynomial u.
-    pub actuators: Vec<BoucWen>,
+    pub actuators: Vec<ArticleOperator>,
     /// Outputs × inputs, row by row.
     pub paths: Vec<Path>,
     /// Offset of each output \[µm\].
@@ -109,7 +109,7 @@ pub fn start(u: &[f64], settled: Option<usize>) -> Start {
 
 /// Hysteresis and dynamics of a path.
 #[doc(hidden)]
-pub fn branch(actuator: &BoucWen, path: &Path) -> Result<Model, SimulationError> {
+pub fn branch(actuator: &ArticleOperator, path: &Path) -> Result<Model, SimulationError> {
     let pair = SecondOrder {
         gain: path.gain,
         natural_frequency_hz: path.natural_frequency_hz,

@@ -4,7 +4,7 @@
 
 use super::*;
 use crate::dynamics::{Dynamics, Scheme, Term, TransferFunction};
-use crate::hysteresis::{BoucWen, Hysteresis};
+use crate::hysteresis::{ArticleOperator, Hysteresis};
 use crate::record::InterSample;
 
 const RATE_HZ: f64 = 1e4;
@@ -16,7 +16,7 @@ fn term(coefficient: f64, order: f64) -> Term {
 
 fn model(g: Dynamics, delay_s: f64) -> Model {
     Model {
-        hysteresis: Hysteresis::from(BoucWen::new(vec![1.0], 0.0, 1.0, 0.0, 1.0).unwrap()),
+        hysteresis: Hysteresis::from(ArticleOperator::new(vec![1.0], 0.0, 1.0, 0.0, 1.0).unwrap()),
         dynamics: g,
         offset: 0.0,
         delay_s,
@@ -184,7 +184,7 @@ fn what_cannot_be_is_refused() {
         assert!(matches!(refused, Err(InversionError::Option { .. })), "{highest_hz} {noise}");
     }
     let steep = Model {
-        hysteresis: Hysteresis::from(BoucWen::new(vec![1.0, -0.1], 0.0, 1.0, 0.0, 1.0).unwrap()),
+        hysteresis: Hysteresis::from(ArticleOperator::new(vec![1.0, -0.1], 0.0, 1.0, 0.0, 1.0).unwrap()),
         ..model.clone()
     };
     let law = Compensation::new(&steep, RATE_HZ, &usual).unwrap();

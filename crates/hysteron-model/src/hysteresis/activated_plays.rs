@@ -3,7 +3,7 @@
 //! Sources: H. Eyring, *J. Chem. Phys.* 4 (1936) 283–291, doi:10.1063/1.1749836 (the kinetics); L. Prandtl,
 //! *Z. angew. Math. Mech.* 8 (1928) 85–106, doi:10.1002/zamm.19280080202 (elements that slip by it).
 
-use hysteron_rt::{ActivatedMove, SLOPES, Scalar, bernstein_integrals};
+use hysteron_rt::{RelaxingMove, SLOPES, Scalar, bernstein_integrals};
 
 use super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
 use super::family::{
@@ -22,7 +22,7 @@ const PLAYS: usize = 40;
 const NARROWEST: f64 = 0.01;
 
 /// Columns H_(e,k) = Σᵢ gₑ(rᵢ) B_k(pᵢ) \[V\] of plays pᵢ = u − zᵢ with thermally activated edges
-/// ([`ActivatedMove`]),
+/// ([`RelaxingMove`]),
 ///
 /// żᵢ = u̇ − sign(zᵢ) v₀ exp((|zᵢ| − rᵢ)/σ),  v₀ = 1 unit of the drive per second.
 ///
@@ -116,7 +116,7 @@ impl ColumnKernel for ActivatedPlays {
             None => by,
         };
         (state.u, state.moved) = (S::constant(u), true);
-        let step = ActivatedMove::new(parameter(shape, 0), by, interval_s);
+        let step = RelaxingMove::new(parameter(shape, 0), by, interval_s);
         for (z, &r) in state.behind.iter_mut().zip(&self.thresholds) {
             *z = step.distance(r, *z);
         }
@@ -233,7 +233,7 @@ impl FamilyDescription for Entry {
         let slopes =
             (0..PLAYS).flat_map(|i| (0..SLOPES).map(move |k| (i, k))).map(|(i, k)| slope(i, k)).collect();
         let pace = (parameter(shape, 2), interval_s);
-        RuntimeOperator::ActivatedPlays { pace, range, thresholds, slopes }
+        RuntimeOperator::RelaxingPlays { pace, range, thresholds, slopes }
     }
 }
 

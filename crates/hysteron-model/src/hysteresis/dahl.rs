@@ -14,9 +14,9 @@ use super::family::{
 ///
 /// dζ/du = (1 − s ζ/u_c)ⁱ,  u_c = z_c/σ.
 ///
-/// One column ζ \[V\]; its weight is σ \[µm/V\] (negative for a displacement that lags, as −α in Bouc–Wen).
-/// Shape: `reach` u_c \[V\], at which ζ saturates, and `exponent` i ≥ 0. i = 1 is Bouc–Wen with n = 1, γ = 0,
-/// β = 1/u_c; i = 0 is the stop of half-width u_c.
+/// One column ζ \[V\]; its weight is σ \[µm/V\] (negative for a displacement that lags). Shape: `reach` u_c
+/// \[V\], at which ζ saturates, and `exponent` i ≥ 0. i = 1 is the article's Eq. 1 with n = 1, γ = 0, β =
+/// 1/u_c; i = 0 is the stop of half-width u_c.
 ///
 /// With x = 1 − s ζ/u_c a move by Δ is exact, xᵢ¹⁻ⁱ growing in proportion to |Δ|: x ← x exp(−ln(1 + (i − 1)
 /// y)/(i − 1)), y = xⁱ⁻¹ |Δ|/u_c, which passes smoothly through i = 1. For i < 1 x reaches 0 and stays there.

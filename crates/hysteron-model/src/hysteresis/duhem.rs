@@ -25,7 +25,8 @@ const MOST: usize = MOST_MOMENTS - 1;
 /// dyⱼ/du = uʲ ∓ b yⱼ,  j = 0 … degree,  yⱼ = 0 on a virgin device,
 ///
 /// in Vʲ⁺¹, and the polynomial f. Coefficients of f *and* of g beside a polynomial would be redundant. Shape:
-/// b \[1/V\]. y₀ is the Bouc–Wen column for n = 1, γ = 0; y₁, y₂, … make it grow with the voltage.
+/// b \[1/V\]. y₀ is the column of the article's Eq. 1 for n = 1, γ = 0; y₁, y₂, … make it grow with the
+/// voltage.
 ///
 /// A move from u₀ by Δ is exact: yⱼ e^(−b|Δ|) + Δ Σₖ (j over k) u₀ʲ⁻ᵏ Δᵏ mₖ(b|Δ|), mₖ(x) = ∫₀¹ θᵏ e^(−x(1−θ))
 /// dθ.

@@ -1,4 +1,4 @@
-//! Generalised plays: the Prandtl–Ishlinskii model with saturating, unequal envelopes.
+//! Generalised plays: plays with saturating, unequal envelopes.
 //!
 //! Source: M. Al Janaideh, S. Rakheja, C.-Y. Su, "An analytical generalized Prandtl–Ishlinskii model
 //! inversion for hysteresis compensation in micropositioning control", *IEEE/ASME Trans. Mechatronics* 16
@@ -22,7 +22,7 @@ use super::family::{
 /// wherever γ_r − γ_l ≤ 2rⱼ; a voltage at which the narrowest has none is an error. A virgin play is at ½
 /// (γ_l + γ_r).
 ///
-/// Equal envelopes give the Prandtl–Ishlinskii model of γ(u).
+/// Equal envelopes give a sum of plays of γ(u).
 #[derive(Clone, Debug, PartialEq)]
 pub struct GeneralisedPlays {
     /// Half-widths, from 0 on (where the envelopes allow it), increasing.

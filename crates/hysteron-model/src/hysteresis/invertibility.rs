@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{DriveGrid, Hysteresis, HysteresisError, PrandtlIshlinskii};
+use super::{DriveGrid, Hysteresis, HysteresisError};
 use crate::record::{Timing, paces_on};
 use crate::start::Start;
 use hysteron_numeric::display::short;
@@ -142,14 +142,5 @@ impl Hysteresis {
         } else {
             Invertibility::FallsAlongDrives { least_slope }
         })
-    }
-}
-
-/// By the exact condition of plays.
-pub(super) fn plays(model: &PrandtlIshlinskii, range: [f64; 2]) -> Option<Invertibility> {
-    match model.step_inverse(range) {
-        Ok(_) => Some(Invertibility::Everywhere),
-        Err(HysteresisError::NotSteep { u, .. }) => Some(Invertibility::Nowhere { at_v: u }),
-        Err(_) => None,
     }
 }

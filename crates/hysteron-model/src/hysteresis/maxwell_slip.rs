@@ -12,12 +12,12 @@ use super::family::{
     ShapeNumber,
 };
 use super::plays::{PlayStates, check_thresholds, evenly_below, scaled};
-use super::{HysteresisError, PrandtlIshlinskii};
+use super::{HysteresisError, PlaySum};
 
 /// Columns Eⱼ ← max(−rⱼ, min(rⱼ, Eⱼ + Δu)) \[V\], rⱼ = scale · `thresholds`\[j\]: the strain of an elastic
 /// element that slips at rⱼ.
 ///
-/// Eⱼ = u − Fⱼ with the play Fⱼ of the same half-width, so that Maxwell slip and Prandtl–Ishlinskii are one
+/// Eⱼ = u − Fⱼ with the play Fⱼ of the same half-width, so that Maxwell slip and a sum of plays are one
 /// model in two coordinates: v = l\[u\] + Σ kⱼ Eⱼ has the weights −kⱼ and the linear coefficient l₁ + Σ kⱼ
 /// there. Stored as plays, so that rounding does not accumulate from move to move.
 ///
@@ -121,11 +121,11 @@ impl FamilyDescription for Entry {
         polynomial: &[f64],
         shape: &[f64],
         weights: &[f64],
-    ) -> Option<PrandtlIshlinskii> {
+    ) -> Option<PlaySum> {
         let mut polynomial = polynomial.to_vec();
         give_way(&mut polynomial, weights);
         let thresholds = evenly_below(parameter(shape, 0), elements);
-        Some(PrandtlIshlinskii { polynomial, thresholds, weights: weights.iter().map(|k| -k).collect() })
+        Some(PlaySum { polynomial, thresholds, weights: weights.iter().map(|k| -k).collect() })
     }
 
     fn runtime(

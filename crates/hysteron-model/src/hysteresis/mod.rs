@@ -43,6 +43,8 @@ mod takacs;
 
 pub use crate::record::InterSample;
 pub use activated_plays::ActivatedPlays;
+/// The hysteresis of the article (Eq. 1), for its two-step method and for models that are fixed to it.
+pub use bouc_wen::BoucWen as ArticleOperator;
 pub use bouc_wen::{Admissibility, BoucWen, BoucWenState, Sensitivities, UnitShape};
 pub use columns::{ColumnKernel, ColumnSensitivities};
 pub use dahl::Dahl;
@@ -69,6 +71,8 @@ pub use non_symmetric_bouc_wen::NonSymmetricBoucWen;
 pub use one_sided_plays::OneSidedPlays;
 pub use outputs::{Columns, Partial};
 pub use parallel_bouc_wen::ParallelBoucWen;
+/// The sum of plays that other families may be equal to.
+use prandtl_ishlinskii::PrandtlIshlinskii as PlaySum;
 pub use prandtl_ishlinskii::{PrandtlIshlinskii, StepInverse};
 pub use preisach::{DensityLaw, Preisach, PreisachDensity};
 pub use rate_dependent_plays::RateDependentPlays;

@@ -20,7 +20,8 @@ use super::family::{
 /// `beta`, `gamma` \[1/V\], β ≥ |γ|, β > 0, and `delta` \[1/V\]; δ = 0 is Bouc–Wen.
 ///
 /// Where ζ and 1 + δ s u keep their signs, ζ(t) = ζ e^(−κt) + (s + δ u₀) t m₀(κt) + δ s t² m₁(κt) with the
-/// moments of [`super::Duhem`], t = |Δu|, κ = β + s γ sgn ζ; a move is split where one of them changes sign.
+/// moments of `hysteron_rt::branch`, t = |Δu|, κ = β + s γ sgn ζ; a move is split where one of them changes
+/// sign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NonSymmetricBoucWen;
 

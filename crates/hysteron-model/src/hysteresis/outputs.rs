@@ -3,7 +3,7 @@
 use hysteron_numeric::Stop;
 
 use super::HysteresisError;
-use super::bouc_wen::Sensitivities;
+use super::Sensitivities;
 use super::columns::ColumnSensitivities;
 
 /// Columns H_j of a family over a record, and their derivatives. The buffers are kept between calls.

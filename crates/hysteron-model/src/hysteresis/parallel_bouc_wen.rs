@@ -136,7 +136,7 @@ impl FamilyDescription for Entry {
             [beta, gamma] => [-w, beta, -w.signum() * gamma, 1.0],
             _ => [f64::NAN; 4],
         };
-        RuntimeOperator::BoucWen(weights.iter().zip(shape.chunks(2)).map(state).collect())
+        RuntimeOperator::states(weights.iter().zip(shape.chunks(2)).map(state).collect())
     }
 }
 

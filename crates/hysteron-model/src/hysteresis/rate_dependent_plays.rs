@@ -18,7 +18,7 @@ use crate::record::{Dependence, Pace};
 /// Columns Fⱼ ← max(u − ρⱼ, min(u + ρⱼ, Fⱼ)) \[V\], ρⱼ = scale · `thresholds`\[j\] + λ |u̇|.
 ///
 /// Loops get wider with frequency and amplitude, without dynamics behind them. λ = 0 is
-/// [`super::PrandtlIshlinskii`]. All thresholds shift equally, so that their order and Al Janaideh and
+/// [`super::PlaySum`]. All thresholds shift equally, so that their order and Al Janaideh and
 /// Krejčí's condition for an inverse (distances of thresholds that do not shrink) hold for every rate. The
 /// operator is *not* rate independent.
 ///

@@ -10,14 +10,14 @@ use super::family::{
     ColumnFamily, DriveSpan, FamilyDescription, NumberUnit, RuntimeOperator, SKEWS, ShapeNumber,
 };
 
-/// Column ζ \[V\] of Song and Der Kiureghian's six coefficients for n = 1, in the form with slope 1 from
-/// rest:
+/// Column ζ \[V\] of Song and Der Kiureghian's six coefficients that generalise the article's Eq. 1 for n =
+/// 1, in the form with slope 1 from rest:
 ///
 /// dζ/du = 1 − |ζ| (β₁ sgn(u̇ζ) + β₂ sgn(u u̇) + β₃ sgn(uζ) + β₄ sgn u̇ + β₅ sgn ζ + β₆ sgn u).
 ///
-/// Its weight is −α. At u of one sign a move is one of Bouc–Wen with β' = β₁ + s (β₃ sgn u + β₅) and γ' = s
+/// Its weight is −α. At u of one sign a move is one of Eq. 1 with β' = β₁ + s (β₃ sgn u + β₅) and γ' = s
 /// (β₂ sgn u + β₄) + β₆ sgn u, s = sgn Δu; it is split where u passes 0, and so exact. β₁ = β' alone is
-/// Bouc–Wen with γ' = 0; on loops about 0, β₁ = β' + γ', β₂ = −γ', β₃ = γ' is Bouc–Wen. A drive that keeps
+/// Eq. 1 with γ' = 0; on loops about 0, β₁ = β' + γ', β₂ = −γ', β₃ = γ' is Eq. 1. A drive that keeps
 /// one sign determines four combinations of the six. Shape: β₁ … β₆ \[1/V\]; odd in u where β₄ = β₅ = β₆ = 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SongDerKiureghian;

@@ -10,7 +10,7 @@ use super::{
     FORMAT, Kind, ModelFileError, ModesScoreEntry, Provenance, Quantity, SignalUnits, VERSION, ValidRange,
 };
 use crate::axes::{CoupledErrors, CoupledHammerstein, Path};
-use crate::hysteresis::BoucWen;
+use crate::hysteresis::ArticleOperator;
 
 /// A file of the format `hysteron-model`, kind `branches`: y_m = offset_m + Σ_n K_mn (G_mn ∗ v_n)(t − τ_mn),
 /// v_n = u_n − z_n, ż_n = α u̇_n − β |u̇_n| z_n − γ u̇_n |z_n|, G_mn a pair of poles of gain 1.
@@ -116,7 +116,7 @@ impl CoupledFile {
         let Units { input, output } = Units::new(&units);
         let number = |value, unit: &str, std_error| Quantity { value, unit: unit.to_owned(), std_error };
         let per_input = format!("1/{input}");
-        let actuator = |(n, a): (usize, &BoucWen)| {
+        let actuator = |(n, a): (usize, &ArticleOperator)| {
             let error = |k: usize| errors.and_then(|e| e.actuators.get(n)).map(|e| e[k]);
             ActuatorEntry {
                 alpha: number(a.alpha, "1", error(0)),
@@ -158,7 +158,7 @@ impl CoupledFile {
     /// Those of [`Self::check`].
     pub fn to_model(&self) -> Result<CoupledHammerstein, ModelFileError> {
         self.check()?;
-        let actuator = |a: &ActuatorEntry| BoucWen {
+        let actuator = |a: &ActuatorEntry| ArticleOperator {
             polynomial: vec![1.0],
             alpha: a.alpha.value,
             beta: a.beta.value,

@@ -1,4 +1,4 @@
-//! Hysteresis in feedback: a mass on a hysteretic spring, driven by a force (Bouc–Wen oscillator).
+//! Hysteresis in feedback: a mass on a hysteretic spring, driven by a force.
 //!
 //! m ÿ + c ẏ + k y + z = u,  ż = α ẏ − β |ẏ| z |z|ⁿ⁻¹ − γ ẏ |z|ⁿ,  n ≥ 1.
 //!

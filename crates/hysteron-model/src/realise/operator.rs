@@ -1,8 +1,8 @@
 //! The hysteresis block in one number type: numbers and memory of the operator of `hysteron-rt` for a family.
 
 use hysteron_rt::{
-    ActivatedPlays, BoucWen, BrokenLine, IncrementMemory, ModelError, Operator, Plane, PlayBank, Real,
-    SidedPlays, Turn, Turns,
+    BrokenLine, IncrementMemory, ModelError, Operator, Plane, PlayBank, Real, RelaxingPlays, SidedPlays,
+    StateLaw, Turn, Turns,
 };
 
 use super::RealiseError;
@@ -15,8 +15,8 @@ pub const TURNS: usize = 64;
 #[derive(Clone, Debug)]
 pub(super) struct OperatorParts<T> {
     numbers: RuntimeOperator<T>,
-    /// The operators of [`RuntimeOperator::BoucWen`].
-    bouc_wen: Vec<BoucWen<T>>,
+    /// Laws of states in parallel.
+    laws: Vec<StateLaw<T>>,
     /// Memory of states that move by increments.
     increments: Vec<IncrementMemory<T>>,
     /// States of plays.
@@ -37,21 +37,20 @@ pub(super) fn parts<T: Real>(
 
 impl<T: Real> OperatorParts<T> {
     fn new(numbers: RuntimeOperator<T>) -> Result<Self, RealiseError> {
-        let mut bouc_wen = Vec::new();
+        let mut laws = Vec::new();
         let [mut increments, mut plays, mut turns] = [0; 3];
         match &numbers {
-            RuntimeOperator::BoucWen(states) => {
-                for &[alpha, beta, gamma, n] in states {
-                    let operator = BoucWen::new(alpha, beta, gamma, n);
-                    bouc_wen.push(operator.map_err(|_| RealiseError::Rounded)?);
+            RuntimeOperator::States { parameters, .. } => {
+                for own in parameters {
+                    laws.push(StateLaw::of(*own).map_err(|_| RealiseError::Rounded)?);
                 }
-                increments = states.len();
+                increments = parameters.len();
             }
             RuntimeOperator::Branch { weights, .. } => increments = weights.len(),
             RuntimeOperator::Plays { weights, .. } | RuntimeOperator::SidedPlays { weights, .. } => {
                 plays = weights.len();
             }
-            RuntimeOperator::ActivatedPlays { thresholds, .. } => plays = thresholds.len(),
+            RuntimeOperator::RelaxingPlays { thresholds, .. } => plays = thresholds.len(),
             RuntimeOperator::Plane { range, intervals, everett } => {
                 Plane::new(*range, *intervals, everett).map_err(|_| RealiseError::Rounded)?;
                 turns = TURNS;
@@ -59,7 +58,7 @@ impl<T: Real> OperatorParts<T> {
         }
         Ok(Self {
             numbers,
-            bouc_wen,
+            laws,
             increments: vec![IncrementMemory::new(T::of(0.0)); increments],
             states: vec![T::of(0.0); plays],
             turns: vec![Turn::none(); turns],
@@ -76,7 +75,7 @@ impl<T: Real> OperatorParts<T> {
         let rounded = |_| RealiseError::Rounded;
         let (memory, states) = (&mut self.increments[..], &mut self.states[..]);
         Ok(match &self.numbers {
-            RuntimeOperator::BoucWen(_) => Operator::BoucWen { operators: &self.bouc_wen, memory },
+            RuntimeOperator::States { .. } => Operator::States { laws: &self.laws, memory },
             RuntimeOperator::Branch { law, weights } => Operator::Branch { law: *law, weights, memory },
             RuntimeOperator::Plays { thresholds, weights } => {
                 Operator::Plays { bank: PlayBank::new(thresholds, weights).map_err(rounded)?, states }
@@ -89,8 +88,8 @@ impl<T: Real> OperatorParts<T> {
                 }
                 Operator::SidedPlays { plays, states }
             }
-            RuntimeOperator::ActivatedPlays { pace, range, thresholds, slopes } => Operator::ActivatedPlays {
-                plays: ActivatedPlays::new(*pace, *range, thresholds, slopes).map_err(rounded)?,
+            RuntimeOperator::RelaxingPlays { pace, range, thresholds, slopes } => Operator::RelaxingPlays {
+                plays: RelaxingPlays::new(*pace, *range, thresholds, slopes).map_err(rounded)?,
                 states,
             },
             RuntimeOperator::Plane { range, intervals, everett } => Operator::Plane {

@@ -141,14 +141,14 @@ pub fn choose_start(
 mod tests {
     use super::*;
     use crate::dynamics::{Dynamics, Scheme};
-    use crate::hysteresis::{BoucWen, Hysteresis};
+    use crate::hysteresis::{ArticleOperator, Hysteresis};
     use crate::record::{InterSample, TimeBase};
     use crate::start::Memory;
     use std::f64::consts::TAU;
 
     fn model() -> Model {
         Model {
-            hysteresis: Hysteresis::from(BoucWen::new(vec![3.0], 1.0, 0.4, 0.1, 1.0).unwrap()),
+            hysteresis: Hysteresis::from(ArticleOperator::new(vec![3.0], 1.0, 0.4, 0.1, 1.0).unwrap()),
             dynamics: Dynamics::None,
             offset: 0.0,
             delay_s: 0.0,
@@ -204,7 +204,7 @@ mod tests {
     #[test]
     fn a_record_cut_out_of_a_nested_loop_scores_at_its_noise() {
         for n in [1.0, 1.6] {
-            let hysteresis = Hysteresis::from(BoucWen::new(vec![3.0], 1.0, 0.2, 0.05, n).unwrap());
+            let hysteresis = Hysteresis::from(ArticleOperator::new(vec![3.0], 1.0, 0.2, 0.05, n).unwrap());
             let model = Model { hysteresis, ..model() };
             let (u, cut) = nested();
             let y = model.simulate(&u, None, &Start::Rest { voltage_v: 0.0 }).unwrap();

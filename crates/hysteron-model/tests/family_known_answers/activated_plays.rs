@@ -4,7 +4,7 @@
 use super::*;
 use hysteron_model::hysteresis::{ActivatedPlays, DriveGrid};
 use hysteron_model::record::paces_on;
-use hysteron_rt::ActivatedMove;
+use hysteron_rt::RelaxingMove;
 
 /// z after the equation's own Runge–Kutta steps; z = 0 is where the speed has a corner, and small steps.
 fn integrated(sigma: f64, r: f64, mut z: f64, rate: f64, seconds: f64) -> f64 {
@@ -34,7 +34,7 @@ proptest! {
     ) {
         // From within the reach of the play.
         let z = start * (r + 0.3);
-        let got = ActivatedMove::new(sigma, by, seconds).distance(r, z);
+        let got = RelaxingMove::new(sigma, by, seconds).distance(r, z);
         let want = integrated(sigma, r, z, by / seconds, seconds);
         prop_assert!((got - want).abs() < 5e-3 * sigma, "{got} {want}");
     }
@@ -49,9 +49,9 @@ proptest! {
         share in 0.01..0.99_f64,
     ) {
         let z = start * r;
-        let whole = ActivatedMove::new(sigma, by, seconds).distance(r, z);
-        let first = ActivatedMove::new(sigma, share * by, share * seconds).distance(r, z);
-        let both = ActivatedMove::new(sigma, (1.0 - share) * by, (1.0 - share) * seconds).distance(r, first);
+        let whole = RelaxingMove::new(sigma, by, seconds).distance(r, z);
+        let first = RelaxingMove::new(sigma, share * by, share * seconds).distance(r, z);
+        let both = RelaxingMove::new(sigma, (1.0 - share) * by, (1.0 - share) * seconds).distance(r, first);
         prop_assert!((whole - both).abs() < 1e-12, "{whole} {both}");
     }
 
@@ -60,7 +60,7 @@ proptest! {
         let sigma = 1e-4;
         let (mut z, mut from) = (0.0, 0.0);
         for (p, &u) in play(r, &u).iter().zip(&u) {
-            z = ActivatedMove::new(sigma, u - from, 1.0).distance(r, z);
+            z = RelaxingMove::new(sigma, u - from, 1.0).distance(r, z);
             from = u;
             // Wider by σ ln(rate/v₀).
             prop_assert!((u - z - p).abs() < 10.0 * sigma, "{} {p}", u - z);
@@ -72,15 +72,15 @@ proptest! {
 fn a_play_that_stands_still_creeps_with_the_logarithm_of_time() {
     // |z| = r − σ ln(v₀ t/σ) once t is beyond what it had: σ ln 10 for each decade.
     let (sigma, r) = (0.2, 3.0);
-    let at = |seconds: f64| ActivatedMove::new(sigma, 0.0, seconds).distance(r, 3.0);
+    let at = |seconds: f64| RelaxingMove::new(sigma, 0.0, seconds).distance(r, 3.0);
     let decade: f64 = at(1e4) - at(1e5);
     assert!((decade - sigma * 10f64.ln()).abs() < 1e-3 * sigma, "{decade}");
     // Ten times the rate: wider by σ ln 10.
-    let width = |seconds: f64| ActivatedMove::new(sigma, 20.0, seconds).distance(r, 0.0);
+    let width = |seconds: f64| RelaxingMove::new(sigma, 20.0, seconds).distance(r, 0.0);
     let wider: f64 = width(1.0) - width(10.0);
     assert!((wider - sigma * 10f64.ln()).abs() < 1e-9, "{wider}");
     // And it comes to rest, where it has nothing left.
-    assert_eq!(ActivatedMove::new(sigma, 0.0, 1e9).distance(0.1, 0.05), 0.0);
+    assert_eq!(RelaxingMove::new(sigma, 0.0, 1e9).distance(0.1, 0.05), 0.0);
 }
 
 #[test]

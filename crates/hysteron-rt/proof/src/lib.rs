@@ -128,7 +128,7 @@ pub enum Numbers<'a, T> {
 #[inline(always)]
 fn operator<T: Real>(numbers: Numbers<'_, T>) -> Option<Operator<'_, T>> {
     Some(match numbers {
-        Numbers::BoucWen(operators, memory) => Operator::BoucWen { operators, memory },
+        Numbers::BoucWen(operators, memory) => Operator::States { laws: operators, memory },
         Numbers::Branch(law, weights, memory) => Operator::Branch { law, weights, memory },
         Numbers::Plays([thresholds, weights], states) => {
             Operator::Plays { bank: PlayBank::new(thresholds, weights).ok()?, states }

@@ -1,6 +1,6 @@
 //{ linear_law
 /* z after a move by du that passes through 0: there dz/d|u| = s alpha - kappa z changes its kappa. */
-static real move_through_zero(const bouc_wen *p, real z, real du)
+static real move_through_zero(const state_law *p, real z, real du)
 {
     const int down = du < R(0);
     const real rise = down ? -p->alpha : p->alpha;
@@ -23,7 +23,7 @@ static real move_through_zero(const bouc_wen *p, real z, real du)
 
 /* What a monotone move by du changes z by, without the cancellation of a difference:
    dz = (s alpha - kappa z) (1 - exp(-kappa |du|))/kappa, kappa = beta + s gamma sign z. */
-static real increment(const bouc_wen *p, real z, real du)
+static real increment(const state_law *p, real z, real du)
 {
     const int down = du < R(0);
     const real rise = down ? -p->alpha : p->alpha;

@@ -1,23 +1,26 @@
 //! n = 1: dz/d|u| = sα − κ z, relaxation towards sα/κ, with κ = β + s γ sign z (s = sign Δu).
 
+use super::BoucWen;
 use crate::dual::Dual;
 use crate::real::{Real, Scalar};
-use crate::series::{log_distance, relaxation, relaxation_with_slope};
+use crate::series::{log_distance, relaxation};
 
-/// z after a monotone move by `du`: z e^(−κd) + sα (1 − e^(−κd))/κ, split where z passes 0.
-#[inline]
-pub(super) fn advance<S: Scalar>(alpha: S, beta: S, gamma: S, z: S, du: S) -> S {
+/// Change of z in a monotone move by `du`: (sα − κz)(1 − e^(−κd))/κ, d = |Δu|, split where z passes 0.
+#[inline(always)]
+pub(super) fn increment<S: Scalar>(alpha: S, beta: S, gamma: S, z: S, du: S) -> S {
     let zero = S::Real::of(0.0);
     let (rise, turn, d) = if du.value() < zero { (-alpha, -gamma, -du) } else { (alpha, gamma, du) };
     // The sign of z on this leg: on leaving 0 it is the sign of the rise.
     let lead = if z.value() == zero { rise.value() } else { z.value() };
-    let kappa = if lead < zero { beta - turn } else { beta + turn };
-    let (decay, reach) = relaxation(kappa, d);
-    let end = z * decay + rise * reach;
-    if z.value() == zero || (end.value() < zero) == (z.value() < zero) || rise.value() == zero {
-        return end;
+    let along = |kappa: S| (rise - kappa * z) * relaxation(kappa, d).1;
+    // Two branches, not a choice of κ: the exponential then depends on the voltage alone, not on z.
+    let change = if lead < zero { along(beta - turn) } else { along(beta + turn) };
+    let end = z.value() + change.value();
+    if (end < zero && z.value() > zero) || (end > zero && z.value() < zero) {
+        let kappa = if lead < zero { beta - turn } else { beta + turn };
+        return from_zero([alpha, beta, gamma], rise, d - log_distance(kappa, -(z / rise))) - z;
     }
-    from_zero([alpha, beta, gamma], rise, d - log_distance(kappa, -(z / rise)))
+    change
 }
 
 /// z at the distance `rest` after its zero crossing, with κ = β + γ sign α there; the crossing is at d₀ =
@@ -32,71 +35,33 @@ fn from_zero<S: Scalar>([alpha, beta, gamma]: [S; 3], rise: S, rest: S) -> S {
     rise * relaxation(kappa, rest).1
 }
 
-/// Change of z in a monotone move by `du`: (sα − κz)(1 − e^(−κd))/κ, split where z passes 0.
-#[inline(always)]
-pub(super) fn increment<S: Scalar>(alpha: S, beta: S, gamma: S, z: S, du: S) -> S {
-    let zero = S::Real::of(0.0);
-    let (rise, turn, d) = if du.value() < zero { (-alpha, -gamma, -du) } else { (alpha, gamma, du) };
-    let lead = if z.value() == zero { rise.value() } else { z.value() };
-    let along = |kappa: S| (rise - kappa * z) * relaxation(kappa, d).1;
-    // Two branches, not a choice of κ: the exponential then depends on the voltage alone, not on z.
-    let change = if lead < zero { along(beta - turn) } else { along(beta + turn) };
-    let end = z.value() + change.value();
-    if (end < zero && z.value() > zero) || (end > zero && z.value() < zero) {
-        let kappa = if lead < zero { beta - turn } else { beta + turn };
-        return from_zero([alpha, beta, gamma], rise, d - log_distance(kappa, -(z / rise))) - z;
-    }
-    change
-}
-
-/// z and its derivatives along the voltages `u`, starting from `z` at `u_last`; `sink` receives each
-/// sample's. The partials are ∂/∂β, ∂/∂γ, then any others, carried by z alone; P = 0 is the plain simulation.
-///
-/// The arithmetic is that of [`advance`], arranged so that only one multiplication and one addition a sample
-/// depend on the sample before: z is assumed to keep its sign, and [`advance`] recomputes a sample where it
-/// does not. With z⁺ = z e^(−κd) + sα r(κ), r = (1 − e^(−κd))/κ, each derivative is z⁺' = e^(−κd) z' + κ' (sα
-/// r'(κ) − d e^(−κd) z), κ' = 1 for β, ±1 for γ: one exponential for all of them.
-#[inline(always)]
-pub(super) fn run<T: Real, const P: usize>(
-    (alpha, beta, gamma): (T, T, T),
-    (mut u_last, mut z): (T, Dual<T, P>),
-    u: &[T],
-    mut sink: impl FnMut(Dual<T, P>),
-) -> Dual<T, P> {
-    let [zero, one] = [T::of(0.0), T::of(1.0)];
-    let sign_of = |z: T| {
-        if z > zero {
-            one
-        } else if z < zero {
-            -one
-        } else {
-            zero
+impl<T: Real> BoucWen<T> {
+    /// [`Self::advance_with_shape`] for n = 1 by a move `du` whose relaxation is known, z keeping its sign,
+    /// which is `sign` (1 or −1): z⁺ = z e^(−κd) + α r. `None` where z does not keep it, or is 0.
+    ///
+    /// `relaxation` is e^(−κd), r = sign Δu (1 − e^(−κd))/κ and its derivative r'(κ). They do not depend on
+    /// z, so that many moves can be computed at once; only one multiplication and one addition a sample then
+    /// wait for the sample before. All derivatives share one exponential: z⁺' = e^(−κd) z' + κ' (α r'(κ) − d
+    /// e^(−κd) z), κ' = 1 for β, s sign z for γ.
+    #[inline(always)]
+    pub fn advance_on_one_side<const P: usize>(
+        &self,
+        sign: T,
+        z: Dual<T, P>,
+        du: T,
+        [decay, reach, slope]: [T; 3],
+    ) -> Option<Dual<T, P>> {
+        let zero = T::of(0.0);
+        let end = z.value * decay + self.alpha * reach;
+        if !(end * sign > zero && z.value != zero) {
+            return None;
         }
-    };
-    let duals = (Dual::constant(alpha), Dual::variable(beta, 0), Dual::variable(gamma, 1));
-    let mut sign = sign_of(z.value);
-    let (mut kappa_up, mut kappa_down) = (beta + sign * gamma, beta - sign * gamma);
-    for &u_next in u {
-        let du = u_next - u_last;
-        u_last = u_next;
-        let (rise, kappa, turn, d) =
-            if du < zero { (-alpha, kappa_down, -sign, -du) } else { (alpha, kappa_up, sign, du) };
-        let (decay, reach, reach_slope) = relaxation_with_slope(kappa, d);
-        let end = z.value * decay + rise * reach;
-        if end * sign > zero {
-            let own = rise * reach_slope - d * decay * z.value;
-            let mut partials = z.partials.map(|p| decay * p);
-            for (p, own) in partials.iter_mut().zip([own, turn * own]) {
-                *p = *p + own;
-            }
-            z = Dual { value: end, partials }.without_vanished(2);
-        } else {
-            z = advance(duals.0, duals.1, duals.2, z, Dual::constant(du));
-            sign = sign_of(z.value);
-            kappa_up = beta + sign * gamma;
-            kappa_down = beta - sign * gamma;
+        let own = self.alpha * slope - du.abs() * decay * z.value;
+        let turn = if du < zero { -sign } else { sign };
+        let mut partials = z.partials.map(|p| decay * p);
+        for (p, own) in partials.iter_mut().zip([own, turn * own]) {
+            *p = *p + own;
         }
-        sink(z);
+        Some(Dual { value: end, partials }.without_vanished(2))
     }
-    z
 }

@@ -28,6 +28,14 @@ pub struct BoucWen<T> {
     law: Law,
 }
 
+/// C99 templates ([`crate::c_source`]): the type of the parameters, the increment, the operator of states in
+/// parallel, and its lines of the header.
+pub(crate) const C_PARAMETERS: &str = include_str!("parameters.c");
+pub(crate) const C_INCREMENT: &str =
+    concat!(include_str!("linear.c"), include_str!("quadratic.c"), include_str!("power.c"));
+pub(crate) const C_OPERATOR: &str = include_str!("operator.c");
+pub(crate) const C_HEADER: &str = include_str!("operator.h");
+
 /// Which closed form applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Law {
@@ -64,13 +72,24 @@ enum Leg<S> {
 }
 
 impl<T: Real> BoucWen<T> {
+    /// Names of the parameters; all but the last may change while a model runs, n chooses the closed form.
+    pub const PARAMETERS: [&'static str; 4] = ["alpha", "beta", "gamma", "n"];
+
+    /// The operator with these parameters in the order of [`Self::PARAMETERS`].
+    ///
+    /// # Errors
+    /// Those of [`Self::new`].
+    pub fn of([alpha, beta, gamma, n]: [T; 4]) -> Result<Self, ParameterError<T>> {
+        Self::new(alpha, beta, gamma, n)
+    }
+
     /// The operator with these parameters; no restriction but finite and n ≥ 1 (an inadmissible set may make
     /// [`Self::step`] fail later).
     ///
     /// # Errors
     /// [`ParameterError`] where a parameter is not finite or n < 1.
     pub fn new(alpha: T, beta: T, gamma: T, n: T) -> Result<Self, ParameterError<T>> {
-        for (name, value) in [("alpha", alpha), ("beta", beta), ("gamma", gamma), ("n", n)] {
+        for (name, value) in Self::PARAMETERS.into_iter().zip([alpha, beta, gamma, n]) {
             if !value.is_finite() {
                 return Err(ParameterError::NotFinite { name, value });
             }
@@ -180,7 +199,7 @@ impl<T: Real> BoucWen<T> {
     }
 
     /// z along the voltages `u` into `out` (same length), from `state`, which ends at the last sample: equal
-    /// to [`Self::step`] sample by sample, faster for n = 1.
+    /// to [`Self::step`] sample by sample.
     ///
     /// # Errors
     /// [`SimulateError`]: lengths that differ, or the sample and the [`StepError`] it failed with; `out` is
@@ -236,8 +255,7 @@ impl<T: Real> BoucWen<T> {
     }
 
     /// z with derivatives as in [`Self::advance_with_shape`] along the voltages `u`, from z at the voltage of
-    /// `start`; `sink` receives each sample's in turn. Returns the last. For n = 1 all derivatives share one
-    /// exponential.
+    /// `start`; `sink` receives each sample's in turn. Returns the last.
     ///
     /// # Errors
     /// The sample and the [`StepError`] it failed with; values passed to `sink` from that sample on are
@@ -246,19 +264,9 @@ impl<T: Real> BoucWen<T> {
         &self,
         start: (T, Dual<T, P>),
         u: &[T],
-        mut sink: impl FnMut(Dual<T, P>),
+        sink: impl FnMut(Dual<T, P>),
     ) -> Result<Dual<T, P>, SimulateError<T>> {
-        let advance = |z, du| self.advance_with_shape(z, du);
-        if self.law != Law::Linear || !start.0.is_finite() || !u.iter().all(|u| u.is_finite()) {
-            return follow(start, u, advance, sink);
-        }
-        let end = linear::run((self.alpha, self.beta, self.gamma), start, u, &mut sink);
-        // A non-finite number persists to the end; a second pass then finds its sample.
-        if end.magnitude().is_finite() {
-            return Ok(end);
-        }
-        follow(start, u, advance, |_| {})?;
-        Err(SimulateError::Step { index: u.len().saturating_sub(1), cause: StepError::Overflow })
+        follow(start, u, |z, du| self.advance_with_shape(z, du), sink)
     }
 
     /// [`Self::simulate_with_shape`] with the sensitivities of [`Self::advance_with_sensitivities`], to n
@@ -331,7 +339,7 @@ fn advance<S: Scalar>(
     du: S::Real,
 ) -> Result<S, StepError<S::Real>> {
     if law == Law::Linear {
-        return Ok(linear::advance(alpha, beta, gamma, z, S::constant(du)));
+        return Ok(z + linear::increment(alpha, beta, gamma, z, S::constant(du)));
     }
     let zero = S::Real::of(0.0);
     if du == zero {

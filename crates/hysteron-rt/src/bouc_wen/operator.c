@@ -1,4 +1,4 @@
-//{ bouc_wen
+//{ states
 /* The hysteresis, virgin at u. */
 static real hysteresis_at_rest($TUNED_AS_ARGUMENT_FIRSTreal u)
 {
@@ -11,8 +11,8 @@ static real hysteresis_look(const $name_state *state, real u$RATE_PARAMETER)
 {
     real v = polynomial_at($TUNED_FIRSTu);
     int i;
-    for (i = 0; i < $NAME_OPERATORS; i++) {
-        v = v - (state->z[i] + increment(&K(operators)[i], state->z[i], u - state->voltage));
+    for (i = 0; i < $NAME_STATE_LAWS; i++) {
+        v = v - (state->z[i] + increment(&K(state_laws)[i], state->z[i], u - state->voltage));
     }
     return v;
 }
@@ -22,20 +22,20 @@ static real hysteresis_look(const $name_state *state, real u$RATE_PARAMETER)
    out of range. */
 static int hysteresis_move($name_state *state, real u, real *v)
 {
-    real z[$NAME_OPERATORS], z_carry[$NAME_OPERATORS];
+    real z[$NAME_STATE_LAWS], z_carry[$NAME_STATE_LAWS];
     const real du = u - state->voltage;
     int i;
     real out = polynomial_at($TUNED_FIRSTu);
-    for (i = 0; i < $NAME_OPERATORS; i++) {
+    for (i = 0; i < $NAME_STATE_LAWS; i++) {
         z[i] = state->z[i];
         z_carry[i] = state->z_carry[i];
-        accumulate(&z[i], &z_carry[i], increment(&K(operators)[i], state->z[i], du));
+        accumulate(&z[i], &z_carry[i], increment(&K(state_laws)[i], state->z[i], du));
         out = out - z[i];
     }
     if (!is_in_range(out)) {
         return 0;
     }
-    for (i = 0; i < $NAME_OPERATORS; i++) {
+    for (i = 0; i < $NAME_STATE_LAWS; i++) {
         state->z[i] = z[i];
         state->z_carry[i] = z_carry[i];
     }
@@ -49,7 +49,7 @@ static void hysteresis_rest($name_state *state, real u)
 {
     int i;
     (void)u;
-    for (i = 0; i < $NAME_OPERATORS; i++) {
+    for (i = 0; i < $NAME_STATE_LAWS; i++) {
         state->z[i] = R(0);
         state->z_carry[i] = R(0);
     }

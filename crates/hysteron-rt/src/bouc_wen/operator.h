@@ -1,12 +1,12 @@
 //= sizes
-//{ bouc_wen
-#define $NAME_OPERATORS $N_OPERATORS
+//{ states
+#define $NAME_STATE_LAWS $N_STATE_LAWS
 //}
 //= members of the state
-//{ bouc_wen
-    $name_real z[$NAME_OPERATORS], z_carry[$NAME_OPERATORS];
+//{ states
+    $name_real z[$NAME_STATE_LAWS], z_carry[$NAME_STATE_LAWS];
 //}
 //= parameters
-//{ bouc_wen
-    $name_bouc_wen operators[$NAME_OPERATORS];
+//{ states
+    $name_state_law state_laws[$NAME_STATE_LAWS];
 //}

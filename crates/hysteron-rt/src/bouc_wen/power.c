@@ -35,7 +35,7 @@ static real held(real z, real bound)
    steps of an exponential Rosenbrock method of order 3 (M. Hochbruck, A. Ostermann, J. Schweitzer 2009,
    doi:10.1137/080717717), in more where one would go further than an eighth of the saturation, |z| held
    within it. */
-static real increment(const bouc_wen *p, real z, real du)
+static real increment(const state_law *p, real z, real du)
 {
     const int down = du < R(0);
     const real rise = down ? -p->alpha : p->alpha;

@@ -87,7 +87,7 @@ static leg_kind leg(real a, real kappa, real w, real h, real *end)
 }
 
 /* z after a move by du that passes through 0; infinite where it has no bound. */
-static real move_through_zero(const bouc_wen *p, real z, real du)
+static real move_through_zero(const state_law *p, real z, real du)
 {
     const int down = du < R(0);
     const real rise = down ? -p->alpha : p->alpha;
@@ -117,7 +117,7 @@ static real move_through_zero(const bouc_wen *p, real z, real du)
 /* What a monotone move by du changes z by, without the cancellation of a difference: with w = |z| and
    dw/d|u| = a - kappa w^2, dw = T (a - kappa w^2)/(1 + kappa w T),
    T = tanh(|du| sqrt(a kappa))/sqrt(a kappa). */
-static real increment(const bouc_wen *p, real z, real du)
+static real increment(const state_law *p, real z, real du)
 {
     const int down = du < R(0);
     const real rise = down ? -p->alpha : p->alpha;

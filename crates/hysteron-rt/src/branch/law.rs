@@ -8,7 +8,7 @@ use crate::real::{Real, Scalar};
 /// Its C fragment defines `branch_change`, and `branch_output` and `branch_virgin` where the law overrides
 /// the provided methods of these names; its parameters there are `SHAPE[0]`, `SHAPE[1]`, …, in the order of
 /// the fields. It may call `relaxation`, `log_distance`, `moments`, `rising_root` and the `increment` of a
-/// Bouc–Wen operator with n = 1.
+/// [`crate::StateLaw`] with n = 1.
 pub trait BranchLaw<S: Scalar> {
     /// The law in C99.
     const C: &'static str;

@@ -1,10 +1,10 @@
-//! Song's and Der Kiureghian's law: Bouc–Wen without the symmetry of rising and falling.
+//! Song's and Der Kiureghian's law of six coefficients: no symmetry between rising and falling.
 
 use super::law::{BranchLaw, finite, law_numbers};
 use crate::ParameterError;
-use crate::bouc_wen::unit_increment;
 use crate::real::{Real, Scalar};
 use crate::series::signed;
+use crate::state_law::unit_increment;
 
 law_numbers! {
     /// dy/du = 1 − |y| (β₁ sgn(u̇y) + β₂ sgn(u u̇) + β₃ sgn(uy) + β₄ s + β₅ sgn y + β₆ sgn u) (J. Song, A.
@@ -37,8 +37,8 @@ impl<S: Scalar> BranchLaw<S> for SongDerKiureghian<S> {
         checked
     }
 
-    /// At u of one sign a move is one of Bouc–Wen with β = β₁ + s (β₃ sgn u + β₅), γ = s (β₂ sgn u + β₄) + β₆
-    /// sgn u; it is split where u passes 0.
+    /// At u of one sign a move is one of [`crate::StateLaw`] with β = β₁ + s (β₃ sgn u + β₅), γ = s (β₂ sgn u
+    /// + β₄) + β₆ sgn u; it is split where u passes 0.
     #[inline]
     fn increment(&self, y: S, from: S, to: S) -> S {
         let zero = S::Real::of(0.0);

@@ -25,8 +25,8 @@ use crate::real::Real;
 
 /// displacement = offset + (H ∗ v)(t), v = hysteresis\[voltage\].
 ///
-/// Coefficients and memory are borrowed: nothing is allocated. The linear dynamics, plays and Bouc–Wen
-/// operators with n = 1 and 2 cost the same number of operations whatever the voltage does, up to the
+/// Coefficients and memory are borrowed: nothing is allocated. The linear dynamics, plays and states
+/// in parallel with n = 1 and 2 cost the same number of operations whatever the voltage does, up to the
 /// branches of an exponential function, everything else at most a fixed number (docs/theory/realisation.md).
 /// A step cannot panic, and does not slow down at rest (states decay towards a level above the subnormal
 /// numbers). Every state is advanced by compensated increments, so that poles far slower than the sample rate

@@ -1,11 +1,11 @@
 //! The hysteresis block of a streaming model.
 
 use super::ModelError;
-use crate::bouc_wen::BoucWen;
+use crate::StateLaw;
 use crate::branch::Branch;
 use crate::increment::IncrementMemory;
 use crate::plane::{LEAST_TURNS, Plane, Turns};
-use crate::play::{ActivatedPlays, PlayBank, SidedPlays};
+use crate::play::{PlayBank, RelaxingPlays, SidedPlays};
 use crate::real::Real;
 
 /// Hysteresis operator beside the polynomial l\[u\].
@@ -13,10 +13,10 @@ use crate::real::Real;
 pub enum Operator<'a, T> {
     /// Nothing: v = l\[u\].
     None,
-    /// v = l\[u\] − Σ zₖ, Bouc–Wen operators in parallel, usually one.
-    BoucWen {
-        /// The operators.
-        operators: &'a [BoucWen<T>],
+    /// v = l\[u\] − Σ zₖ, states in parallel with parameters each, usually one.
+    States {
+        /// Their laws.
+        laws: &'a [StateLaw<T>],
         /// Their memory, one each.
         memory: &'a mut [IncrementMemory<T>],
     },
@@ -44,9 +44,9 @@ pub enum Operator<'a, T> {
         states: &'a mut [T],
     },
     /// v = l\[u\] + plays with thermally activated edges.
-    ActivatedPlays {
+    RelaxingPlays {
         /// The plays.
-        plays: ActivatedPlays<'a, T>,
+        plays: RelaxingPlays<'a, T>,
         /// Their distances behind the drive, one each.
         states: &'a mut [T],
     },
@@ -78,11 +78,11 @@ impl<'a, T: Real> Hysteresis<'a, T> {
     pub fn new(polynomial: &'a [T], operator: Operator<'a, T>) -> Result<Self, ModelError<T>> {
         let (expected, found) = match &operator {
             Operator::None => (0, 0),
-            Operator::BoucWen { operators, memory } => (operators.len(), memory.len()),
+            Operator::States { laws, memory } => (laws.len(), memory.len()),
             Operator::Branch { weights, memory, .. } => (weights.len(), memory.len()),
             Operator::Plays { bank, states } => (bank.weights().len(), states.len()),
             Operator::SidedPlays { plays, states } => (plays.count(), states.len()),
-            Operator::ActivatedPlays { plays, states } => (plays.count(), states.len()),
+            Operator::RelaxingPlays { plays, states } => (plays.count(), states.len()),
             Operator::Plane { turns, .. } => (turns.room().max(LEAST_TURNS), turns.room()),
         };
         if expected != found {
@@ -106,11 +106,11 @@ impl<'a, T: Real> Hysteresis<'a, T> {
     pub fn output_at_rest(&self, voltage: T) -> T {
         let v = self.polynomial_at(voltage);
         match &self.operator {
-            Operator::None | Operator::BoucWen { .. } => v,
+            Operator::None | Operator::States { .. } => v,
             Operator::Plays { bank, .. } => bank.weights().iter().fold(v, |v, weight| v + *weight * voltage),
             Operator::Branch { law, weights, .. } => v + law.output_at_rest(weights, voltage),
             Operator::SidedPlays { plays, .. } => v + plays.output_at_rest(voltage),
-            Operator::ActivatedPlays { plays, .. } => v + plays.output_at_rest(voltage),
+            Operator::RelaxingPlays { plays, .. } => v + plays.output_at_rest(voltage),
             Operator::Plane { plane, .. } => v + plane.output_at_rest(voltage),
         }
     }
@@ -121,11 +121,11 @@ impl<'a, T: Real> Hysteresis<'a, T> {
         self.rested = true;
         match &mut self.operator {
             Operator::None => {}
-            Operator::BoucWen { memory, .. } => memory.fill(IncrementMemory::new(T::of(0.0))),
+            Operator::States { memory, .. } => memory.fill(IncrementMemory::new(T::of(0.0))),
             Operator::Branch { law, memory, .. } => memory.fill(IncrementMemory::new(law.virgin(voltage))),
             Operator::Plays { states, .. } => states.fill(voltage),
             Operator::SidedPlays { plays, states } => plays.rest_at(states, voltage),
-            Operator::ActivatedPlays { states, .. } => states.fill(T::of(0.0)),
+            Operator::RelaxingPlays { states, .. } => states.fill(T::of(0.0)),
             Operator::Plane { plane, turns } => turns.rest_at(plane, voltage),
         }
         self.output_at_rest(voltage)
@@ -158,7 +158,7 @@ impl<'a, T: Real> Hysteresis<'a, T> {
         self.step_through(voltage, voltage)
     }
 
-    /// [`Self::step`]; rate-dependent plays are moved at `middle` too.
+    /// [`Self::step`]; plays that depend on the rate are moved at `middle` too.
     #[inline(always)]
     fn step_through(&mut self, middle: T, voltage: T) -> Result<T, ModelError<T>> {
         if !voltage.is_finite() {
@@ -168,9 +168,9 @@ impl<'a, T: Real> Hysteresis<'a, T> {
         let du = voltage - self.voltage;
         match &mut self.operator {
             Operator::None => in_range_or_overflow(v)?,
-            Operator::BoucWen { operators, memory } => {
-                for (operator, memory) in operators.iter().zip(memory.iter_mut()) {
-                    v = v - memory.advance(operator.increment(memory.z(), du));
+            Operator::States { laws, memory } => {
+                for (law, memory) in laws.iter().zip(memory.iter_mut()) {
+                    v = v - memory.advance(law.increment(memory.z(), du));
                 }
                 in_range_or_taken_back(v, memory)?;
             }
@@ -189,7 +189,7 @@ impl<'a, T: Real> Hysteresis<'a, T> {
                 in_range_or_overflow(v)?;
                 plays.advance(states, [middle, voltage], du);
             }
-            Operator::ActivatedPlays { plays, states } => {
+            Operator::RelaxingPlays { plays, states } => {
                 v = v + plays.look(states, voltage, (du, T::of(1.0)), self.rested);
                 in_range_or_overflow(v)?;
                 plays.advance(states, du, self.rested);
@@ -237,11 +237,10 @@ impl<'a, T: Real> Hysteresis<'a, T> {
         let v = self.polynomial_at(voltage);
         match &self.operator {
             Operator::None => v,
-            Operator::BoucWen { operators, memory } => {
+            Operator::States { laws, memory } => {
                 let du = voltage - self.voltage;
-                let operators = operators.iter().zip(memory.iter());
-                operators
-                    .fold(v, |v, (operator, memory)| v - (memory.z() + operator.increment(memory.z(), du)))
+                let states = laws.iter().zip(memory.iter());
+                states.fold(v, |v, (law, memory)| v - (memory.z() + law.increment(memory.z(), du)))
             }
             Operator::Branch { law, weights, memory } => v + law.look(weights, memory, self.voltage, voltage),
             Operator::Plays { bank, states } => v + bank.look(states, voltage),
@@ -249,7 +248,7 @@ impl<'a, T: Real> Hysteresis<'a, T> {
                 let du = if self.rested { T::of(0.0) } else { whole };
                 v + plays.look(states, [voltage, voltage], du)
             }
-            Operator::ActivatedPlays { plays, states } => {
+            Operator::RelaxingPlays { plays, states } => {
                 v + plays.look(states, voltage, (voltage - self.voltage, share), self.rested)
             }
             Operator::Plane { plane, turns } => v + turns.look(plane, voltage).output(),
@@ -261,7 +260,7 @@ impl<'a, T: Real> Hysteresis<'a, T> {
     pub(super) fn moves_at_rest(&self) -> bool {
         match &self.operator {
             Operator::SidedPlays { plays, .. } => plays.sees_rate(),
-            Operator::ActivatedPlays { .. } => true,
+            Operator::RelaxingPlays { .. } => true,
             _ => false,
         }
     }

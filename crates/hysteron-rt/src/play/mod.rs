@@ -1,14 +1,14 @@
 //! Play (backlash) operators, one monotone move at a time, and the exact inverse of the move.
 
-mod activated;
 mod broken_line;
 mod error;
+mod relaxing;
 mod sided;
 mod sides;
 
-pub use activated::{ActivatedMove, ActivatedPlays, SLOPES, bernstein_integrals};
 pub use broken_line::{BrokenLine, each_band};
 pub use error::PlayError;
+pub use relaxing::{RelaxingMove, RelaxingPlays, SLOPES, bernstein_integrals};
 pub use sided::SidedPlays;
 pub use sides::{Sides, between_ramps, ramp};
 

@@ -1,15 +1,15 @@
 //= sizes
-//{ plays|sided|activated
+//{ plays|sided|relaxing
 #define $NAME_PLAYS $N_PLAYS
 //}
 //= members of the state
 //{ plays|sided
     $name_real play[$NAME_PLAYS];
 //}
-//{ activated
+//{ relaxing
     $name_real play[$NAME_PLAYS]; /* distances behind the voltage */
 //}
-//{ rate|activated
+//{ rate|relaxing
     int rested; /* has not moved since it was virgin */
 //}
 //= parameters

@@ -46,7 +46,7 @@ fn columns(record: &JointRecord, n: f64, creep: Creep) -> Vec<Vec<f64>> {
     let candidate = Candidate { shape: vec![0.4, 0.1, n], delay_s: 3.37e-4, memory: Vec::new() };
     let mut ws = record.workspace(2, 1, form.parameter_count());
     let wanted = Some(&[true, true, false][..]);
-    assert!(record.respond(HysteresisForm::bouc_wen(), &candidate, 0.7, &dynamics, wanted, &mut ws));
+    assert!(record.respond(HysteresisForm::default(), &candidate, 0.7, &dynamics, wanted, &mut ws));
     let samples = record.samples();
     let mut all: Vec<Vec<f64>> = ws.columns.chunks_exact(samples).map(<[f64]>::to_vec).collect();
     record.combine(&[3.0, -0.1, 0.8], &mut ws);

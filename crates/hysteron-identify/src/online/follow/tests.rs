@@ -3,14 +3,15 @@
 use super::*;
 use crate::IdentifyError;
 use hysteron_model::dynamics::{Dynamics, Scheme};
-use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+use hysteron_model::hysteresis::{ArticleOperator, Hysteresis};
 use hysteron_model::model_file::{Maker, SignalUnits};
 use hysteron_model::record::{InterSample, Source, TimeBase};
 
 const START: Start = Start::Rest { voltage_v: 0.0 };
 
 fn model() -> Model {
-    let hysteresis = BoucWen { polynomial: vec![3.2, -0.02], alpha: 1.1, beta: 0.35, gamma: 0.08, n: 1.0 };
+    let hysteresis =
+        ArticleOperator { polynomial: vec![3.2, -0.02], alpha: 1.1, beta: 0.35, gamma: 0.08, n: 1.0 };
     Model {
         hysteresis: Hysteresis::from(hysteresis),
         dynamics: Dynamics::None,

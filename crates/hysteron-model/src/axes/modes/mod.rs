@@ -14,7 +14,7 @@
 //! f(z)  = c₂ (z² − s²) + c₃ (z³ − 3 s² z) + Σ_j c_j (P_j[z] − γ_j z)
 //! ```
 //!
-//! P_j are play operators (Prandtl–Ishlinskii, exact for any drive); f is shared by the actuators, f_i is
+//! P_j are play operators (exact for any drive); f is shared by the actuators, f_i is
 //! specific to each. There is no algebraic loop: v and σ are taken from the present state, w enters the next
 //! one. s² and γ_j are frozen numbers that keep the terms of f nearly orthogonal to z; they do not change the
 //! model class. Poles and output rows follow the level, input rows do not: their product would be quadratic

@@ -258,7 +258,7 @@ impl FamilyDescription for Entry {
             (&[beta, gamma, n], &[alpha]) => [alpha, beta, gamma, n],
             _ => [f64::NAN; 4],
         };
-        RuntimeOperator::BoucWen(vec![state])
+        RuntimeOperator::states(vec![state])
     }
 }
 

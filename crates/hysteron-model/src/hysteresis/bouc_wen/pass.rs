@@ -30,8 +30,8 @@ pub(super) fn pass<const P: usize>(
 
 /// n = 1 in the bounded class, where both rates κ = β ± γ are ≥ 0.
 ///
-/// z⁺ = z e^(−κd) + α reach(Δu, κ): everything but z is known beforehand, so a row of it is computed at once
-/// by vector code, for the present sign of z. The sample on which z changes sign is done by
+/// The relaxations of a row of moves are computed at once by vector code, for the present sign of z
+/// ([`BoucWen::advance_on_one_side`]). The sample on which z changes sign is done by
 /// [`BoucWen::advance_with_shape`], and a new row begun behind it, about as long as the sign lasted.
 fn relax<const P: usize>(
     operator: &BoucWen<f64>,
@@ -39,7 +39,7 @@ fn relax<const P: usize>(
     mut u: &[f64],
     mut sink: impl FnMut(Dual<f64, P>),
 ) -> Result<Dual<f64, P>, SimulateError<f64>> {
-    let (alpha, beta, gamma) = (operator.alpha(), operator.beta(), operator.gamma());
+    let (beta, gamma) = (operator.beta(), operator.gamma());
     let set = InstructionSet::detected();
     let samples = u.len();
     let mut row = Relaxations::new();
@@ -56,26 +56,16 @@ fn relax<const P: usize>(
         let mut done = 0;
         let moves = row.moves.iter().zip(&row.decay).zip(row.reach.iter().zip(&row.slope)).take(count);
         for ((&du, &decay), (&reach, &slope)) in moves {
-            let end = z.value * decay + alpha * reach;
             done += 1;
-            if end * sign > 0.0 && z.value != 0.0 {
-                // ∂z⁺/∂κ at fixed z.
-                let own = alpha * slope - du.abs() * decay * z.value;
-                let turn = if du < 0.0 { -sign } else { sign };
-                let mut partials = z.partials.map(|p| decay * p);
-                for (p, own) in partials.iter_mut().zip([own, turn * own]) {
-                    *p += own;
-                }
-                z = Dual { value: end, partials }.without_vanished(2);
+            if let Some(end) = operator.advance_on_one_side(sign, z, du, [decay, reach, slope]) {
+                z = end;
                 sink(z);
-            } else {
-                let index = samples - u.len() + done - 1;
-                z = operator
-                    .advance_with_shape(z, du)
-                    .map_err(|cause| SimulateError::Step { index, cause })?;
-                sink(z);
-                break;
+                continue;
             }
+            let index = samples - u.len() + done - 1;
+            z = operator.advance_with_shape(z, du).map_err(|cause| SimulateError::Step { index, cause })?;
+            sink(z);
+            break;
         }
         ahead = (2 * done).min(Relaxations::MOST);
         let (seen, left) = u.split_at(done);

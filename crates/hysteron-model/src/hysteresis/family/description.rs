@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::number::{DriveSpan, ModelNumber, NumberUnit, Place, ShapeNumber};
 use super::runtime::RuntimeOperator;
-use crate::hysteresis::{Admissibility, PrandtlIshlinskii};
+use crate::hysteresis::{Admissibility, PlaySum};
 use crate::record::Dependence;
 
 /// Number of elements (plays, states, lines, …) of a family.
@@ -134,7 +134,7 @@ pub trait FamilyDescription: fmt::Debug + Sync {
         Dependence::Order
     }
 
-    /// True if it is a Preisach plane, which must cover the range a virgin device needs.
+    /// True if it is a plane of relays, which must cover the range a virgin device needs.
     fn is_plane(&self) -> bool {
         false
     }
@@ -237,7 +237,7 @@ pub trait FamilyDescription: fmt::Debug + Sync {
         polynomial: &[f64],
         shape: &[f64],
         weights: &[f64],
-    ) -> Option<PrandtlIshlinskii> {
+    ) -> Option<PlaySum> {
         let _ = (elements, polynomial, shape, weights);
         None
     }

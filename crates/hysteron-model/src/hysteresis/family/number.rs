@@ -29,6 +29,18 @@ impl NumberUnit {
         if self.falls_with_exponent {
             return format!("{output}^({}-n)/{input}", self.output + 1);
         }
+        self.text(input, output)
+    }
+
+    /// [`Self::of`] where the exponent n is known.
+    pub fn of_exponent(self, n: f64, input: &str, output: &str) -> String {
+        if self.falls_with_exponent && n != 1.0 {
+            return format!("{output}^{}/{input}", f64::from(self.output + 1) - n);
+        }
+        self.text(input, output)
+    }
+
+    fn text(self, input: &str, output: &str) -> String {
         let power = |name: &str, power: i32| match power {
             0 => "1".to_owned(),
             1 => name.to_owned(),

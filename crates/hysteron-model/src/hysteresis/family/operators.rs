@@ -8,7 +8,7 @@ use super::run;
 use crate::hysteresis::columns::{ColumnKernel, Rows, simulate};
 use crate::hysteresis::follow::{self, DriveLimits, Followed};
 use crate::hysteresis::outputs::Columns;
-use crate::hysteresis::{DriveGrid, Hysteresis, HysteresisError, Invertibility, invertibility, polynomial};
+use crate::hysteresis::{DriveGrid, Hysteresis, HysteresisError, Invertibility, polynomial};
 use crate::start::Start;
 
 /// A family and its kernel. Its models have the numbers of its columns, and the sign 1.
@@ -133,7 +133,7 @@ pub(in crate::hysteresis) trait ColumnOperators: FamilyDescription {
     ) -> Option<Invertibility> {
         let (shape, weights) = (model.own_shape(), model.weights());
         match self.as_plays(model.form().elements(), model.polynomial(), shape, weights) {
-            Some(same) => invertibility::plays(&same, range),
+            Some(same) => same.invertibility(range),
             None => {
                 let pushed_back = self.pushes_back(shape, weights, interval_s)?;
                 let rises = self.is_monotone()

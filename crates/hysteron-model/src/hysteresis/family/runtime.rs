@@ -2,11 +2,18 @@
 
 use hysteron_rt::{Branch, Real, Sides};
 
+use super::NumberUnit;
+
 /// An operator of the runtime, in one type of numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RuntimeOperator<T = f64> {
-    /// v = l\[u\] − Σ zₖ, states of Bouc–Wen: α, β, γ, n of each.
-    BoucWen(Vec<[T; 4]>),
+    /// v = l\[u\] − Σ zₖ, states in parallel ([`hysteron_rt::StateLaw`]).
+    States {
+        /// The parameters of each, in the order of [`hysteron_rt::StateLaw::PARAMETERS`].
+        parameters: Vec<[T; 4]>,
+        /// Their units.
+        units: [NumberUnit; 4],
+    },
     /// v = l\[u\] + Σ wⱼ yⱼ by one law on each branch.
     Branch {
         /// The law.
@@ -33,8 +40,8 @@ pub enum RuntimeOperator<T = f64> {
         /// The broken line.
         line: MeanLine<T>,
     },
-    /// v = l\[u\] + plays with thermally activated edges ([`hysteron_rt::ActivatedPlays`]).
-    ActivatedPlays {
+    /// v = l\[u\] + plays with thermally activated edges ([`hysteron_rt::RelaxingPlays`]).
+    RelaxingPlays {
         /// Activation \[V\], and time between samples \[s\].
         pace: (T, T),
         /// Ends of the range of their slopes \[V\].
@@ -77,6 +84,12 @@ impl RuntimeOperator {
         Self::Branch { law: law.into(), weights: weights.to_vec() }
     }
 
+    /// States of α \[µm/V\], β and γ \[µm¹⁻ⁿ/V\], and n.
+    pub(in crate::hysteresis) fn states(parameters: Vec<[f64; 4]>) -> Self {
+        let rate = NumberUnit::PER_INPUT_OF_EXPONENT;
+        Self::States { parameters, units: [NumberUnit::SLOPE, rate, rate, NumberUnit::NONE] }
+    }
+
     pub(in crate::hysteresis) fn sided(sides: Sides<f64>, thresholds: Vec<f64>, weights: &[f64]) -> Self {
         Self::SidedPlays { sides, thresholds, weights: weights.to_vec(), line: MeanLine::none() }
     }
@@ -90,9 +103,10 @@ impl RuntimeOperator {
     pub(crate) fn rounded<T: Real>(self) -> RuntimeOperator<T> {
         let all = |numbers: Vec<f64>| numbers.into_iter().map(T::of).collect::<Vec<_>>();
         match self {
-            Self::BoucWen(states) => {
-                RuntimeOperator::BoucWen(states.into_iter().map(|numbers| numbers.map(T::of)).collect())
-            }
+            Self::States { parameters, units } => RuntimeOperator::States {
+                parameters: parameters.into_iter().map(|own| own.map(T::of)).collect(),
+                units,
+            },
             Self::Branch { law, weights } => {
                 RuntimeOperator::Branch { law: law.map(T::of), weights: all(weights) }
             }
@@ -109,8 +123,8 @@ impl RuntimeOperator {
                     slopes: all(line.slopes),
                 },
             },
-            Self::ActivatedPlays { pace: (sigma, interval_s), range, thresholds, slopes } => {
-                RuntimeOperator::ActivatedPlays {
+            Self::RelaxingPlays { pace: (sigma, interval_s), range, thresholds, slopes } => {
+                RuntimeOperator::RelaxingPlays {
                     pace: (T::of(sigma), T::of(interval_s)),
                     range: range.map(T::of),
                     thresholds: all(thresholds),

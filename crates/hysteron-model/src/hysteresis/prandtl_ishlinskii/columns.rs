@@ -87,8 +87,8 @@ pub(super) fn run(
             Some((rest, None)) => Play::constant(rest),
             Some((rest, Some(memory))) => step(Play::variable(memory, 1), rest),
             None => {
-                // Exact after one period; plays that the record never moves are in the middle
-                // (`PrandtlIshlinskii`).
+                // Exact after one period; plays that the record never moves are in the middle, as they are in
+                // [`PrandtlIshlinskii`].
                 let middle = Play::constant(0.5 * low + 0.5 * high);
                 u.iter().fold(middle, |state, &u| step(state, u))
             }

@@ -4,7 +4,7 @@
 use hysteron_rt::PlayBank;
 
 use super::PrandtlIshlinskii;
-use crate::hysteresis::{HysteresisError, polynomial};
+use crate::hysteresis::{HysteresisError, Invertibility, polynomial};
 
 impl PrandtlIshlinskii {
     /// The inverse operator of a model with a linear polynomial p₀u, again a Prandtl–Ishlinskii operator,
@@ -87,6 +87,16 @@ impl PrandtlIshlinskii {
             return Err(HysteresisError::NotSteep { u, slope });
         }
         Ok(StepInverse { model: self, bank, range })
+    }
+
+    /// Whether every move raises the output over `range` \[V\]: the condition of [`Self::step_inverse`],
+    /// exact. `None` for a model or a range that is not valid.
+    pub(in crate::hysteresis) fn invertibility(&self, range: [f64; 2]) -> Option<Invertibility> {
+        match self.step_inverse(range) {
+            Ok(_) => Some(Invertibility::Everywhere),
+            Err(HysteresisError::NotSteep { u, .. }) => Some(Invertibility::Nowhere { at_v: u }),
+            Err(_) => None,
+        }
     }
 
     fn linear_coefficient(&self) -> Result<f64, HysteresisError> {

@@ -317,7 +317,7 @@ impl ColumnFamily for Entry {
 
 impl HysteresisForm {
     /// The Prandtl–Ishlinskii model with this number of plays.
-    pub fn prandtl_ishlinskii(plays: usize) -> Self {
+    pub fn plays(plays: usize) -> Self {
         Self::of(&Entry, plays)
     }
 }

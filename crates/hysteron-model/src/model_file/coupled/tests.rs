@@ -5,7 +5,13 @@ use super::*;
 fn model() -> CoupledHammerstein {
     let path = |gain| Path { gain, natural_frequency_hz: 70.0, damping: 0.1, delay_s: 1e-3 };
     CoupledHammerstein {
-        actuators: vec![BoucWen { polynomial: vec![1.0], alpha: 0.25, beta: 0.9, gamma: 1.0 / 3.0, n: 1.0 }],
+        actuators: vec![ArticleOperator {
+            polynomial: vec![1.0],
+            alpha: 0.25,
+            beta: 0.9,
+            gamma: 1.0 / 3.0,
+            n: 1.0,
+        }],
         paths: vec![path(1.4), path(-0.3)],
         offsets: vec![3.0, -2.0],
         sample_rate_hz: 1000.0,

@@ -21,7 +21,7 @@ proptest! {
         let rate = rate.abs();
         let denominator = orders.iter().map(|&o| term(coefficient, f64::from(o) / 7e8)).collect();
         let model = Model {
-            hysteresis: Hysteresis::from(BoucWen { polynomial, alpha, beta: offset, gamma: -alpha, n }),
+            hysteresis: ArticleOperator { polynomial, alpha, beta: offset, gamma: -alpha, n }.into(),
             dynamics: Dynamics::Fractional(TransferFunction {
                 numerator: vec![term(coefficient, 0.0)],
                 denominator,

@@ -1,8 +1,8 @@
-//{ activated
+//{ relaxing
 /* How the plays follow a straight line: exp((r - |z|)/SIGMA) obeys a linear equation on it. */
 typedef struct {
     real by, size, seconds, shrinks;
-} activated_move;
+} relaxing_move;
 
 /* SIGMA ln(1/SIGMA times the integral of exp(-speed t/SIGMA)) over so many seconds. */
 static real shrinkage(real speed, real seconds)
@@ -12,9 +12,9 @@ static real shrinkage(real speed, real seconds)
     return SIGMA * F(log)(reach / SIGMA);
 }
 
-static activated_move activated_move_by(real by, real seconds)
+static relaxing_move relaxing_move_by(real by, real seconds)
 {
-    activated_move step;
+    relaxing_move step;
     step.by = by;
     step.size = F(fabs)(by);
     step.seconds = seconds;
@@ -36,7 +36,7 @@ static real not_negative(real x)
 }
 
 /* The distance to the other side of a play that the drive passes on its way. */
-static real beyond(const activated_move *step, real r, real distance)
+static real beyond(const relaxing_move *step, real r, real distance)
 {
     const real speed = step->size / step->seconds;
     const real equals = F(log)(speed) * SIGMA + r;
@@ -47,7 +47,7 @@ static real beyond(const activated_move *step, real r, real distance)
 }
 
 /* The distance behind the drive of a play of half-width r after the move. */
-static real activated_distance(const activated_move *step, real r, real z)
+static real relaxing_distance(const relaxing_move *step, real r, real z)
 {
     const int behind = z < R(0) || (z == R(0) && step->by < R(0));
     const real distance = behind ? -z : z, outwards = behind ? -step->by : step->by;
@@ -69,7 +69,7 @@ static real activated_distance(const activated_move *step, real r, real z)
 }
 
 /* What a play puts out that stands at p: slopes over the range, straight beyond its ends. */
-static real activated_output(real p, int i)
+static real relaxing_output(real p, int i)
 {
     const real x = (p - RANGE[0]) * (R(1) / (RANGE[1] - RANGE[0])), span = RANGE[1] - RANGE[0];
     const real inner = x < R(0) ? R(0) : x > R(1) ? R(1) : x;
@@ -85,12 +85,12 @@ static real activated_output(real p, int i)
 static real plays_at(const $name_state *state, real u, real share, real *moved)
 {
     const real du = u - state->voltage;
-    const activated_move step = activated_move_by(du, state->rested ? F(fabs)(du) : share * INTERVAL);
+    const relaxing_move step = relaxing_move_by(du, state->rested ? F(fabs)(du) : share * INTERVAL);
     real sum = R(0);
     int i;
     for (i = 0; i < $NAME_PLAYS; i++) {
-        const real z = activated_distance(&step, THRESHOLD[i], state->play[i]);
-        sum = sum + activated_output(u - z, i);
+        const real z = relaxing_distance(&step, THRESHOLD[i], state->play[i]);
+        sum = sum + relaxing_output(u - z, i);
         if (moved) {
             moved[i] = z;
         }
@@ -99,14 +99,14 @@ static real plays_at(const $name_state *state, real u, real share, real *moved)
 }
 
 //}
-//{ activated
+//{ relaxing
 /* The hysteresis, virgin at u. */
 static real hysteresis_at_rest($TUNED_AS_ARGUMENT_FIRSTreal u)
 {
     real sum = R(0);
     int i;
     for (i = 0; i < $NAME_PLAYS; i++) {
-        sum = sum + activated_output(u, i);
+        sum = sum + relaxing_output(u, i);
     }
     return polynomial_at($TUNED_FIRSTu) + sum;
 }

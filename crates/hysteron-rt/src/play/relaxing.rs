@@ -32,7 +32,7 @@ pub fn bernstein_integrals<S: Scalar>([low, high]: [S::Real; 2], p: S) -> [S; SL
 /// The states zᵢ are borrowed. A step takes an exponential and one or two logarithms for each play that
 /// creeps or slides, none for the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ActivatedPlays<'a, T> {
+pub struct RelaxingPlays<'a, T> {
     sigma: T,
     interval_s: T,
     range: [T; 2],
@@ -40,7 +40,7 @@ pub struct ActivatedPlays<'a, T> {
     slopes: &'a [T],
 }
 
-impl<'a, T: Real> ActivatedPlays<'a, T> {
+impl<'a, T: Real> RelaxingPlays<'a, T> {
     /// The sum: activation `sigma` and the time between samples positive, ends of the range and thresholds
     /// increasing, [`SLOPES`] slopes a play, play by play.
     ///
@@ -84,8 +84,8 @@ impl<'a, T: Real> ActivatedPlays<'a, T> {
     /// The move by `du` within this `share` of a sample; a device at rest moves to its first sample at 1 unit
     /// per second.
     #[inline]
-    fn step(&self, du: T, share: T, rested: bool) -> ActivatedMove<T> {
-        ActivatedMove::new(self.sigma, du, if rested { du.abs() } else { share * self.interval_s })
+    fn step(&self, du: T, share: T, rested: bool) -> RelaxingMove<T> {
+        RelaxingMove::new(self.sigma, du, if rested { du.abs() } else { share * self.interval_s })
     }
 
     /// Their output after a move to `u` by `du` that takes this `share` of a sample; no state changes.
@@ -128,7 +128,7 @@ impl<'a, T: Real> ActivatedPlays<'a, T> {
 /// ideal play. Along a linear move q = exp((r − |z|)/σ) obeys a linear equation, q̇ = (v₀ − sign(z) u̇ q)/σ,
 /// so that a move of any length is exact.
 #[derive(Clone, Copy, Debug)]
-pub struct ActivatedMove<S: Scalar> {
+pub struct RelaxingMove<S: Scalar> {
     sigma: S,
     /// Change of the drive, and its size.
     by: S,
@@ -139,7 +139,7 @@ pub struct ActivatedMove<S: Scalar> {
     shrinks: Option<S>,
 }
 
-impl<S: Scalar> ActivatedMove<S> {
+impl<S: Scalar> RelaxingMove<S> {
     /// A move of the drive by `by` within `interval_s` ≥ 0; `sigma` > 0 in the unit of the drive.
     #[inline]
     pub fn new(sigma: S, by: S, interval_s: S) -> Self {
