@@ -233,7 +233,7 @@ fn integer_and_polynomial_blocks_fit_an_integer_plant() {
         }
         if matches!(dynamics, OutputError | BoxJenkins | Srivc) {
             assert!(found.findings.iter().any(|f| f.topic == "dynamic block"), "{dynamics:?}");
-            let own = found.parameters.iter().filter(|p| p.block == "dynamics");
+            let own = found.parameters.iter().filter(|p| p.block() == "dynamics");
             assert!(own.clone().count() >= 3 && own.clone().all(|p| !p.held), "{dynamics:?}");
         }
         let file = ModelFile::from_model(&found.model, SignalUnits::default());

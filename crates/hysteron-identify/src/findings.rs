@@ -4,6 +4,7 @@ use super::defaults::beside_wide_moves;
 use super::facts::amplitudes;
 use super::joint::{Smoothing, excess_if_held};
 use super::options::{Choice, Method, Options, RecordRole};
+use super::parameter::ParameterRole;
 use super::precision::{precision, still_improving};
 use super::result::{Identification, RecordFit};
 use super::treatment::treatment;
@@ -11,7 +12,7 @@ use super::{Finding, FindingKind};
 use super::{IdentifyError, RecordFacts, identifiability};
 use hysteron_model::Advice;
 use hysteron_model::dynamics::{Dynamics, Stability, TransferFunction, stability};
-use hysteron_model::hysteresis::{Hysteresis, Invertibility, TimedDrive};
+use hysteron_model::hysteresis::{Hysteresis, Invertibility, Place, TimedDrive};
 use hysteron_model::model::FAR_FROM_REST;
 use hysteron_model::record::{
     LoopSense, Timing, follow_each_other, implausible_units, loop_shape, range_of, turning_points,
@@ -86,7 +87,7 @@ pub(super) fn why_no_fit(facts: &RecordFacts) -> String {
 /// zero-order hold would change the delay by more than its standard error.
 fn delay_of_a_held_drive(options: &Options, result: &Identification) -> Option<String> {
     let excess_s = excess_if_held(options, result)?;
-    let delay = result.parameters.iter().find(|p| p.name == "delay")?;
+    let delay = result.parameters.iter().find(|p| p.role == ParameterRole::Delay)?;
     (excess_s > delay.std_error?).then(|| {
         let reason = match result.model.dynamics {
             Dynamics::None => "a model without dynamics does",
@@ -115,6 +116,21 @@ fn extrapolated_to_rest(g: &TransferFunction, lowest_hz: f64) -> Option<String> 
             short_share(over),
             short(lowest_hz)
         )
+    })
+}
+
+/// Whether 0 is a legitimate value of a parameter: of the delay, and of a rate at which branches bend.
+fn may_be_zero(result: &Identification, name: &str) -> bool {
+    let form = result.model.hysteresis.form();
+    let is_rate = |place: Place| {
+        let numbers = form.model_numbers();
+        numbers.iter().any(|number| number.place == place && number.unit.input < 0)
+    };
+    let named = result.parameters.iter().find(|p| p.name == name);
+    named.is_some_and(|p| match p.role {
+        ParameterRole::Delay => true,
+        ParameterRole::Hysteresis(place @ Place::Shape(_)) => is_rate(place),
+        _ => false,
     })
 }
 
@@ -290,8 +306,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
     for (search, bounds) in result.searches.iter().zip(&result.bounds) {
         for (x, range) in search.outcome.best.iter().zip(&bounds.ranges) {
             let at = range.to_unit(*x);
-            if at < 1e-4 && range.low <= 1e-4 * range.high && matches!(range.name.as_str(), "delay" | "beta")
-            {
+            if at < 1e-4 && range.low <= 1e-4 * range.high && may_be_zero(result, &range.name) {
                 say(
                     &mut findings,
                     FindingKind::Warning,

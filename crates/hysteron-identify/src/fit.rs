@@ -255,7 +255,7 @@ pub fn fit_on(
 fn hammerstein(found: Identification, options: &Options, maker: &Maker) -> Result<Fit, IdentifyError> {
     let file = found.model_file(options, maker);
     let parameters = found.parameters.iter().map(|p| FitParameter {
-        place: Some(Place::Block(p.block.to_owned())),
+        place: Some(Place::Block(p.block().to_owned())),
         name: p.name.clone(),
         value: p.value,
         unit: p.unit(&file),

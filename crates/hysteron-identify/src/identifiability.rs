@@ -4,10 +4,12 @@
 use super::RecordFacts;
 use super::facts::amplitudes;
 use super::joint::Covariance;
-use super::result::{Identification, Parameter};
+use super::parameter::{Parameter, ParameterRole};
+use super::result::Identification;
 use super::{Finding, FindingKind};
 use hysteron_model::Advice;
-use hysteron_model::dynamics::{DynamicForm, ParameterKind};
+use hysteron_model::dynamics::ParameterKind;
+use hysteron_model::hysteresis::{DriveSpan, HysteresisForm, Place, Search};
 use hysteron_numeric::display::short;
 
 /// A standard error above this share of the parameter's scale leaves it undetermined.
@@ -42,23 +44,25 @@ pub(super) fn verdict(
         findings.push(Finding { advice, ..Finding::new(FindingKind::Advice, "identifiability", text) });
     };
     // The initial memory of a record is no property of the device, and b, c₀, c₁ duplicate other parameters.
-    let of_device =
-        |p: &&Parameter| !p.held && p.block != "start" && !["b", "c0", "c1"].contains(&p.name.as_str());
+    let of_device = |p: &&Parameter| {
+        !p.held && !matches!(p.role, ParameterRole::Memory(_) | ParameterRole::Equation13(_))
+    };
     let straight = far_from_saturation(result, advisor.range_v);
-    if straight {
-        let (help, advice) = advisor.help(&["alpha"]);
+    let is_explained = |p: &Parameter| straight && advisor.is_combined_by_straight_loops(p);
+    if let Some((size, rates)) = straight.then(|| advisor.size_and_rates()) {
+        let (help, advice) = advisor.help(&[&size]);
         say(
             format!(
                 "The loops are far from where the hysteresis would saturate: the records determine the \
-                 products of alpha with beta and gamma, and linear − alpha, but none of the four by itself. \
-                 Within the range of these records that is enough. {help}"
+                 products of {size} with {}, and linear − {size}, but none of them by itself. Within the \
+                 range of these records that is enough. {help}",
+                listed(&rates)
             ),
             advice,
         );
     }
-    let explained = |name: &str| straight && ["alpha", "beta", "gamma", "linear"].contains(&name);
     let mut unknown: Vec<(&str, String)> = Vec::new();
-    for p in result.parameters.iter().filter(of_device).filter(|p| !explained(&p.name)) {
+    for p in result.parameters.iter().filter(of_device).filter(|p| !is_explained(p)) {
         let place = covariance.names.iter().position(|name| *name == p.name);
         let why = match p.std_error {
             Some(error) if error / advisor.scale(p) > UNDETERMINED => {
@@ -233,6 +237,7 @@ fn listed(names: &[String]) -> String {
 
 /// Recommends the record that would determine a parameter.
 struct Advisor<'a> {
+    family: HysteresisForm,
     parameters: &'a [Parameter],
     amplitudes: usize,
     fastest_hz: f64,
@@ -267,6 +272,7 @@ impl<'a> Advisor<'a> {
         let most = |of: &dyn Fn(&RecordFacts) -> f64| facts.iter().map(of).fold(0.0, f64::max);
         let rate = |f: &RecordFacts| f.data.sample_rate_hz().unwrap_or(0.0);
         Self {
+            family: result.model.hysteresis.form(),
             parameters: &result.parameters,
             amplitudes: amplitudes(facts.iter()),
             fastest_hz: most(&RecordFacts::highest_frequency_hz),
@@ -277,52 +283,84 @@ impl<'a> Advisor<'a> {
         }
     }
 
-    fn value(&self, name: &str) -> f64 {
-        self.parameters.iter().find(|p| p.name == name).map_or(0.0, |p| p.value.abs())
+    /// Absolute values of the parameters that have one of these roles.
+    fn sizes(&self, has: impl Fn(ParameterRole) -> bool) -> impl Iterator<Item = f64> {
+        self.parameters.iter().filter(move |p| has(p.role)).map(|p| p.value.abs())
     }
 
     /// Scale that the standard error of a parameter is compared with: its value, or the size at which it
     /// would matter compared with the others.
     fn scale(&self, p: &Parameter) -> f64 {
-        let beside = match p.name.as_str() {
-            // β + γ and β − γ shape the two branches of the loop, so that γ = 0 is a legitimate value.
-            "beta" | "gamma" => self.value("beta").max(self.value("gamma")),
-            "delay" => SHARE_OF_PERIOD / UNDETERMINED / self.fastest_hz.max(f64::MIN_POSITIVE),
-            name => match self.power(name) {
-                Some(power) if power > 1 => {
-                    SHARE_OF_STROKE * self.value("linear") / self.range_v.powi(power as i32 - 1)
-                }
-                _ => 0.0,
-            },
+        let beside = match p.role {
+            ParameterRole::Hysteresis(Place::Shape(index)) => self.largest_beside(index),
+            ParameterRole::Delay => SHARE_OF_PERIOD / UNDETERMINED / self.fastest_hz.max(f64::MIN_POSITIVE),
+            ParameterRole::Polynomial(power @ 2..) => {
+                let linear = self.sizes(|role| role == ParameterRole::Polynomial(1)).fold(0.0, f64::max);
+                SHARE_OF_STROKE * linear / self.range_v.powi(power as i32 - 1)
+            }
+            _ => 0.0,
         };
         p.value.abs().max(beside)
     }
 
-    fn power(&self, name: &str) -> Option<usize> {
-        (1..=super::HIGHEST_DEGREE).find(|&power| hysteron_model::model_file::polynomial_name(power) == name)
+    /// Largest shape number of the unit of this one, where some of that unit may be negative: only together
+    /// do they shape the branches of a loop (β + γ and β − γ), so that 0 is a legitimate value of each.
+    fn largest_beside(&self, index: usize) -> f64 {
+        let numbers = self.family.shape_numbers(&DriveSpan::UNIT);
+        let Some(unit) = numbers.get(index).map(|number| number.unit) else { return 0.0 };
+        let is_signed = |search| matches!(search, Search::Linear(low, _) if low < 0.0);
+        if !numbers.iter().any(|number| number.unit == unit && is_signed(number.search)) {
+            return 0.0;
+        }
+        let alike = |k: usize| numbers.get(k).is_some_and(|number| number.unit == unit);
+        let has = |role| matches!(role, ParameterRole::Hysteresis(Place::Shape(k)) if alike(k));
+        self.sizes(has).fold(0.0, f64::max)
+    }
+
+    /// Whether loops far from saturation determine the parameter in a product or difference alone.
+    fn is_combined_by_straight_loops(&self, p: &Parameter) -> bool {
+        let (size, rates) = self.size_and_rates();
+        p.role == ParameterRole::Polynomial(1) || p.name == size || rates.contains(&p.name)
+    }
+
+    /// Name of the size of the loop, and of the rates at which its branches bend.
+    fn size_and_rates(&self) -> (String, Vec<String>) {
+        let numbers = self.family.model_numbers();
+        let rates = numbers.into_iter().filter(|number| number.unit.falls_with_exponent);
+        (
+            self.family.weight_names().into_iter().next().unwrap_or_default(),
+            rates.map(|number| number.name).collect(),
+        )
     }
 
     /// Remedy in words, and typed where it is not another record.
     fn help(&self, names: &[&str]) -> (String, Option<Advice>) {
-        let has = |wanted: &dyn Fn(&str) -> bool| names.iter().any(|name| wanted(name));
+        let roles: Vec<ParameterRole> =
+            self.parameters.iter().filter(|p| names.contains(&p.name.as_str())).map(|p| p.role).collect();
+        let has = |wanted: &dyn Fn(ParameterRole) -> bool| roles.iter().any(|role| wanted(*role));
         let mut help: Vec<String> = Vec::new();
-        let hysteretic =
-            |name: &str| self.parameters.iter().any(|p| p.name == name && p.block == "hysteresis");
-        let dynamic = |name: &str| DynamicForm::parameter_named(name).map(|parameter| parameter.kind);
-        if has(&hysteretic) {
+        let is_memory = |role| matches!(role, ParameterRole::Memory(_));
+        let is_hysteretic =
+            |role| matches!(role, ParameterRole::Polynomial(_) | ParameterRole::Hysteresis(_));
+        if has(&is_hysteretic) {
             help.push(if self.amplitudes <= 1 {
                 "a record with loops at half and a quarter of the amplitude".into()
-            } else if names.iter().any(|name| name.starts_with("memory_")) {
+            } else if has(&is_memory) {
                 "a record that starts from a known state (after shrinking loops, or from a rest after them)"
                     .into()
             } else {
                 format!("slow loops over a wider range than {}{}", short(self.range_v), self.unit)
             });
         }
-        if has(&|name| name == "delay" || dynamic(name).is_some_and(|kind| !is_slow(kind))) {
+        let is_slow_motion = |role| matches!(role, ParameterRole::Dynamics(p) if is_slow(p.kind));
+        let is_fast_motion = |role| match role {
+            ParameterRole::Dynamics(p) => !is_slow(p.kind),
+            other => other == ParameterRole::Delay,
+        };
+        if has(&is_fast_motion) {
             help.push(self.faster());
         }
-        if has(&|name| dynamic(name).is_some_and(is_slow)) {
+        if has(&is_slow_motion) {
             help.push(format!(
                 "a slow record, or a step and hold, longer than {} s",
                 short(LONGER * self.longest_s)
@@ -339,8 +377,10 @@ impl<'a> Advisor<'a> {
 
     /// Recommends a sweep that reaches the flank of the resonance.
     fn faster(&self) -> String {
-        let wanted =
-            (FASTER * self.fastest_hz).min(2.0 * self.value("natural_frequency").max(self.fastest_hz));
+        let first =
+            |role| matches!(role, ParameterRole::Dynamics(p) if p.kind == ParameterKind::NaturalFrequency(1));
+        let resonance_hz = self.sizes(first).fold(0.0, f64::max);
+        let wanted = (FASTER * self.fastest_hz).min(2.0 * resonance_hz.max(self.fastest_hz));
         let possible = BELOW_NYQUIST * self.rate_hz;
         if wanted <= possible {
             format!("a sweep beyond {} Hz, up to {}", short(self.fastest_hz), short(wanted))

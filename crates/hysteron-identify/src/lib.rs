@@ -29,6 +29,7 @@ mod normal;
 pub mod online;
 mod options;
 pub mod oscillator;
+mod parameter;
 mod precision;
 mod prediction;
 mod projection;
@@ -65,7 +66,8 @@ pub use layout::Demands;
 pub use options::{
     CampaignRecord, Choice, DynamicsChoice, HIGHEST_DEGREE, Initial, Method, Options, RecordRole,
 };
-pub use result::{Correlation, Identification, Parameter, RecordFit, Reduction, StructureChoice};
+pub use parameter::{Equation13, LinearPart, Parameter, ParameterRole};
+pub use result::{Correlation, Identification, RecordFit, Reduction, StructureChoice};
 pub use searches::{ModesCheckpoint, Searches, SearchesFormat};
 pub use sines::{GainPhase, RecordSines, SineResponse};
 pub use static_fit::StaticFit;
@@ -74,7 +76,7 @@ pub use watch::{Event, Watch};
 
 use engine::Engine;
 use facts::RecordFacts;
-use hysteron_model::dynamics::Creep;
+use hysteron_model::dynamics::{Creep, ParameterKind};
 use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_optimize::Settings;
 pub use hysteron_optimize::Stop;
@@ -162,10 +164,11 @@ fn identify_records(
 /// True if the resonance ended at its upper bound, beyond the excited band, where the records do not
 /// determine it.
 fn beyond_the_records(found: &Identification) -> bool {
-    let ranges = found.bounds.iter().flat_map(|bounds| &bounds.ranges);
-    let mut ranges = ranges.filter(|range| range.name == "natural_frequency");
-    let value = found.parameters.iter().find(|p| p.name == "natural_frequency").map(|p| p.value);
-    ranges.next().zip(value).is_some_and(|(range, value)| range.to_unit(value) >= 1.0 - 1e-9)
+    let is_resonance = |p: &&Parameter| matches!(p.role, ParameterRole::Dynamics(p) if p.kind == ParameterKind::NaturalFrequency(1));
+    let Some(resonance) = found.parameters.iter().find(is_resonance) else { return false };
+    let mut ranges = found.bounds.iter().flat_map(|bounds| &bounds.ranges);
+    let range = ranges.find(|range| range.name == resonance.name);
+    range.is_some_and(|range| range.to_unit(resonance.value) >= 1.0 - 1e-9)
 }
 
 /// True if the fit with fewer parameters is as good by the Bayesian information criterion, n ln Σ e² + p ln

@@ -5,7 +5,8 @@ use super::IdentifyError;
 use super::dynamic_step::HysteresisOutput;
 use super::linear::{PolynomialFit, SrivcFit, select_polynomial, select_srivc};
 use super::options::{DynamicsChoice, Options};
-use super::result::{Correlation, Parameter};
+use super::parameter::{LinearPart, Parameter, ParameterRole};
+use super::result::Correlation;
 use super::uncertainty::correlation;
 use hysteron_model::dynamics::arx::ArxRecord;
 use hysteron_model::dynamics::{Dynamics, Scheme};
@@ -76,14 +77,11 @@ impl LinearStep {
 
     fn of_polynomial(fit: &PolynomialFit, wanted: &'static str, tried: usize) -> Self {
         let m = &fit.model;
-        let named = |name: &str, first: usize, c: &[f64]| -> Vec<(String, f64)> {
-            c.iter().enumerate().map(|(k, &c)| (format!("{name}{}", k + first), c)).collect()
-        };
         let values = [
-            named("b", m.nk, &m.b),
-            named("f", 1, &m.f),
-            named("noise_c", 1, &m.c),
-            named("noise_d", 1, &m.d),
+            coefficients(LinearPart::Numerator, "b", m.nk, &m.b),
+            coefficients(LinearPart::Denominator, "f", 1, &m.f),
+            coefficients(LinearPart::Noise, "noise_c", 1, &m.c),
+            coefficients(LinearPart::Noise, "noise_d", 1, &m.d),
         ]
         .concat();
         let noise = if m.c.is_empty() && m.d.is_empty() {
@@ -110,11 +108,12 @@ impl LinearStep {
     }
 
     fn of_srivc(fit: &SrivcFit, rate_hz: f64, tried: usize) -> Self {
-        let named = |name: &str, c: &[f64]| -> Vec<(String, f64)> {
-            c.iter().enumerate().map(|(k, &c)| (format!("{name}{k}"), c)).collect()
-        };
         let own = fit.denominator.len() - 1;
-        let values = [named("b", &fit.numerator), named("a", &fit.denominator[..own])].concat();
+        let values = [
+            coefficients(LinearPart::Numerator, "b", 0, &fit.numerator),
+            coefficients(LinearPart::Denominator, "a", 0, &fit.denominator[..own]),
+        ]
+        .concat();
         let verdict = format!(
             "Dynamic block by SRIVC: {} pole(s) and {} zero(s) in continuous time, {} sample(s) of delay, \
              best of {tried} orders by BIC; simulation error {} rms on the dynamic records{}.",
@@ -132,20 +131,25 @@ impl LinearStep {
     fn new(
         dynamics: Dynamics,
         delay_s: f64,
-        values: Vec<(String, f64)>,
+        mut parameters: Vec<Parameter>,
         (step, covariance): (&str, Option<&DMatrix<f64>>),
         verdict: String,
     ) -> Self {
-        let error = |i: usize| covariance.map(|c| c[(i, i)].max(0.0).sqrt());
-        let names: Vec<String> = values.iter().map(|(name, _)| name.clone()).collect();
-        let parameters = values
-            .iter()
-            .enumerate()
-            .map(|(i, (name, value))| Parameter::new("dynamics", name, *value, error(i)))
-            .collect();
+        let names: Vec<String> = parameters.iter().map(|p| p.name.clone()).collect();
+        for (i, parameter) in parameters.iter_mut().enumerate() {
+            parameter.std_error = covariance.map(|c| c[(i, i)].max(0.0).sqrt());
+        }
         let correlation = covariance.map(|c| correlation(&format!("dynamic block, {step}"), names, c));
         Self { dynamics, delay_s, parameters, correlation, verdict }
     }
+}
+
+/// The coefficients of a polynomial, named from `first` on, without standard errors.
+fn coefficients(part: LinearPart, name: &str, first: usize, values: &[f64]) -> Vec<Parameter> {
+    let named = |(k, value): (usize, &f64)| {
+        Parameter::new(ParameterRole::Linear(part), &format!("{name}{}", k + first), *value, None)
+    };
+    values.iter().enumerate().map(named).collect()
 }
 
 fn unfinished(converged: bool) -> &'static str {

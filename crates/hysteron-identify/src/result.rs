@@ -1,8 +1,9 @@
 //! Results of an identification.
 
 use super::engine::Search;
-use super::joint::{Covariance, InterSampleChoice, Interval, OutputUncertainty, PredictionBand, Smoothing};
+use super::joint::{Covariance, InterSampleChoice, OutputUncertainty, PredictionBand, Smoothing};
 use super::options::{Method, RecordRole};
+use super::parameter::Parameter;
 use super::searches::Searches;
 use super::sines::SineResponse;
 use hysteron_model::Finding;
@@ -10,8 +11,7 @@ use hysteron_model::Start;
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hammerstein::Model;
 use hysteron_model::model::{Score, Simulation};
-use hysteron_model::model_file::{ModelFile, typographic};
-use hysteron_model::record::{InputOutput, MeasurementRun, RunPart, Unit};
+use hysteron_model::record::{InputOutput, MeasurementRun, RunPart};
 use hysteron_model::validate::{OffsetTreatment, ScoreError, Scores, Scoring, score};
 use hysteron_optimize::Bounds;
 use std::ops::Range;
@@ -59,23 +59,6 @@ pub struct Identification {
     pub resume: Searches,
 }
 
-/// One parameter of the model.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Parameter {
-    /// `hysteresis` or `dynamics`.
-    pub block: &'static str,
-    /// Name as on the command line.
-    pub name: String,
-    /// Value in V, µm, s, Hz.
-    pub value: f64,
-    /// Standard error; `None` where the parameter was held or the data do not determine it.
-    pub std_error: Option<f64>,
-    /// 95 % confidence interval; a joint fit only.
-    pub interval: Option<Interval>,
-    /// It was held at this value: by demand, or because this fit does not search it.
-    pub held: bool,
-}
-
 /// Correlation of the estimates of one step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Correlation {
@@ -87,30 +70,6 @@ pub struct Correlation {
     pub matrix: Vec<Vec<f64>>,
     /// Largest over smallest eigenvalue of the matrix: 1 where every parameter is determined on its own.
     pub condition_number: f64,
-}
-
-impl Parameter {
-    pub(super) fn new(block: &'static str, name: &str, value: f64, std_error: Option<f64>) -> Self {
-        Self { block, name: name.to_owned(), value, std_error, interval: None, held: false }
-    }
-
-    /// Unit of a parameter: as in the model file, else by its name.
-    pub fn unit(&self, file: &ModelFile) -> String {
-        if let Some(quantity) = file.hysteresis.parameters.get(&self.name) {
-            return if quantity.unit == "1" { String::new() } else { typographic(&quantity.unit) };
-        }
-        match self.name.as_str() {
-            name if name.starts_with("natural_frequency") => "Hz".into(),
-            "delay" | "lag" | "creep_start" => "s".into(),
-            name if name.starts_with("creep_time_") => "s".into(),
-            name if name.starts_with("memory_") => {
-                let remembers_output = file.hysteresis.kind.family().description().remembers_output();
-                let unit = if remembers_output { &file.units.output } else { &file.units.input };
-                Unit::new(unit).to_string()
-            }
-            _ => String::new(),
-        }
-    }
 }
 
 /// Thinning of oversampled records while searching. The estimates returned come from all samples.

@@ -6,7 +6,8 @@ use super::dynamic_step::{self, DynamicStep, HysteresisOutput};
 use super::engine::{Engine, Search};
 use super::linear_step::LinearStep;
 use super::options::{Choice, DynamicsChoice, Method, Options, RecordRole};
-use super::result::{Correlation, Identification, Parameter, RecordFit, StructureChoice};
+use super::parameter::{Equation13, Parameter, ParameterRole};
+use super::result::{Correlation, Identification, RecordFit, StructureChoice};
 use super::sines::SineResponse;
 use super::static_step::{self, OFFSET, StaticStep};
 use super::uncertainty::{correlation, covariance, standard_error};
@@ -16,7 +17,7 @@ use super::{Finding, FindingKind};
 use hysteron_model::Start;
 use hysteron_model::dynamics::Creep;
 use hysteron_model::dynamics::arx::{ArxRecord, ArxSearch, OrderCriterion, select_orders};
-use hysteron_model::dynamics::{Arx, Dynamics, Term, TransferFunction};
+use hysteron_model::dynamics::{Arx, DynamicForm, Dynamics, Modes, Term, TransferFunction};
 use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{ArticleOperator, Hysteresis};
 use hysteron_model::model_file::polynomial_name;
@@ -317,11 +318,13 @@ fn parameters(
         .enumerate()
         .map(|(i, &c)| {
             let name = polynomial_name(i + 1);
-            Parameter::new("hysteresis", &name, c, error1(&name))
+            Parameter::new(ParameterRole::Polynomial(i + 1), &name, c, error1(&name))
         })
         .collect();
-    for (name, value) in [("alpha", b.alpha), ("beta", b.beta), ("gamma", b.gamma), ("n", b.n)] {
-        list.push(Parameter::new("hysteresis", name, value, error1(name)));
+    let block = Hysteresis::from(b.clone());
+    for (number, (name, value)) in block.form().model_numbers().into_iter().zip(block.numbers()) {
+        let role = ParameterRole::Hysteresis(number.place);
+        list.push(Parameter::new(role, &name, value, error1(&name)));
     }
     match step2 {
         Step2::Order(step) => {
@@ -331,40 +334,51 @@ fn parameters(
                 |f: &dyn Fn(&[f64]) -> f64| covariance2.as_ref().and_then(|c| standard_error(c, &x, f));
             let form = step.solution.form;
             let names: Vec<String> = problem.bounds().ranges.iter().map(|r| r.name.clone()).collect();
-            for (name, value) in [
-                ("gain", form.gain),
-                ("natural_frequency", form.natural_frequency_hz),
-                ("damping", form.damping),
-                ("order2", form.alpha2),
-                ("order1", form.alpha1),
-                ("delay", step.solution.delay_s),
-            ] {
+            let of_form = [form.natural_frequency_hz, form.damping, form.alpha2, form.alpha1];
+            let eq13 = DynamicForm { modes: Modes::Fractional, creep: Creep::None };
+            let of_form = eq13
+                .parameters()
+                .into_iter()
+                .zip(of_form)
+                .map(|(p, value)| (ParameterRole::Dynamics(p), p.name, value));
+            for (role, name, value) in [(ParameterRole::Gain, "gain", form.gain)]
+                .into_iter()
+                .chain(of_form)
+                .chain([(ParameterRole::Delay, "delay", step.solution.delay_s)])
+            {
                 let index = names.iter().position(|n| n == name);
                 let error = index.and_then(|i| covariance2.as_ref().map(|c| c[(i, i)].sqrt()));
-                list.push(Parameter::new("dynamics", name, value, error));
+                list.push(Parameter::new(role, name, value, error));
             }
             let coefficients = |g: &TransferFunction| {
                 [g.numerator[0].coefficient, g.denominator[0].coefficient, g.denominator[1].coefficient]
             };
             let values = coefficients(&step.solution.transfer_function());
-            for (i, name) in ["b", "c0", "c1"].into_iter().enumerate() {
+            let equation =
+                [(Equation13::Numerator, "b"), (Equation13::Constant, "c0"), (Equation13::Middle, "c1")];
+            for (i, (which, name)) in equation.into_iter().enumerate() {
                 let at = |x: &[f64]| {
                     dynamic_step::transfer_function_at(&problem, x).map_or(f64::NAN, |g| coefficients(&g)[i])
                 };
-                list.push(Parameter::new("dynamics", name, values[i], error2(&at)));
+                list.push(Parameter::new(ParameterRole::Equation13(which), name, values[i], error2(&at)));
             }
             correlations.extend(covariance2.iter().map(|c| correlation(&step.search.step, names.clone(), c)));
             searched.extend(names);
             searched.extend(["b", "c0", "c1"].map(str::to_owned));
         }
         Step2::None if step1.solution.lag_s > 0.0 => {
-            list.push(Parameter::new("dynamics", "lag", step1.solution.lag_s, error1("lag")));
-            list.push(Parameter::new("dynamics", "delay", step1.solution.delay_s, error1("delay")));
+            let one_pole = DynamicForm { modes: Modes::Integer { order: 1 }, creep: Creep::None };
+            for lag in one_pole.parameters() {
+                let role = ParameterRole::Dynamics(lag);
+                list.push(Parameter::new(role, lag.name, step1.solution.lag_s, error1(lag.name)));
+            }
+            let (value, error) = (step1.solution.delay_s, error1("delay"));
+            list.push(Parameter::new(ParameterRole::Delay, "delay", value, error));
         }
         Step2::None => {
             let given = matches!(options.delay_s, Choice::Given(_));
             let error = if given { None } else { error1("delay") };
-            list.push(Parameter::new("dynamics", "delay", step1.solution.delay_s, error));
+            list.push(Parameter::new(ParameterRole::Delay, "delay", step1.solution.delay_s, error));
         }
         Step2::Arx(_) => {}
         Step2::Linear(step) => {

@@ -224,7 +224,7 @@ fn a_model_file_carries_what_the_fit_knows_of_the_output() {
     let mut file = ModelFile::from_model(&found.model, SignalUnits::default());
     file.set_covariance(&known.names, &known.matrix);
     let Document::Hammerstein(file) = read(file.to_json().unwrap().as_bytes()).unwrap() else { panic!() };
-    for p in found.parameters.iter().filter(|p| p.block == "hysteresis" || p.name == "delay") {
+    for p in found.parameters.iter().filter(|p| p.block() == "hysteresis" || p.name == "delay") {
         let written = file.number(&p.name).unwrap().std_error;
         assert_eq!(written.is_some(), p.std_error.is_some(), "{}", p.name);
         if let (Some(a), Some(b)) = (written, p.std_error) {

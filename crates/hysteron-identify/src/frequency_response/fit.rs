@@ -248,13 +248,8 @@ fn result(
     let covariance = covariance(problem, weighting, response.std_dev.is_some(), x, &edges);
     let std_error = |i: usize| Some(covariance[(i, i)].sqrt()).filter(|error| *error > 0.0);
     let gain = || response.unit.clone();
-    let unit = |name: &str| match name {
-        "delay" => "s".to_owned(),
-        "loss_angle" => "rad".to_owned(),
-        name if name.ends_with("frequency") => "Hz".to_owned(),
-        _ => String::new(),
-    };
-    let named = problem.bounds().ranges.iter().map(|r| (r.name.clone(), unit(&r.name)));
+    let units = structure.units().into_iter().map(str::to_owned);
+    let named = problem.bounds().ranges.iter().map(|range| range.name.clone()).zip(units);
     let named = named.chain(structure.linear_names().into_iter().map(|name| (name, gain())));
     let values: Vec<f64> = x.iter().chain(&coefficients).copied().collect();
     let parameters = named

@@ -141,7 +141,25 @@ impl Structure {
         self.nonlinear_count() + self.linear_count()
     }
 
-    /// Names, units and search ranges of the nonlinear parameters for data from `low_hz` to `high_hz`.
+    /// Units of the nonlinear parameters, in the order of [`Self::ranges`].
+    pub(super) fn units(&self) -> Vec<&'static str> {
+        let mut units = match self.core {
+            Core::Constant => vec![],
+            Core::FractionalLag => vec!["Hz", ""],
+            Core::FractionalOscillator => vec!["Hz", "", "", ""],
+            Core::Rational { poles, .. } => {
+                let real = if poles % 2 == 1 { &["Hz"][..] } else { &[] };
+                [real, &["Hz", ""].repeat(poles / 2)].concat()
+            }
+            Core::Modes { count } => ["Hz", ""].repeat(count),
+        };
+        for (there, unit) in [(self.power_law, ""), (self.loss_angle, "rad"), (self.delay, "s")] {
+            units.extend(there.then_some(unit));
+        }
+        units
+    }
+
+    /// Names and search ranges of the nonlinear parameters for data from `low_hz` to `high_hz`.
     pub(super) fn ranges(&self, low_hz: f64, high_hz: f64) -> Vec<Range> {
         let wide = |name: &str| Range::logarithmic(name, 1e-4 * low_hz, 1e4 * high_hz);
         let mut ranges = match self.core {

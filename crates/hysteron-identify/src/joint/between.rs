@@ -2,10 +2,10 @@
 
 use super::super::engine::Engine;
 use super::super::options::{Choice, Options, RecordRole};
+use super::super::parameter::ParameterRole;
 use super::super::result::{Identification, RecordFit};
 use super::super::{Finding, FindingKind, IdentifyError};
 use super::normalised::quick_fit;
-use super::parameter_layout::DELAY;
 use super::problem::JointProblem;
 use super::setup::JointSetup;
 use crate::findings::say;
@@ -93,7 +93,7 @@ pub(in super::super) fn excess_if_held(options: &Options, found: &Identification
     let is_open = options.inter_sample == Choice::Auto
         && found.model.scheme == Scheme::BandLimited
         && choice.is_none_or(|choice| !choice.excludes(InterSample::Hold));
-    found.parameters.iter().find(|p| p.name == DELAY)?.interval.filter(|_| is_open)?;
+    found.parameters.iter().find(|p| p.role == ParameterRole::Delay)?.interval.filter(|_| is_open)?;
     let is_dynamic = |fit: &&RecordFit| fit.role == RecordRole::Dynamic;
     let any = found.records.iter().any(|fit| is_dynamic(&fit));
     let showing = found.records.iter().filter(|fit| is_dynamic(fit) || !any);
@@ -106,7 +106,7 @@ pub(in super::super) fn excess_if_held(options: &Options, found: &Identification
 /// Extends the interval of the delay to that under a held drive.
 pub(super) fn admit_held_drive(options: &Options, found: &mut Identification) {
     let Some(excess_s) = excess_if_held(options, found) else { return };
-    let delay = found.parameters.iter_mut().find(|p| p.name == DELAY);
+    let delay = found.parameters.iter_mut().find(|p| p.role == ParameterRole::Delay);
     if let Some(interval) = delay.and_then(|p| p.interval.as_mut()) {
         interval.low = (interval.low - excess_s).max(interval.low.min(0.0));
     }

@@ -1,14 +1,15 @@
 //! The parameters of a joint fit in the article's symbols, with their errors and intervals.
 
 use super::super::layout::Role;
-use super::super::result::Parameter;
+use super::super::parameter::{Equation13, Parameter, ParameterRole};
 use super::intervals::{Interval, IntervalMethod};
 use super::knowledge::Covariance;
-use super::parameter_layout::JointSolution;
+use super::parameter_layout::{DELAY, JointSolution};
 use super::problem::JointProblem;
 use super::setup::memory_name;
 use hysteron_model::dynamics::{Creep, DynamicForm, Dynamics, Modes};
 use hysteron_model::hammerstein::Model;
+use hysteron_model::hysteresis::Place;
 use hysteron_model::model_file::{polynomial_name, transfer_function_numbers};
 
 /// Index of each parameter among the estimates, and its value where it is held.
@@ -47,8 +48,8 @@ pub(super) fn in_article_symbols(
 ) -> Covariance {
     let family = problem.hysteresis();
     let places = Places::new(own, problem, solution);
-    let is_memory = |name: &str| name.starts_with("memory_");
-    let memory: Vec<usize> = (0..own.names.len()).filter(|&index| is_memory(&own.names[index])).collect();
+    let place = |record| own.names.iter().position(|name| *name == memory_name(record));
+    let memory: Vec<usize> = (0..problem.layout().memory.len()).filter_map(place).collect();
     own.transformed(own.names.clone(), |values| {
         let mut out = values.to_vec();
         let weights = places.weights_at(values);
@@ -80,14 +81,14 @@ pub(super) fn of_numbers(
     let names: Vec<String> = hysteresis
         .chain(b.numbers().into_iter().map(|(name, _)| name))
         .chain(dynamics.iter().cloned())
-        .chain(["delay".to_owned()])
+        .chain([DELAY.to_owned()])
         .collect();
     let count = names.len();
     let place = |name: &str| own.names.iter().position(|n| n == name);
     let coefficients: Vec<(Option<usize>, f64)> =
         b.polynomial().iter().enumerate().map(|(i, &c)| (place(&polynomial_name(i + 1)), c)).collect();
     let places = Places::new(own, problem, solution);
-    let delay = place("delay");
+    let delay = place(DELAY);
     let form_places: Vec<Option<usize>> = form.parameters().iter().map(|p| place(p.name)).collect();
     let numbers = own.transformed(names, |values| {
         let at = |place: Option<usize>, held: f64| place.map_or(held, |i| values[i]);
@@ -126,42 +127,49 @@ pub(super) fn parameters(
         .enumerate()
         .map(|(i, &c)| {
             let name = polynomial_name(i + 1);
-            Parameter::new("hysteresis", &name, c, error(&name))
+            Parameter::new(ParameterRole::Polynomial(i + 1), &name, c, error(&name))
         })
         .collect();
     let layout = problem.layout();
-    let mut push = |block, name: &str, value, role: Role| {
-        let held = matches!(role, Role::Fixed(_));
-        list.push(Parameter { held, ..Parameter::new(block, name, value, error(name)) });
+    let mut push = |role, name: &str, value, fitted: Role| {
+        let held = matches!(fitted, Role::Fixed(_));
+        list.push(Parameter { held, ..Parameter::new(role, name, value, error(name)) });
     };
     let family = problem.hysteresis();
-    let names: Vec<String> = family.weight_names().into_iter().chain(family.shape_names()).collect();
-    let roles: Vec<Role> = layout.weights.iter().chain(&layout.shape).copied().collect();
-    for (name, value) in b.numbers() {
-        let role = names.iter().position(|own| *own == name).map_or(Role::Projected, |at| roles[at]);
-        push("hysteresis", &name, value, role);
+    for (number, (name, value)) in family.model_numbers().into_iter().zip(b.numbers()) {
+        let fitted = match number.place {
+            Place::Shape(index) => layout.shape.get(index),
+            Place::Weight(index) => layout.weights.get(index),
+        };
+        push(
+            ParameterRole::Hysteresis(number.place),
+            &name,
+            value,
+            fitted.copied().unwrap_or(Role::Projected),
+        );
     }
     for ((parameter, &value), &role) in form.parameters().iter().zip(&solution.form).zip(&layout.form) {
-        push("dynamics", parameter.name, value, role);
+        push(ParameterRole::Dynamics(*parameter), parameter.name, value, role);
     }
-    push("dynamics", "delay", solution.delay_s, layout.delay);
+    push(ParameterRole::Delay, DELAY, solution.delay_s, layout.delay);
     if let (Modes::Fractional, Creep::None, Dynamics::Fractional(g)) =
         (form.modes, form.creep, &model.dynamics)
     {
         // Eq. 13's own coefficients.
-        for (name, number, value) in [
-            ("b", "numerator[0].coefficient", g.numerator[0].coefficient),
-            ("c0", "denominator[0].coefficient", g.denominator[0].coefficient),
-            ("c1", "denominator[1].coefficient", g.denominator[1].coefficient),
+        for (which, name, number, value) in [
+            (Equation13::Numerator, "b", "numerator[0].coefficient", g.numerator[0].coefficient),
+            (Equation13::Constant, "c0", "denominator[0].coefficient", g.denominator[0].coefficient),
+            (Equation13::Middle, "c1", "denominator[1].coefficient", g.denominator[1].coefficient),
         ] {
-            list.push(Parameter::new("dynamics", name, value, of(of_numbers, number)));
+            let role = ParameterRole::Equation13(which);
+            list.push(Parameter::new(role, name, value, of(of_numbers, number)));
         }
     }
     for (index, role) in problem.layout().memory.iter().enumerate() {
         if matches!(role, Role::Searched(_)) {
             let name = memory_name(index);
             let memory = family.own_memory(solution.memory[index], b.weights());
-            list.push(Parameter::new("start", &name, memory, error(&name)));
+            list.push(Parameter::new(ParameterRole::Memory(index), &name, memory, error(&name)));
         }
     }
     list
@@ -178,31 +186,31 @@ pub(super) fn give_intervals(
     let form = operator.form();
     let (searched, reported) = (operator.shape(), operator.own_shape());
     let scaled = form.description().remembers_output();
-    let exponent = operator.number("n").filter(|_| form.description().has_exponent());
-    let shape_names = form.shape_names();
+    let numbers = form.model_numbers();
+    let falls_with_exponent =
+        |place| numbers.iter().any(|number| number.place == place && number.unit.falls_with_exponent);
     for p in parameters {
         let Some(error) = p.std_error else { continue };
         let same = names.iter().position(|name| *name == p.name).and_then(|i| *own.get(i)?);
-        p.interval = Some(match (p.name.as_str(), same) {
-            ("b" | "c0" | "c1", _) if p.value > 0.0 => Interval::logarithmic(p.value, error),
-            (name, Some(i)) if let Some(index) = shape_names.iter().position(|own| own == name) => {
+        let normal = |method| Interval::symmetric(p.value, error, method);
+        p.interval = Some(match (p.role, same) {
+            (ParameterRole::Equation13(_), _) if p.value > 0.0 => Interval::logarithmic(p.value, error),
+            (ParameterRole::Hysteresis(place @ Place::Shape(index)), Some(i)) => {
                 match (searched.get(index), reported.get(index)) {
-                    // Shape numbers of another exponent than 1 depend on the weights, too.
-                    _ if exponent.is_some_and(|n| n != 1.0) && name != "n" => {
-                        Interval::symmetric(p.value, error, IntervalMethod::Unchecked)
+                    // Shape numbers in the scale of the weights depend on these, too.
+                    _ if operator.exponent() != 1.0 && falls_with_exponent(place) => {
+                        normal(IntervalMethod::Unchecked)
                     }
                     (Some(searched), Some(reported)) if searched == reported => i,
                     (Some(searched), Some(reported)) if *searched == -reported => {
                         Interval { low: -i.high, high: -i.low, ..i }
                     }
-                    _ => Interval::symmetric(p.value, error, IntervalMethod::Unchecked),
+                    _ => normal(IntervalMethod::Unchecked),
                 }
             }
-            (name, Some(i)) if scaled && name.starts_with("memory_") => {
-                Interval::symmetric(p.value, error, i.method)
-            }
+            (ParameterRole::Memory(_), Some(i)) if scaled => normal(i.method),
             (_, Some(interval)) => interval,
-            (_, None) => Interval::symmetric(p.value, error, IntervalMethod::Unchecked),
+            (_, None) => normal(IntervalMethod::Unchecked),
         });
     }
 }

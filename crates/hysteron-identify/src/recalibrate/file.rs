@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{Change, Prior, RecalibratedRecord, Recalibration};
+use hysteron_model::hysteresis::Hysteresis;
 use hysteron_model::model_file::{
     Maker, ModelFile, Provenance, Quantity, RecordEntry, RecordRole, ScoreEntry, ScoreRole, polynomial_name,
 };
@@ -57,9 +58,10 @@ impl Directions {
     fn of(file: &ModelFile) -> Option<Self> {
         let (names, covariance) = file.covariance()?;
         let count = names.len();
+        let hysteresis = file.to_model().ok()?.hysteresis;
         let value = |name: &str| file.number(name).map_or(0.0, |q| q.value);
-        let n = value("n");
-        let gain: Vec<f64> = names.iter().map(|name| value(name) * power_of_gain(name, n)).collect();
+        let gain = |name: &String| value(name) * power_of_gain(name, &hysteresis);
+        let gain: Vec<f64> = names.iter().map(gain).collect();
         let delay: Vec<f64> = names.iter().map(|name| f64::from(u8::from(name == "delay"))).collect();
         let columns: Vec<&Vec<f64>> =
             [&gain, &delay].into_iter().filter(|c| c.iter().any(|x| *x != 0.0)).collect();
@@ -87,15 +89,15 @@ impl Directions {
     }
 }
 
-/// Exponent of the gain by which a parameter of the hysteresis block scales.
-fn power_of_gain(name: &str, n: f64) -> f64 {
-    match name {
-        "alpha" => 1.0,
-        "beta" | "gamma" => 1.0 - n,
-        "n" | "delay" | "offset" => 0.0,
-        name if name.contains('[') || name.starts_with("threshold_") => 0.0,
-        _ => 1.0,
+/// Exponent of the gain by which a number of the file scales: the power of the output in its unit for those
+/// of the hysteresis, 0 for those of the dynamics, the delay and the offset.
+pub(super) fn power_of_gain(name: &str, hysteresis: &Hysteresis) -> f64 {
+    let mut polynomial = (1..=hysteresis.polynomial().len()).map(polynomial_name);
+    if polynomial.any(|own| own == name) {
+        return 1.0;
     }
+    let number = hysteresis.form().model_numbers().into_iter().find(|number| number.name == name);
+    number.map_or(0.0, |number| number.unit.power_of_output(hysteresis.exponent()))
 }
 
 impl Recalibration {
@@ -107,7 +109,6 @@ impl Recalibration {
     pub fn file(&self, old: &ModelFile) -> ModelFile {
         let mut file = old.clone();
         let new = &self.model.hysteresis;
-        let n = new.number("n").unwrap_or(1.0);
         let of_gain = self.gain.std_error.unwrap_or(0.0) / self.gain.value;
         let set = |quantity: Option<&mut Quantity>, value: f64, power: f64| {
             let Some(quantity) = quantity else { return };
@@ -120,13 +121,13 @@ impl Recalibration {
             set(parameters.get_mut(&polynomial_name(index + 1)), value, 1.0);
         }
         for (name, value) in new.numbers() {
-            set(parameters.get_mut(&name), value, power_of_gain(&name, n));
+            set(parameters.get_mut(&name), value, power_of_gain(&name, new));
         }
         (file.delay.value, file.delay.std_error) = (self.model.delay_s, self.delay.std_error);
         (file.offset.value, file.offset.std_error) = (self.model.offset, None);
         file.correlation = None;
         if let Some(directions) = Directions::of(old) {
-            let (names, covariance) = self.renewed(&directions, n);
+            let (names, covariance) = self.renewed(&directions);
             file.set_covariance(&names, &covariance);
         }
         file
@@ -169,9 +170,10 @@ impl Recalibration {
 
     /// S (C − D A Dᵀ) S + D' P D'ᵀ, from roots so that it is positive, with S = ∂p'/∂p and D' = ∂p'/∂(gain,
     /// delay) at the new values p', P the covariance of these.
-    fn renewed(&self, d: &Directions, n: f64) -> (Vec<String>, DMatrix<f64>) {
+    fn renewed(&self, d: &Directions) -> (Vec<String>, DMatrix<f64>) {
         let gain = self.gain.value;
-        let scales: Vec<f64> = d.names.iter().map(|name| gain.powf(power_of_gain(name, n))).collect();
+        let scale = |name: &String| gain.powf(power_of_gain(name, &self.model.hysteresis));
+        let scales: Vec<f64> = d.names.iter().map(scale).collect();
         let rest = d.rest.map_with_location(|i, _, c| scales[i] * c);
         let moves = DMatrix::from_fn(d.moves.nrows(), d.moves.ncols(), |i, j| {
             let by = if Some(j) == d.gain { scales[i] / gain } else { 1.0 };

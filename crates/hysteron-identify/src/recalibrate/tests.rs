@@ -1,7 +1,8 @@
+use super::file::power_of_gain;
 use super::*;
 use hysteron_model::Memory;
 use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
-use hysteron_model::hysteresis::{ArticleOperator, Hysteresis};
+use hysteron_model::hysteresis::{ArticleOperator, Hysteresis, examples};
 use hysteron_model::model_file::{ModelFile, SignalUnits};
 use hysteron_model::record::{InterSample, TimeBase, Timing};
 use std::f64::consts::TAU;
@@ -231,6 +232,19 @@ fn a_scaled_block_has_a_scaled_output_for_every_exponent() {
         let scaled = more.simulate_hysteresis(&drive(500.0), Timing::Unknown, &start).unwrap();
         for (v, s) in v.iter().zip(scaled) {
             assert!((s - 1.37 * v).abs() < 1e-9 * 80.0, "{n}: {s} {v}");
+        }
+    }
+}
+
+#[test]
+fn the_numbers_of_every_family_scale_with_the_power_of_the_output_in_their_unit() {
+    let power = ArticleOperator::new(vec![6.0, 0.2], -0.8, 0.3, -0.1, 2.5).unwrap().into();
+    let families = examples([-1.0, 9.0], 10.0, 1.0).unwrap();
+    for block in families.into_iter().chain([power]) {
+        let scaled = block.scaled(1.37).unwrap();
+        for ((name, old), (_, new)) in block.numbers().into_iter().zip(scaled.numbers()) {
+            let expected = old * 1.37f64.powf(power_of_gain(&name, &block));
+            assert!((new - expected).abs() <= 1e-14 * old.abs(), "{name} of {block:?}: {new} {expected}");
         }
     }
 }

@@ -126,6 +126,12 @@ impl Hysteresis {
         self.numbers().into_iter().find(|(own, _)| own == name).map(|(_, value)| value)
     }
 
+    /// Its exponent n; 1 for a family without one.
+    pub fn exponent(&self) -> f64 {
+        let has_exponent = self.form.description().has_exponent();
+        self.number("n").filter(|_| has_exponent).unwrap_or(1.0)
+    }
+
     /// The number of this name beside the polynomial.
     pub fn number_mut(&mut self, name: &str) -> Option<&mut f64> {
         match self.form.model_numbers().into_iter().find(|number| number.name == name)?.place {

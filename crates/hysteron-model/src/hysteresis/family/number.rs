@@ -35,9 +35,14 @@ impl NumberUnit {
     /// [`Self::of`] where the exponent n is known.
     pub fn of_exponent(self, n: f64, input: &str, output: &str) -> String {
         if self.falls_with_exponent && n != 1.0 {
-            return format!("{output}^{}/{input}", f64::from(self.output + 1) - n);
+            return format!("{output}^{}/{input}", self.power_of_output(n));
         }
         self.text(input, output)
+    }
+
+    /// Power of the output's unit, and so of a factor of the output, at the exponent n.
+    pub fn power_of_output(self, n: f64) -> f64 {
+        f64::from(self.output) + if self.falls_with_exponent { 1.0 - n } else { 0.0 }
     }
 
     fn text(self, input: &str, output: &str) -> String {
