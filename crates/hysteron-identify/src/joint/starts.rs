@@ -13,7 +13,7 @@ use super::normalised::rough_fit;
 use super::parameter_layout::DELAY;
 use super::problem::JointProblem;
 use super::setup::{JointSetup, memory_name};
-use hysteron_model::dynamics::{Creep, DynamicForm, Dynamics, Modes, ParameterKind};
+use hysteron_model::dynamics::{DynamicForm, Dynamics, Modes, ParameterKind};
 use hysteron_model::hammerstein::Model;
 use hysteron_model::model_file::polynomial_name;
 use hysteron_optimize::{self as optimize, Bounds, Problem, Stop};
@@ -360,11 +360,7 @@ impl JointSetup<'_> {
             ParameterKind::CreepShare(_) => 0.03,
             // Elements are spread over the range of times.
             ParameterKind::CreepTime(element) => {
-                let elements = match self.form.creep {
-                    Creep::KelvinVoigt { elements } => elements,
-                    Creep::None | Creep::Fractional | Creep::Logarithmic => 1,
-                };
-                range.from_unit(element as f64 / (elements as f64 + 1.0))
+                range.from_unit(element as f64 / (self.form.creep.elements() as f64 + 1.0))
             }
         }
     }

@@ -18,15 +18,8 @@ const FEWEST_OF_MODES: usize = 4;
 const NAMES: &str = "none, integer1 to integer12, modes4 to modes12, arx, oe, bj, srivc, fractional, \
                      fractional-free-lowest, two-fractional";
 
-/// Kinds of creep by name.
-const CREEPS: [(&str, Creep); 3] = [
-    ("creep", Creep::Fractional),
-    ("log-creep", Creep::Logarithmic),
-    ("kelvin-voigt", Creep::KelvinVoigt { elements: 2 }),
-];
-
 fn creep(name: &str) -> Option<Creep> {
-    CREEPS.iter().find(|(own, _)| *own == name).map(|(_, creep)| *creep)
+    Creep::USUAL.into_iter().find(|creep| creep.structure_name() == Some(name))
 }
 
 /// One structure: `BLOCK[+CREEP][+degreeN][+n-free][+FAMILY]`, e.g. `fractional`, `integer2+creep`,
@@ -169,11 +162,9 @@ impl Candidate {
     pub fn alternatives(self, part: StructurePart) -> Vec<Self> {
         let list: Vec<Self> = match part {
             StructurePart::Block => Block::USUAL.map(|block| Self { block, ..self }).into(),
-            StructurePart::Creep => [Creep::None]
-                .into_iter()
-                .chain(CREEPS.map(|(_, creep)| creep))
-                .map(|creep| Self { creep, ..self })
-                .collect(),
+            StructurePart::Creep => {
+                [Creep::None].into_iter().chain(Creep::USUAL).map(|creep| Self { creep, ..self }).collect()
+            }
             StructurePart::Family => HysteresisForm::usual()
                 .into_iter()
                 .filter(|form| form.description().is_compared_unasked())
@@ -219,7 +210,7 @@ impl Candidate {
 impl fmt::Display for Candidate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.block.name())?;
-        if let Some((name, _)) = CREEPS.iter().find(|(_, creep)| *creep == self.creep) {
+        if let Some(name) = self.creep.structure_name() {
             write!(f, "+{name}")?;
         }
         if self.degree != USUAL_DEGREE {

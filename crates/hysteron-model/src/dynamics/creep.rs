@@ -92,6 +92,37 @@ impl Creep {
         }
     }
 
+    /// Name as a part of a structure, where `fractional` is one of the dynamics: `creep`, `log-creep` or
+    /// `kelvin-voigt`; `None` without creep.
+    pub fn structure_name(self) -> Option<&'static str> {
+        match self {
+            Self::None => None,
+            Self::Fractional => Some("creep"),
+            Self::Logarithmic => Some("log-creep"),
+            Self::KelvinVoigt { .. } => Some("kelvin-voigt"),
+        }
+    }
+
+    /// Its factor of G and the response after a unit step; `None` without creep.
+    pub fn equations(self) -> Option<&'static str> {
+        match self {
+            Self::None => None,
+            Self::Fractional => Some("1 + k s^−μ, after a unit step 1 + k t^μ/Γ(1 + μ)"),
+            Self::Logarithmic => Some("after a unit step 1 + γ log₁₀(1 + t/t₀)"),
+            Self::KelvinVoigt { .. } => {
+                Some("1 + Σ kᵢ/(1 + τᵢ s), after a unit step 1 + Σ kᵢ (1 − e^(−t/τᵢ))")
+            }
+        }
+    }
+
+    /// Number of its elements; 1 for a kind without a choice.
+    pub fn elements(self) -> usize {
+        match self {
+            Self::KelvinVoigt { elements } => elements,
+            _ => 1,
+        }
+    }
+
     /// True if C has whole orders.
     pub fn has_whole_orders(self) -> bool {
         self != Self::Fractional

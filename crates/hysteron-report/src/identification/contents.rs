@@ -192,23 +192,13 @@ fn equations(found: &Identification) -> Vec<String> {
             } else {
                 format!("G(s) = {g}{}", if is_article_form(g) { "   (form of Eq. 13)" } else { "" })
             });
-            list.extend(creep(found).map(str::to_owned));
+            list.extend(
+                found.structure.creep.equations().map(|equations| format!("creep in G: {equations}")),
+            );
         }
         Dynamics::Arx(_) => list.push("y = offset + B(z)/A(z) v(t − τ)   (sampled)".into()),
     }
     list
-}
-
-/// Creep in the transfer function and its step response.
-fn creep(found: &Identification) -> Option<&'static str> {
-    Some(match found.structure.creep {
-        Creep::None => return None,
-        Creep::Fractional => "creep in G: 1 + k s^−μ, after a unit step 1 + k t^μ/Γ(1 + μ)",
-        Creep::Logarithmic => "creep in G: after a unit step 1 + γ log₁₀(1 + t/t₀)",
-        Creep::KelvinVoigt { .. } => {
-            "creep in G: 1 + Σ kᵢ/(1 + τᵢ s), after a unit step 1 + Σ kᵢ (1 − e^(−t/τᵢ))"
-        }
-    })
 }
 
 /// b / (s^α₂ + c₁ s^α₁ + c₀).
