@@ -9,7 +9,7 @@ use hysteron_identify::structure::Neighbours;
 use hysteron_identify::{
     FindingKind, Identification, IdentifyError, Method, PredictionBand, RecordFit, RecordRole,
 };
-use hysteron_model::dynamics::{Creep, Dynamics, TransferFunction};
+use hysteron_model::dynamics::{Dynamics, TransferFunction};
 use hysteron_model::model_file::ModelFile;
 use hysteron_model::validate::definitions;
 
