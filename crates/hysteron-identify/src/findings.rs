@@ -119,7 +119,13 @@ fn extrapolated_to_rest(g: &TransferFunction, lowest_hz: f64) -> Option<String> 
     })
 }
 
-/// Whether 0 is a legitimate value of a parameter: of the delay, and of a rate at which branches bend.
+/// Whether a parameter ended at the lower limit of its range, and that limit is 0 or next to it.
+fn ends_at_zero(range: &hysteron_optimize::Range, x: f64) -> bool {
+    range.to_unit(x) < 1e-4 && (0.0..=1e-4 * range.high).contains(&range.low)
+}
+
+/// Whether 0 is a legitimate value of a parameter: of the delay, and of a shape number per unit of the drive,
+/// at which a branch is straight.
 fn may_be_zero(result: &Identification, name: &str) -> bool {
     let form = result.model.hysteresis.form();
     let is_rate = |place: Place| {
@@ -306,7 +312,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
     for (search, bounds) in result.searches.iter().zip(&result.bounds) {
         for (x, range) in search.outcome.best.iter().zip(&bounds.ranges) {
             let at = range.to_unit(*x);
-            if at < 1e-4 && range.low <= 1e-4 * range.high && may_be_zero(result, &range.name) {
+            if ends_at_zero(range, *x) && may_be_zero(result, &range.name) {
                 say(
                     &mut findings,
                     FindingKind::Warning,
@@ -444,5 +450,13 @@ mod tests {
             }
         }
         assert!(said_of.into_iter().all(|count| count >= 5), "{said_of:?}");
+    }
+
+    #[test]
+    fn a_negative_limit_is_not_zero() {
+        assert!(ends_at_zero(&hysteron_optimize::Range::linear("beta", 0.0, 3.0), 0.0));
+        assert!(ends_at_zero(&hysteron_optimize::Range::linear("beta", 1e-5, 3.0), 1e-5));
+        assert!(!ends_at_zero(&hysteron_optimize::Range::linear("beta", 0.0, 3.0), 0.1));
+        assert!(!ends_at_zero(&hysteron_optimize::Range::linear("gamma", -3.0, 3.0), -3.0));
     }
 }

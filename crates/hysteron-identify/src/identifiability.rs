@@ -9,7 +9,7 @@ use super::result::Identification;
 use super::{Finding, FindingKind};
 use hysteron_model::Advice;
 use hysteron_model::dynamics::ParameterKind;
-use hysteron_model::hysteresis::{DriveSpan, HysteresisForm, Place, Search};
+use hysteron_model::hysteresis::{HysteresisForm, Place};
 use hysteron_numeric::display::short;
 
 /// A standard error above this share of the parameter's scale leaves it undetermined.
@@ -54,9 +54,10 @@ pub(super) fn verdict(
         say(
             format!(
                 "The loops are far from where the hysteresis would saturate: the records determine the \
-                 products of {size} with {}, and linear − {size}, but none of them by itself. Within the \
-                 range of these records that is enough. {help}",
-                listed(&rates)
+                 products of {size} with {}, and linear − {size}, but not {size}, {} or linear by itself. \
+                 Within the range of these records that is enough. {help}",
+                listed(&rates),
+                rates.join(", ")
             ),
             advice,
         );
@@ -303,17 +304,11 @@ impl<'a> Advisor<'a> {
         p.value.abs().max(beside)
     }
 
-    /// Largest shape number of the unit of this one, where some of that unit may be negative: only together
-    /// do they shape the branches of a loop (β + γ and β − γ), so that 0 is a legitimate value of each.
+    /// Largest of the shape numbers that shape the branches of a loop only together with this one, so that 0 is
+    /// a legitimate value of each.
     fn largest_beside(&self, index: usize) -> f64 {
-        let numbers = self.family.shape_numbers(&DriveSpan::UNIT);
-        let Some(unit) = numbers.get(index).map(|number| number.unit) else { return 0.0 };
-        let is_signed = |search| matches!(search, Search::Linear(low, _) if low < 0.0);
-        if !numbers.iter().any(|number| number.unit == unit && is_signed(number.search)) {
-            return 0.0;
-        }
-        let alike = |k: usize| numbers.get(k).is_some_and(|number| number.unit == unit);
-        let has = |role| matches!(role, ParameterRole::Hysteresis(Place::Shape(k)) if alike(k));
+        let together = self.family.description().shapes_together_with(index);
+        let has = |role| matches!(role, ParameterRole::Hysteresis(Place::Shape(k)) if together.contains(&k));
         self.sizes(has).fold(0.0, f64::max)
     }
 

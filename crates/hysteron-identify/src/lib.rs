@@ -164,7 +164,10 @@ fn identify_records(
 /// True if the resonance ended at its upper bound, beyond the excited band, where the records do not
 /// determine it.
 fn beyond_the_records(found: &Identification) -> bool {
-    let is_resonance = |p: &&Parameter| matches!(p.role, ParameterRole::Dynamics(p) if p.kind == ParameterKind::NaturalFrequency(1));
+    let is_resonance = |p: &&Parameter| match p.role {
+        ParameterRole::Dynamics(form) => form.kind == ParameterKind::NaturalFrequency(1),
+        _ => false,
+    };
     let Some(resonance) = found.parameters.iter().find(is_resonance) else { return false };
     let mut ranges = found.bounds.iter().flat_map(|bounds| &bounds.ranges);
     let range = ranges.find(|range| range.name == resonance.name);

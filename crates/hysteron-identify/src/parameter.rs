@@ -1,6 +1,6 @@
 //! A parameter of an identified model.
 
-use hysteron_model::dynamics::{FormParameter, ParameterKind};
+use hysteron_model::dynamics::FormParameter;
 use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{DriveSpan, Place};
 use hysteron_model::model_file::{ModelFile, typographic};
@@ -90,7 +90,6 @@ impl Parameter {
                 let unit = file.hysteresis.parameters.get(&self.name).map_or("1", |quantity| &quantity.unit);
                 if unit == "1" { String::new() } else { typographic(unit) }
             }
-            ParameterRole::Dynamics(FormParameter { kind: ParameterKind::CreepSize, .. }) => "s^−μ".into(),
             ParameterRole::Dynamics(parameter) => parameter.unit.into(),
             ParameterRole::Delay => "s".into(),
             ParameterRole::Memory(_) => {

@@ -1,7 +1,7 @@
 //! Step 1, the static block (article §4.3, step 1): the operator of Eq. 1 from quasi-static records, as a
 //! least-squares problem.
 //!
-//! Output of one record at a candidate (unit-α form z = α ζ, `docs/theory`):
+//! Output of one record at a candidate (unit-α form z = α ζ, `docs/theory`, page of Eq. 1):
 //!
 //! y = offset + F\[ Σ cᵢ uⁱ − α ζ(β', γ', n) \],  F = delay ► first-order lag 1/(T s + 1),
 //!

@@ -2,10 +2,10 @@
 //!
 //! * [`BoucWen`]: parameters of the Bouc–Wen operator; [`BoucWen::step`] moves a [`BoucWenState`] to the next
 //!   voltage exactly, whatever the distance, because the operator is rate independent.
-//! * [`PlayBank`]: a weighted sum of play operators (Prandtl–Ishlinskii), its step and the exact inverse of
+//! * [`PlayBank`]: a weighted sum of play operators, its step and the exact inverse of
 //!   the step.
 //! * [`SidedPlays`]: plays between other sides ([`Sides`]), with a [`BrokenLine`] behind them; [`Plane`]: a
-//!   Preisach plane by its Everett function and its turning points ([`Turns`]).
+//!   plane of relays by its Everett function and its turning points ([`Turns`]).
 //! * [`Branch`]: states that follow a differential equation along each branch, updated by increments, one
 //!   file of [`branch`] a law; [`c_source`]: the operators in C99.
 //! * [`Model`]: hysteresis ([`Operator`]) followed by linear dynamics ([`Sections`]: real poles, pole pairs,
@@ -53,7 +53,7 @@ mod play;
 mod real;
 mod series;
 
-/// Law of a state of which several may stand in parallel, each with its parameters.
+/// dz/du = α − β s z|z|ⁿ⁻¹ − γ |z|ⁿ as the law of one state; several may act in parallel ([`Operator::States`]).
 pub use bouc_wen::BoucWen as StateLaw;
 pub use bouc_wen::{BoucWen, BoucWenState, SimulateError, StepError};
 pub use branch::Branch;

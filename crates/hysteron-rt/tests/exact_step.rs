@@ -298,3 +298,14 @@ proptest! {
         }
     }
 }
+
+/// Without a rise z decays to 0, however far the voltage moves.
+#[test]
+fn a_state_without_rise_decays_to_zero() {
+    for k in 1..2000 {
+        let (kappa, z) = (0.1 + 1e-4 * f64::from(k), 0.1 + 1e-3 * f64::from(k));
+        let operator = BoucWen::new(0.0, kappa, 0.0, 1.0).unwrap();
+        let end = operator.advance(z, 400.0).unwrap();
+        assert!((end - z * (-400.0 * kappa).exp()).abs() <= 3e-16 * z, "{kappa} {z}: {end}");
+    }
+}

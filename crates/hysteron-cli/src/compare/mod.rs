@@ -36,7 +36,7 @@ use crate::result_flags::ResultFlags;
     BLOCK[+CREEP][+degreeN][+n-free][+FAMILY], BLOCK one of none, integer1 to integer12, modes4 to modes12 \
     (resonances in parallel), arx, oe, bj, srivc, fractional, fractional-free-lowest, two-fractional, CREEP \
     one of creep (fractional), log-creep, kelvin-voigt (two elements); the defaults are a cubic polynomial, \
-    n = 1 and the family bouc-wen. The families are those of identify --hysteresis, with their usual number \
+    n = 1 and the family {}. The families are those of identify --hysteresis, with their usual number \
     of elements.\n\n\
     The table also gives the cost in a controller: nanoseconds per sample of the realisation to 1e-5 \
     (hysteron realise), timed with the same drive for all candidates, on this machine; ratios are more \
@@ -51,6 +51,7 @@ use crate::result_flags::ResultFlags;
     Example: hysteron compare loop_1hz.csv sweep.csv sine_*.csv --candidates fractional+creep --baselines\n\
     Example: hysteron compare cycle_*.csv --continued --candidates integer1,integer1+kelvin-voigt\n\
     Example: hysteron compare loops.csv sweep.csv --candidates fractional+creep,fractional+creep+{}",
+    HysteresisForm::default().name(),
     HysteresisForm::plays(1).name()))]
 pub struct Compare {
     /// The records

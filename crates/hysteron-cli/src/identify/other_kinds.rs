@@ -24,7 +24,7 @@ impl Identify {
         }
         self.refuse_flags_but(
             "hammerstein and several axes",
-            "these branches are each a loop of the article's Eq. 1 with n = 1, a pair of poles and a delay",
+            "each of these branches is u − z, dz/du = α − β s z − γ |z|, with a pair of poles and a delay",
             &[
                 ("--inter-sample", self.inter_sample.is_some()),
                 ("--start", self.start.is_some()),

@@ -232,7 +232,7 @@ mod tests {
 
     #[test]
     fn a_term_that_later_ones_make_needless_has_no_coefficient() {
-        // The loop equation's two terms resemble one of ∇y before either is selected: forward selection
+        // The two terms of the hysteresis equation resemble one of ∇y before either is selected: forward selection
         // cannot remove it.
         let truth = model(&[
             (&[Y], 0.9),

@@ -12,7 +12,7 @@
 /// unlike these they are not nearly collinear.
 ///
 /// Without Δ and s no NARX model has a loop that stays open in the quasi-static limit: with them a polynomial
-/// includes the discrete loop equation y_k = y₁ + Δ (c₀ + c₁u₁ + s (c₂u₁ + c₃y₁)), rate-independent
+/// includes the discrete hysteresis equation y_k = y₁ + Δ (c₀ + c₁u₁ + s (c₂u₁ + c₃y₁)), rate-independent
 /// hysteresis (S. A. M. Martins, L. A. Aguirre, Mech. Syst. Signal Process. 75 (2016) 607–617).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Lags {

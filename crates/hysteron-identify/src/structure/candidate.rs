@@ -133,10 +133,11 @@ impl Block {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "'{name}' is no structure: expected BLOCK[+CREEP][+degreeN][+n-free][+FAMILY] with BLOCK one of {}, \
-     CREEP one of creep, log-creep, kelvin-voigt, N from 1 to {HIGHEST_DEGREE}, FAMILY (n-free is {usual}'s \
+     CREEP one of {}, N from 1 to {HIGHEST_DEGREE}, FAMILY (n-free is {usual}'s \
      own) one of {}, and neither creep nor another family than {usual} with arx, oe, bj and srivc; e.g. \
      integer2+creep",
     NAMES,
+    Creep::USUAL.into_iter().filter_map(Creep::structure_name).collect::<Vec<_>>().join(", "),
     HysteresisForm::usual().into_iter().map(HysteresisForm::name).collect::<Vec<_>>().join(", "),
     usual = HysteresisForm::default().name(),
 )]
@@ -212,6 +213,9 @@ impl fmt::Display for Candidate {
         f.write_str(&self.block.name())?;
         if let Some(name) = self.creep.structure_name() {
             write!(f, "+{name}")?;
+            if !Creep::USUAL.contains(&self.creep) {
+                write!(f, " of {} elements", self.creep.elements())?;
+            }
         }
         if self.degree != USUAL_DEGREE {
             write!(f, "+degree{}", self.degree)?;

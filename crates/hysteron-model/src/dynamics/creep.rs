@@ -115,11 +115,11 @@ impl Creep {
         }
     }
 
-    /// Number of its elements; 1 for a kind without a choice.
+    /// Number of its elements; 0 for a kind without elements.
     pub fn elements(self) -> usize {
         match self {
             Self::KelvinVoigt { elements } => elements,
-            _ => 1,
+            _ => 0,
         }
     }
 

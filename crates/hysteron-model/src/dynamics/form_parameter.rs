@@ -93,12 +93,11 @@ impl FormParameter {
                 Self { meaning: "share of a further mode; the last has the remainder", ..plain }
             }
             Kind::Lag => Self { symbol: "T", meaning: "time constant of the lag", unit: "s", ..positive },
-            Kind::CreepSize => Self {
-                symbol: "k",
-                meaning: "size of the creep, factor 1 + k s^−μ",
-                unit: "s^-creep_order",
-                ..plain
-            },
+            Kind::CreepSize => {
+                Self {
+                    symbol: "k", meaning: "size of the creep, factor 1 + k s^−μ", unit: "s^−μ", ..plain
+                }
+            }
             Kind::CreepOrder => Self { symbol: "μ", meaning: "order of the creep", ..order },
             Kind::CreepPerDecade => {
                 Self { symbol: "γ", meaning: "creep per decade of time, as a share of the step", ..plain }

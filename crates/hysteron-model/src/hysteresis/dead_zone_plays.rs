@@ -1,4 +1,4 @@
-//! Plays and bands of their mean output: Kuhnen's modified operator with free weights.
+//! Plays and bands of their mean output: Kuhnen's modified play operator with free weights.
 //!
 //! Source: K. Kuhnen, "Modeling, identification and compensation of complex hysteretic nonlinearities: a
 //! modified Prandtl–Ishlinskii approach", *Eur. J. Control* 9 (2003) 407–418, doi:10.3166/ejc.9.407-418.

@@ -3,6 +3,8 @@
 //! Source: W. Zhu, D.-H. Wang, "Non-symmetrical Bouc–Wen model for piezoelectric ceramic actuators", *Sens.
 //! Actuators A* 181 (2012) 51–60, doi:10.1016/j.sna.2012.03.048.
 
+use std::ops::Range;
+
 use hysteron_rt::branch;
 
 use super::columns::branch_kernel;
@@ -55,6 +57,11 @@ impl FamilyDescription for Entry {
 
     fn starts(&self, _: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
         span.bends().into_iter().flat_map(|beta| SKEWS.map(|skew| vec![beta, skew * beta, 0.0])).collect()
+    }
+
+    /// β and γ.
+    fn shapes_together_with(&self, index: usize) -> Range<usize> {
+        if index < 2 { 0..2 } else { index..index + 1 }
     }
 
     fn example(&self, _: usize, span: &DriveSpan) -> Vec<f64> {

@@ -1,5 +1,7 @@
 //! Several Bouc–Wen states in parallel.
 
+use std::ops::Range;
+
 use hysteron_rt::{BoucWen, Scalar};
 
 use super::HysteresisError;
@@ -123,6 +125,12 @@ impl FamilyDescription for Entry {
     fn starts(&self, states: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
         let unlike = |beta: f64| (0..states).flat_map(|k| [beta * 4f64.powi(k as i32), 0.0]).collect();
         span.bends().map(unlike).into()
+    }
+
+    /// β and γ of a state.
+    fn shapes_together_with(&self, index: usize) -> Range<usize> {
+        let first = index - index % 2;
+        first..first + 2
     }
 
     fn example(&self, states: usize, span: &DriveSpan) -> Vec<f64> {

@@ -3,6 +3,8 @@
 //! Source: J. Song, A. Der Kiureghian, "Generalized Bouc–Wen model for highly asymmetric hysteresis", *J.
 //! Eng. Mech.* 132 (2006) 610–618, doi:10.1061/(ASCE)0733-9399(2006)132:6(610).
 
+use std::ops::Range;
+
 use hysteron_rt::branch;
 
 use super::columns::branch_kernel;
@@ -58,6 +60,10 @@ impl FamilyDescription for Entry {
     fn starts(&self, _: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
         let skewed = |beta: f64| SKEWS.map(|skew| vec![beta, 0.0, skew * beta, 0.0, 0.0, 0.0]);
         span.bends().into_iter().flat_map(skewed).collect()
+    }
+
+    fn shapes_together_with(&self, _: usize) -> Range<usize> {
+        0..6
     }
 
     fn example(&self, _: usize, span: &DriveSpan) -> Vec<f64> {

@@ -117,7 +117,7 @@ fn online<T: Real>(
 /// What an operator is made of.
 #[allow(missing_docs)]
 pub enum Numbers<'a, T> {
-    BoucWen(&'a [BoucWen<T>], &'a mut [IncrementMemory<T>]),
+    States(&'a [BoucWen<T>], &'a mut [IncrementMemory<T>]),
     Branch(Branch<T>, &'a [T], &'a mut [IncrementMemory<T>]),
     Plays([&'a [T]; 2], &'a mut [T]),
     SidedPlays(Sides<T>, [&'a [T]; 5], &'a mut [T]),
@@ -128,7 +128,7 @@ pub enum Numbers<'a, T> {
 #[inline(always)]
 fn operator<T: Real>(numbers: Numbers<'_, T>) -> Option<Operator<'_, T>> {
     Some(match numbers {
-        Numbers::BoucWen(operators, memory) => Operator::States { laws: operators, memory },
+        Numbers::States(laws, memory) => Operator::States { laws, memory },
         Numbers::Branch(law, weights, memory) => Operator::Branch { law, weights, memory },
         Numbers::Plays([thresholds, weights], states) => {
             Operator::Plays { bank: PlayBank::new(thresholds, weights).ok()?, states }

@@ -16,7 +16,9 @@ pub(super) fn increment<S: Scalar>(alpha: S, beta: S, gamma: S, z: S, du: S) -> 
     // Two branches, not a choice of κ: the exponential then depends on the voltage alone, not on z.
     let change = if lead < zero { along(beta - turn) } else { along(beta + turn) };
     let end = z.value() + change.value();
-    if (end < zero && z.value() > zero) || (end > zero && z.value() < zero) {
+    // Without a rise z decays towards 0: beyond it is rounding.
+    let crosses = (end < zero && z.value() > zero) || (end > zero && z.value() < zero);
+    if crosses && rise.value() != zero {
         let kappa = if lead < zero { beta - turn } else { beta + turn };
         return from_zero([alpha, beta, gamma], rise, d - log_distance(kappa, -(z / rise))) - z;
     }

@@ -1,6 +1,8 @@
 //! Bouc–Wen as a family: one column ζ, the weight α, the sign −1. A model has the article's β and γ, its
 //! columns those of the unit-α form, β' and γ'.
 
+use std::ops::Range;
+
 use super::{Admissibility, BoucWen, BoucWenState, UnitShape, run};
 use crate::hysteresis::family::{
     ColumnOperators, DriveSpan, FamilyDescription, ModelNumber, Mover, NumberUnit, Place, RuntimeOperator,
@@ -213,6 +215,10 @@ impl FamilyDescription for Entry {
         let n = span.exponent;
         let of = |bend: f64| SKEWS.map(|skew| vec![bend.powf(n), skew * bend.powf(n), n]);
         span.bends().into_iter().flat_map(of).collect()
+    }
+
+    fn shapes_together_with(&self, index: usize) -> Range<usize> {
+        if index < N { 0..N } else { index..index + 1 }
     }
 
     fn example(&self, _: usize, span: &DriveSpan) -> Vec<f64> {

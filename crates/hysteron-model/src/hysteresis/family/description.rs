@@ -1,6 +1,7 @@
 //! Description of a family beside the law of its moves.
 
 use std::fmt;
+use std::ops::Range;
 
 use super::number::{DriveSpan, ModelNumber, NumberUnit, Place, ShapeNumber};
 use super::runtime::RuntimeOperator;
@@ -157,6 +158,12 @@ pub trait FamilyDescription: fmt::Debug + Sync {
     /// Clause naming the numbers that loops of one amplitude do not determine.
     fn undetermined_by_one_loop(&self) -> &'static str {
         "the polynomial is distinguished from the hysteretic part only by the shape of one loop"
+    }
+
+    /// Indices of the shape numbers that shape the branches of a loop only together with this one (β + γ and β −
+    /// γ, say), so that 0 is a legitimate value of each.
+    fn shapes_together_with(&self, index: usize) -> Range<usize> {
+        index..index + 1
     }
 
     /// Whether the output is bounded for every drive, where that depends on the numbers of a model.

@@ -279,6 +279,21 @@ fn every_family_is_parsed_from_its_name_and_described() {
 }
 
 #[test]
+fn numbers_that_shape_a_loop_together_are_of_one_unit_and_name_each_other() {
+    for form in HysteresisForm::usual() {
+        let numbers = form.shape_numbers(&DriveSpan::UNIT);
+        for index in 0..numbers.len() {
+            let together = form.description().shapes_together_with(index);
+            assert!(together.contains(&index) && together.end <= numbers.len(), "{form:?} {index}");
+            for other in together.clone() {
+                assert_eq!(numbers[other].unit, numbers[index].unit, "{form:?} {index}");
+                assert_eq!(form.description().shapes_together_with(other), together);
+            }
+        }
+    }
+}
+
+#[test]
 fn elements_beyond_a_family_are_refused() {
     for form in HysteresisForm::usual() {
         match form.description().elements() {
