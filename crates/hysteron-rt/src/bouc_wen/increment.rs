@@ -1,9 +1,9 @@
 //! Increment of z over a move, in a bounded number of operations, without the cancellation of z(u + Δu) −
 //! z(u).
 
-use super::{BoucWen, Law, linear};
+use super::{BoucWen, Law, linear, quadratic};
 use crate::real::Real;
-use crate::series::{Tangent, relaxation, tangent};
+use crate::series::relaxation;
 
 /// Fewest and most sub-steps of a move for n other than 1 and 2.
 const LEAST_SUB_STEPS: u8 = 2;
@@ -14,7 +14,8 @@ const SHARE: f64 = 0.125;
 impl<T: Real> BoucWen<T> {
     /// z(u + `du`) − z(u) for a monotone move from `z`. Not finite where there is no finite result.
     ///
-    /// n = 1 and 2: exact, as [`Self::advance`]. Other n: sub-steps of an exponential Rosenbrock method of
+    /// n = 1 and 2: exact, as [`Self::advance`]. Other n: that series takes as many terms as the move needs, a
+    /// controller needs a bounded number of operations; hence sub-steps of an exponential Rosenbrock method of
     /// order 3 (exprb32: M. Hochbruck, A. Ostermann, J. Schweitzer, *SIAM J. Numer. Anal.* 47 (2009) 786–803,
     /// doi:10.1137/080717717), at least two, more where one would change z by over an eighth of its
     /// saturation, at most 32; |z| is clamped to its saturation. Error of one move relative to the
@@ -34,7 +35,7 @@ impl<T: Real> BoucWen<T> {
         }
     }
 
-    /// dw = T (a − κw²)/(1 + κwT).
+    /// By the [change](quadratic::change) of |z|.
     #[inline]
     fn quadratic_increment(&self, z: T, du: T) -> T {
         let zero = T::of(0.0);
@@ -44,15 +45,10 @@ impl<T: Real> BoucWen<T> {
         let negative = lead < zero;
         let kappa = if down == negative { self.beta + self.gamma } else { self.beta - self.gamma };
         let mirror = |x: T| if negative { -x } else { x };
-        let (a, w) = (mirror(rise), mirror(z));
-        if let Tangent::Finite(t) = tangent(a, kappa, du.abs()) {
-            let below = T::of(1.0) + kappa * w * t;
-            let change = t * (a - kappa * w * w) / below;
-            if below > zero && w + change >= zero && change.is_finite() {
-                return mirror(change);
-            }
+        match quadratic::change(mirror(rise), kappa, mirror(z), du.abs()) {
+            Some(change) => mirror(change),
+            None => self.exact_increment(z, du),
         }
-        self.exact_increment(z, du)
     }
 
     /// By [`Self::advance`], for moves through z = 0 and those without a finite result.
