@@ -26,8 +26,8 @@ pub fn bernstein_integrals<S: Scalar>([low, high]: [S::Real; 2], p: S) -> [S; SL
     [inner - square + third + below, square - third.scale(two), third + above].map(|b| b.scale(span))
 }
 
-/// A weighted sum of plays with thermally activated edges, whose states relax at rest: pᵢ = u − zᵢ, Σᵢ Σ_k slopesᵢₖ B_k(pᵢ)
-/// ([`bernstein_integrals`]).
+/// A weighted sum of plays with thermally activated edges, whose states relax at rest: pᵢ = u − zᵢ, Σᵢ Σ_k
+/// slopesᵢₖ B_k(pᵢ) ([`bernstein_integrals`]).
 ///
 /// The states zᵢ are borrowed. A step takes an exponential and one or two logarithms for each play that
 /// creeps or slides, none for the others.
