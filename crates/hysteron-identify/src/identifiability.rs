@@ -304,8 +304,8 @@ impl<'a> Advisor<'a> {
         p.value.abs().max(beside)
     }
 
-    /// Largest of the shape numbers that shape the branches of a loop only together with this one, so that 0 is
-    /// a legitimate value of each.
+    /// Largest of the shape numbers that shape the branches of a loop only together with this one, so that 0
+    /// is a legitimate value of each.
     fn largest_beside(&self, index: usize) -> f64 {
         let together = self.family.description().shapes_together_with(index);
         let has = |role| matches!(role, ParameterRole::Hysteresis(Place::Shape(k)) if together.contains(&k));

@@ -236,7 +236,7 @@ fn plays_follow_as_their_closed_form_does() {
         .unwrap();
     let limits = DriveLimits { range: [-2.0, 10.0], step: f64::INFINITY, interval_s: None };
     let wanted: Vec<f64> = (0..500).map(|k| 6.0 + 4.0 * (f64::from(k) * 0.31).sin()).collect();
-    let mut states = plays.plays_at(2.0, 2.0);
+    let mut states = vec![2.0; plays.thresholds.len()];
     let mut exact = vec![0.0; wanted.len()];
     plays.step_inverse(limits.range).unwrap().follow(&wanted, &mut states, &mut exact).unwrap();
     let found = Hysteresis::from(plays).follow(&wanted, 2.0, None, &limits).unwrap();

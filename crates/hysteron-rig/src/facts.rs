@@ -275,8 +275,9 @@ fn truth_files_are_json_with_defaults_and_no_unknown_keys() {
         let text = serde_json::to_string(&truth).unwrap();
         assert_eq!(serde_json::from_str::<Truth>(&text).unwrap(), truth);
     }
-    let text = r#"{"plant": {"kind": "bouc_wen_fractional", "polynomial": [3.0], "alpha": 1, "beta": 0.2, "gamma": -0.1,
-        "denominator": [{"coefficient": 1, "order": 0}, {"coefficient": 0.01, "order": 0.9}], "delay_s": 2e-4},
+    let text = r#"{"plant": {"kind": "bouc_wen_fractional", "polynomial": [3.0],
+        "alpha": 1, "beta": 0.2, "gamma": -0.1, "delay_s": 2e-4,
+        "denominator": [{"coefficient": 1, "order": 0}, {"coefficient": 0.01, "order": 0.9}]},
         "sensor": {"noise_um": 0}}"#;
     let truth: Truth = serde_json::from_str(text).unwrap();
     assert_eq!((truth.delay_s(), truth.sensor.noise_um), (2e-4, 0.0));
@@ -301,9 +302,11 @@ fn a_truth_that_makes_no_sense_is_refused_by_name() {
     let mode =
         r#"{"plant": {"kind": "play_stack", "modes": [{"frequency_hz": 1, "damping": 1.0, "share": 1}]}}"#;
     assert_eq!(name_of(mode), "plant.modes[0].damping");
-    let n = r#"{"plant": {"kind": "bouc_wen_fractional", "polynomial": [1], "alpha": 0, "beta": 0, "gamma": 0, "n": 0.5}}"#;
+    let n = r#"{"plant": {"kind": "bouc_wen_fractional", "polynomial": [1],
+        "alpha": 0, "beta": 0, "gamma": 0, "n": 0.5}}"#;
     assert_eq!(name_of(n), "plant.n");
-    let blow_up = r#"{"plant": {"kind": "bouc_wen_fractional", "polynomial": [1], "alpha": 1, "beta": -0.5, "gamma": -0.5, "n": 2}}"#;
+    let blow_up = r#"{"plant": {"kind": "bouc_wen_fractional", "polynomial": [1],
+        "alpha": 1, "beta": -0.5, "gamma": -0.5, "n": 2}}"#;
     let error = measure(&serde_json::from_str(blow_up).unwrap(), &drive, 1, 0).unwrap_err();
     assert!(matches!(error, RigError::Diverged { .. }), "{error}");
 }

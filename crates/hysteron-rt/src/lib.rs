@@ -53,7 +53,8 @@ mod play;
 mod real;
 mod series;
 
-/// dz/du = α − β s z|z|ⁿ⁻¹ − γ |z|ⁿ as the law of one state; several may act in parallel ([`Operator::States`]).
+/// dz/du = α − β s z|z|ⁿ⁻¹ − γ |z|ⁿ as the law of one state; several may act in parallel
+/// ([`Operator::States`]).
 pub use bouc_wen::BoucWen as StateLaw;
 pub use bouc_wen::{BoucWen, BoucWenState, SimulateError, StepError};
 pub use branch::Branch;

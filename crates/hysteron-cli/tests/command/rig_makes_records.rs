@@ -3,7 +3,8 @@
 use crate::bench::Bench;
 
 /// A campaign small enough for a test.
-const PLAN: &str = r#"{"sample_rate_hz": 1000, "loop_periods": 1, "sweep_s": 0.5, "validation_hz": [10], "validation_s": 0.2}"#;
+const PLAN: &str = r#"{"sample_rate_hz": 1000, "loop_periods": 1, "sweep_s": 0.5, "validation_hz": [10],
+    "validation_s": 0.2}"#;
 
 #[test]
 fn a_campaign_is_written_with_its_truth_and_repeats_by_seed() {

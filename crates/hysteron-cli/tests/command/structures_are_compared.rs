@@ -11,8 +11,8 @@ use serde_json::Value;
 use crate::bench::Bench;
 
 /// The article's campaign, shorter and slower.
-const PLAN: &str = r#"{ "sample_rate_hz": 2000, "loop_periods": 3, "sweep_s": 3, "sweep_end_hz": 80, "validation_hz": [12, 40],
-    "validation_s": 0.5 }"#;
+const PLAN: &str = r#"{ "sample_rate_hz": 2000, "loop_periods": 3, "sweep_s": 3, "sweep_end_hz": 80,
+    "validation_hz": [12, 40], "validation_s": 0.5 }"#;
 
 fn measured() -> Bench {
     let bench = Bench::new();
@@ -85,8 +85,8 @@ fn the_table_is_for_people() {
 #[test]
 fn baselines_stand_beside_the_structures_on_the_same_folds() {
     let bench = Bench::new();
-    let plan = r#"{ "sample_rate_hz": 200, "loop_periods": 2, "sweep_s": 2.5, "sweep_end_hz": 10, "validation_hz": [5],
-        "validation_s": 0.8 }"#;
+    let plan = r#"{ "sample_rate_hz": 200, "loop_periods": 2, "sweep_s": 2.5, "sweep_end_hz": 10,
+        "validation_hz": [5], "validation_s": 0.8 }"#;
     bench.write("plan.json", plan);
     assert_eq!(bench.run("rig --out-dir bench --plan plan.json").exit_code, 0);
     let records =

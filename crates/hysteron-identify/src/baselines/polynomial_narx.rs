@@ -232,8 +232,8 @@ mod tests {
 
     #[test]
     fn a_term_that_later_ones_make_needless_has_no_coefficient() {
-        // The two terms of the hysteresis equation resemble one of ∇y before either is selected: forward selection
-        // cannot remove it.
+        // The two terms of the hysteresis equation resemble one of ∇y before either is selected: forward
+        // selection cannot remove it.
         let truth = model(&[
             (&[Y], 0.9),
             (&[DY], 0.25),

@@ -75,7 +75,8 @@ impl Regressors {
     }
 
     /// Regressors with scales of 1.
-    pub fn unscaled(lags: Lags) -> Self {
+    #[cfg(test)]
+    pub(super) fn unscaled(lags: Lags) -> Self {
         Self { lags, scales: vec![1.0; lags.count()] }
     }
 

@@ -80,8 +80,8 @@ pub struct ModesFile {
     pub scores: Vec<ModesScoreEntry>,
 }
 
-/// Schedule over the level of the drive, the rms of the inputs about their means: S = (level/reference)^exponent −
-/// 1.
+/// Schedule over the level of the drive, the rms of the inputs about their means:
+/// S = (level/reference)^exponent − 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object of the level's numbers")]
 pub struct LevelEntry {

@@ -188,7 +188,8 @@ fn a_short_file_written_by_hand_is_enough() {
         r#"{{"format": "hysteron-model", "version": 1,
             "hysteresis": {{"kind": "{}", "parameters":
                 {{"gamma": {}, "linear": {}, "n": {}, "alpha": {}, "beta": {}}}}},
-            "dynamics": {{"kind": "none"}}, "delay": {}, "offset": {}, "scheme": "tustin", "sample_rate_hz": null}}"#,
+            "dynamics": {{"kind": "none"}}, "delay": {}, "offset": {}, "scheme": "tustin",
+            "sample_rate_hz": null}}"#,
         HysteresisForm::default().name(),
         q(0.5, "um^(1-n)/V"),
         q(2.0, "um/V"),

@@ -14,10 +14,10 @@ const SHARE: f64 = 0.125;
 impl<T: Real> BoucWen<T> {
     /// z(u + `du`) − z(u) for a monotone move from `z`. Not finite where there is no finite result.
     ///
-    /// n = 1 and 2: exact, as [`Self::advance`]. Other n: that series takes as many terms as the move needs, a
-    /// controller needs a bounded number of operations; hence sub-steps of an exponential Rosenbrock method of
-    /// order 3 (exprb32: M. Hochbruck, A. Ostermann, J. Schweitzer, *SIAM J. Numer. Anal.* 47 (2009) 786–803,
-    /// doi:10.1137/080717717), at least two, more where one would change z by over an eighth of its
+    /// n = 1 and 2: exact, as [`Self::advance`]. Other n: that series takes as many terms as the move needs,
+    /// a controller needs a bounded number of operations; hence sub-steps of an exponential Rosenbrock method
+    /// of order 3 (exprb32: M. Hochbruck, A. Ostermann, J. Schweitzer, *SIAM J. Numer. Anal.* 47 (2009)
+    /// 786–803, doi:10.1137/080717717), at least two, more where one would change z by over an eighth of its
     /// saturation, at most 32; |z| is clamped to its saturation. Error of one move relative to the
     /// saturation, n from 1.2 to 3, γ ≥ 0, for moves of 0.003 and 0.03 of the voltage over which z saturates,
     /// and for any longer one: below 1e-10, 1e-6 and 1e-3 away from z = 0, where |z|ⁿ is not smooth; below

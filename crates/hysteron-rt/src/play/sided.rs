@@ -83,8 +83,8 @@ impl<'a, T: Real> SidedPlays<'a, T> {
     }
 
     /// Output after a monotone move through `middle` to `u` in a sample that moves by `du`; NaN where the
-    /// sides of a play cross. The middle, which may be u itself, matters to plays that depend on the rate alone, whose
-    /// sides contract when a sample is slower than the last.
+    /// sides of a play cross. The middle, which may be u itself, matters to plays that depend on the rate
+    /// alone, whose sides contract when a sample is slower than the last.
     #[inline]
     pub fn look(&self, states: &[T], [middle, u]: [T; 2], du: T) -> T {
         let mut sum = T::of(0.0);

@@ -160,8 +160,8 @@ pub trait FamilyDescription: fmt::Debug + Sync {
         "the polynomial is distinguished from the hysteretic part only by the shape of one loop"
     }
 
-    /// Indices of the shape numbers that shape the branches of a loop only together with this one (β + γ and β −
-    /// γ, say), so that 0 is a legitimate value of each.
+    /// Indices of the shape numbers that shape the branches of a loop only together with this one (β + γ and
+    /// β − γ, say), so that 0 is a legitimate value of each.
     fn shapes_together_with(&self, index: usize) -> Range<usize> {
         index..index + 1
     }

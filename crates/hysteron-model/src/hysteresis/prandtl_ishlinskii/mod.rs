@@ -106,12 +106,6 @@ impl PrandtlIshlinskii {
         plays.fold(self.polynomial_at(u), |v, (r, w)| v + w * (u.abs() - r).max(0.0).copysign(u))
     }
 
-    /// States of the plays of a device that was virgin at the voltage `virgin` and moved monotonically to `u`
-    /// \[V\].
-    pub fn plays_at(&self, virgin: f64, u: f64) -> Vec<f64> {
-        self.thresholds.iter().map(|&threshold| play(threshold, virgin, u)).collect()
-    }
-
     /// v \[µm\] for the voltages `u` \[V\] into `out` (same length). `plays` has one state per play,
     /// arbitrary before and that at the last sample afterwards. Allocates nothing.
     ///
