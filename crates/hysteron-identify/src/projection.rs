@@ -90,6 +90,11 @@ impl Projection {
         project_out(&self.q[..self.columns * self.rows], x);
     }
 
+    /// Projects `x` onto the orthogonal complement of the first `count` columns.
+    pub(super) fn project_out_first(&self, count: usize, x: &mut [f64]) {
+        project_out(&self.q[..count.min(self.columns) * self.rows], x);
+    }
+
     /// Replaces all columns by those of `matrix`.
     pub(super) fn decompose(&mut self, matrix: &[f64]) {
         self.clear();

@@ -7,15 +7,22 @@ const MULTIPLIER_TOLERANCE: f64 = 1e-13;
 
 /// Minimiser of ‖A p − b‖ over low ≤ p ≤ high, for A of full column rank and a box that contains 0.
 ///
-/// Primal active set from p = 0 (Stark and Parker 1995, "Bounded-variable least-squares", Computational
-/// Statistics 10, 129–141): solve for the free variables, move towards that solution until a bound blocks,
-/// fix the blocking variable; where none blocks, release the bound with the largest multiplier of wrong sign.
-/// Every pass reduces ‖A p − b‖ or fixes a variable, so the result is no worse than p = 0 and inside the box.
+/// Primal active set from p = 0, with bounds at 0 fixed that the descent there points beyond (Stark and Parker
+/// 1995, "Bounded-variable least-squares", Computational Statistics 10, 129–141): solve for the free
+/// variables, move towards that solution until a bound blocks, fix the blocking variable; where none blocks,
+/// release the bound with the largest multiplier of wrong sign. Every pass reduces ‖A p − b‖ or fixes a
+/// variable, so the result is no worse than p = 0 and inside the box.
 pub(super) fn solve(a: &DMatrix<f64>, b: &DVector<f64>, low: &[f64], high: &[f64]) -> DVector<f64> {
     let n = a.ncols();
     let norms: Vec<f64> = a.column_iter().map(|column| column.norm()).collect();
     let mut p = DVector::zeros(n);
-    let mut fixed: Vec<Option<Bound>> = vec![None; n];
+    let descent = a.tr_mul(b);
+    let blocked = |j: usize| match descent[j] {
+        descent if low[j] == 0.0 && descent <= 0.0 => Some(Bound::Low),
+        descent if high[j] == 0.0 && descent >= 0.0 => Some(Bound::High),
+        _ => None,
+    };
+    let mut fixed: Vec<Option<Bound>> = (0..n).map(blocked).collect();
     for _ in 0..10 * n + 20 {
         let free: Vec<usize> = (0..n).filter(|&j| fixed[j].is_none()).collect();
         if let Some(wanted) = solve_free(a, b, &p, &free) {

@@ -1,7 +1,7 @@
 //! Evaluation of many candidates at once.
 
 use super::points::Points;
-use super::{Derivative, LeastSquaresProblem, OptimizeError, Problem, Stop};
+use super::{Derivative, Eliminated, LeastSquaresProblem, OptimizeError, Problem, Stop};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -16,8 +16,8 @@ pub(super) trait EvaluateResiduals {
     fn residual_count(&self) -> usize;
     /// Residuals of all `points`, one column after the other, and a flag for each that could be simulated.
     fn residuals(&mut self, points: &Points, columns: &mut [f64], feasible: &mut Vec<bool>);
-    /// The problem's own derivatives with respect to its parameters.
-    fn jacobian(&mut self, point: &[f64], columns: &mut [f64]) -> Derivative;
+    /// The problem's own derivatives with respect to its parameters, and what it eliminates.
+    fn jacobian(&mut self, point: &[f64], columns: &mut [f64]) -> (Derivative, Eliminated<'_>);
 }
 
 /// Parallel evaluator; each thread creates its workspace on first use and keeps it for the run, so that an
@@ -178,16 +178,17 @@ impl<P: LeastSquaresProblem> EvaluateResiduals for Evaluator<'_, P> {
         }
     }
 
-    fn jacobian(&mut self, point: &[f64], columns: &mut [f64]) -> Derivative {
+    fn jacobian(&mut self, point: &[f64], columns: &mut [f64]) -> (Derivative, Eliminated<'_>) {
+        let infeasible = (Derivative::Infeasible, Eliminated::default());
         if self.refusal.is_due() {
-            return Derivative::Infeasible;
+            return infeasible;
         }
-        let Some(slot) = self.slots.first_mut() else { return Derivative::Infeasible };
+        let Some(slot) = self.slots.first_mut() else { return infeasible };
         self.problem.bounds().from_unit(point, &mut slot.x);
         let workspace = slot.workspace.get_or_insert_with(|| self.problem.workspace());
-        match self.problem.jacobian(&slot.x, workspace, columns) {
-            Derivative::Written if columns.iter().any(|d| !d.is_finite()) => Derivative::Infeasible,
-            derivative => derivative,
+        match self.problem.jacobian_with_eliminated(&slot.x, workspace, columns) {
+            (Derivative::Written, _) if columns.iter().any(|d| !d.is_finite()) => infeasible,
+            found => found,
         }
     }
 }

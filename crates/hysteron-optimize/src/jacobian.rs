@@ -4,7 +4,8 @@ use super::evaluate::{EvaluateResiduals, Evaluator};
 use super::ledger::Ledger;
 use super::points::Points;
 use super::{
-    Bounds, Derivative, LeastSquaresProblem, LocalStatus, OptimizeError, Settings, root_mean_square,
+    Bounds, Derivative, Eliminated, LeastSquaresProblem, LocalStatus, OptimizeError, Settings,
+    root_mean_square,
 };
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
@@ -100,6 +101,9 @@ pub(super) struct UnitResiduals<'a> {
     trial: Vec<f64>,
     /// ∂r/∂t at the current point, one column a parameter.
     columns: Vec<f64>,
+    /// Non-negative coefficients that the problem eliminates, and −∂r/∂c, column by column.
+    coefficients: Vec<f64>,
+    eliminated: Vec<f64>,
     other_side: Vec<f64>,
     points: Points,
     feasible: Vec<bool>,
@@ -117,6 +121,8 @@ impl<'a> UnitResiduals<'a> {
             current: vec![0.0; count],
             trial: vec![0.0; count],
             columns: vec![0.0; count * dimension],
+            coefficients: Vec::new(),
+            eliminated: Vec::new(),
             other_side: Vec::new(),
             points: Points::new(dimension),
             feasible: Vec::new(),
@@ -144,6 +150,11 @@ impl<'a> UnitResiduals<'a> {
 
     pub(super) fn columns(&self) -> &[f64] {
         &self.columns
+    }
+
+    /// Non-negative coefficients that the problem eliminates, with −∂r/∂c, column by column.
+    pub(super) fn eliminated(&self) -> Eliminated<'_> {
+        Eliminated { columns: &self.eliminated, coefficients: &self.coefficients }
     }
 
     /// Makes `point` the current one, simulating it (uncounted) if needed; false if it cannot be simulated.
@@ -190,8 +201,13 @@ impl<'a> UnitResiduals<'a> {
         if ledger.remaining(settings) == 0 {
             return Err(LocalStatus::Budget);
         }
-        match self.evaluator.jacobian(unit, &mut self.columns) {
+        let (derivative, eliminated) = self.evaluator.jacobian(unit, &mut self.columns);
+        self.eliminated.clear();
+        self.coefficients.clear();
+        match derivative {
             Derivative::Written => {
+                self.eliminated.extend_from_slice(eliminated.columns);
+                self.coefficients.extend_from_slice(eliminated.coefficients);
                 ledger.count(unit, f64::INFINITY);
                 let count = self.count();
                 for ((column, range), &t) in self.columns.chunks_mut(count).zip(&self.bounds.ranges).zip(unit)

@@ -97,6 +97,8 @@ pub enum LocalStatus {
     CostTolerance,
     /// Converged: the parameters no longer change.
     StepTolerance,
+    /// No step lowers the cost although the derivatives promise it: the cost has jumps, or an edge.
+    Stalled,
     /// Iteration limit reached.
     Iterations,
     /// Abandoned: at its rate of convergence it would reach the iteration limit before the best cost of

@@ -5,6 +5,10 @@
 //! bounds are met exactly, and p = 0 only where the Karush–Kuhn–Tucker conditions hold (Kanzow, Yamashita and
 //! Fukushima 2004, doi:10.1016/j.cam.2004.02.013). D holds the largest column norms of J so far (Moré 1978,
 //! doi:10.1007/BFb0067700); λ follows the gain ratio (Nielsen 1999, IMM-REP-1999-05).
+//!
+//! Non-negative coefficients c that the problem eliminates are unknowns of the step, with their columns Φ:
+//! ‖J p − Φ d + r‖² + λ ‖D p‖², c + d ≥ 0, not damped. With p alone, by derivatives that hold while the same
+//! coefficients are 0, a fit creeps along the edges where one becomes 0 (`docs/theory/joint.md`).
 
 use super::jacobian::UnitResiduals;
 use super::ledger::Ledger;
@@ -100,7 +104,8 @@ impl LocalFit {
             return Some(LocalStatus::GradientTolerance);
         }
         loop {
-            let step = model.step(&self.point, self.damping, &self.scale);
+            let whole = model.step(&self.point, self.damping, &self.scale);
+            let step = model.own(&whole);
             if step.iter().all(|p| p.abs() <= options.step_tolerance) {
                 return Some(LocalStatus::StepTolerance);
             }
@@ -110,7 +115,7 @@ impl LocalFit {
             let trial: Vec<f64> =
                 self.point.iter().zip(step.iter()).map(|(t, p)| (t + p).clamp(0.0, 1.0)).collect();
             let cost = residuals.try_point(&trial, ledger);
-            let predicted = model.predicted_fall(&step);
+            let predicted = model.predicted_fall(&whole);
             let fall = fall(residuals, cost);
             let negligible = options.cost_tolerance * model.half_square;
             // At low damping the predicted reduction suffices: the actual one may be rounding error.
@@ -134,6 +139,9 @@ impl LocalFit {
             if settled {
                 return Some(LocalStatus::CostTolerance);
             }
+            if predicted <= negligible {
+                return Some(LocalStatus::Stalled);
+            }
             self.damping *= self.growth;
             self.growth *= 2.0;
             if self.damping > LARGEST_DAMPING {
@@ -151,31 +159,56 @@ impl LocalFit {
     }
 }
 
-/// The linear model ½‖J p + r‖² at one point, with J = Q R.
+/// The linear model ½‖J p − Φ d + r‖² at one point, with \[Φ J\] = Q R: the coefficients that are positive
+/// first, so that below their rows J is orthogonal to their columns; those that are 0 last.
 struct Linearised {
     r: DMatrix<f64>,
     /// −Qᵀ r.
     target: DVector<f64>,
     /// Jᵀ r.
     gradient: DVector<f64>,
+    /// Norms of the columns of J, orthogonal to those of the positive coefficients.
     column_norms: Vec<f64>,
+    /// The positive coefficients, and the number of those that are 0.
+    positive: Vec<f64>,
+    zeros: usize,
     /// ½‖r‖².
     half_square: f64,
 }
+
+/// Damping of the eliminated coefficients, relative to the norm of their columns, for those that depend on
+/// one another; columns of zeros are damped as well.
+const DEPENDENT: f64 = 1e-8;
 
 impl Linearised {
     fn at(point: &[f64], residuals: &UnitResiduals<'_>) -> Self {
         let (columns, current) = (residuals.columns(), residuals.current());
         let (count, n) = (current.len(), point.len());
+        let eliminated = residuals.eliminated();
         let column = |j: usize| &columns[j * count..(j + 1) * count];
-        let all: Vec<&[f64]> = (0..n).map(column).chain([current]).collect();
+        let of = |is_positive: bool| {
+            let each = eliminated.coefficients.iter().zip(eliminated.columns.chunks_exact(count.max(1)));
+            each.filter(move |(c, _)| (**c > 0.0) == is_positive)
+        };
+        let positive: Vec<f64> = of(true).map(|(c, _)| *c).collect();
+        let mut all: Vec<&[f64]> = of(true).map(|(_, column)| column).collect();
+        all.extend((0..n).map(column));
+        all.extend(of(false).map(|(_, column)| column));
+        let width = all.len();
+        all.push(current);
         let whole = triangular(&all);
-        let r = whole.view((0, 0), (n, n)).into_owned();
+        let mut r = whole.view((0, 0), (width, width)).into_owned();
         // The last column of R is Qᵀ r.
-        let target = -whole.view((0, n), (n, 1)).column(0);
-        let column_norms = r.column_iter().map(|column| column.norm()).collect();
+        let target = -whole.view((0, width), (width, 1)).column(0);
+        let first = positive.len();
+        r.columns_mut(0, first).neg_mut();
+        r.columns_mut(first + n, width - first - n).neg_mut();
+        let column_norms =
+            (first..first + n).map(|j| r.view((first, j), (width - first, 1)).norm()).collect();
         let gradient = DVector::from_fn(n, |j, _| dot(column(j), current));
-        Self { r, target, gradient, column_norms, half_square: 0.5 * dot(current, current) }
+        let half_square = 0.5 * dot(current, current);
+        let zeros = width - first - n;
+        Self { r, target, gradient, column_norms, positive, zeros, half_square }
     }
 
     /// Largest |cosine| between r and a column of J with a feasible descent direction.
@@ -189,22 +222,35 @@ impl Linearised {
         (0..point.len()).map(cosine).fold(0.0, f64::max)
     }
 
-    /// Minimiser of ‖J p + r‖² + λ ‖D p‖² in the box around `point`.
+    /// p and d (of the positive coefficients, p, of the others) that minimise ‖J p − Φ d + r‖² + λ ‖D p‖² in
+    /// the box around `point`, c + d ≥ 0.
     fn step(&self, point: &[f64], damping: f64, scale: &[f64]) -> DVector<f64> {
-        let (rows, n) = self.r.shape();
+        let (rows, first, n) = (self.r.nrows(), self.positive.len(), point.len());
         let root = damping.sqrt();
-        let mut stacked = DMatrix::zeros(rows + n, n);
+        let mut stacked = DMatrix::zeros(2 * rows, rows);
         stacked.rows_mut(0, rows).copy_from(&self.r);
-        for (j, d) in scale.iter().enumerate() {
-            stacked[(rows + j, j)] = root * d;
+        for j in 0..rows {
+            stacked[(rows + j, j)] = match j.checked_sub(first).and_then(|j| scale.get(j)) {
+                Some(d) => root * d,
+                None => DEPENDENT * Some(self.r.column(j).norm()).filter(|norm| *norm > 0.0).unwrap_or(1.0),
+            };
         }
-        let target = self.target.clone().resize_vertically(rows + n, 0.0);
-        let low: Vec<f64> = point.iter().map(|t| -t).collect();
-        let high: Vec<f64> = point.iter().map(|t| 1.0 - t).collect();
+        let target = self.target.clone().resize_vertically(2 * rows, 0.0);
+        let unbounded = std::iter::repeat_n(f64::INFINITY, first);
+        let least = self.positive.iter().map(|c| -c).chain(point.iter().map(|t| -t));
+        let low: Vec<f64> = least.chain(std::iter::repeat_n(0.0, self.zeros)).collect();
+        let most = unbounded.chain(point.iter().map(|t| 1.0 - t));
+        let high: Vec<f64> = most.chain(std::iter::repeat_n(f64::INFINITY, rows - first - n)).collect();
         bounded_linear::solve(&stacked, &target, &low, &high)
     }
 
-    /// ½‖r‖² − ½‖J p + r‖², not negative.
+    /// The share of p in a step.
+    fn own<'s>(&self, step: &'s DVector<f64>) -> &'s [f64] {
+        let first = self.positive.len();
+        &step.as_slice()[first..step.len() - self.zeros]
+    }
+
+    /// ½‖r‖² − ½‖J p − Φ d + r‖², not negative.
     fn predicted_fall(&self, step: &DVector<f64>) -> f64 {
         let moved = &self.r * step;
         (moved.dot(&self.target) - 0.5 * moved.norm_squared()).max(0.0)

@@ -97,7 +97,7 @@ pub use ledger::{GenerationRecord, Improvement};
 pub use minimize::{minimize, minimize_cost};
 pub use observer::{Observer, Progress, Unobserved};
 pub use outcome::{Outcome, StopReason};
-pub use problem::{Derivative, LeastSquaresProblem, Problem};
+pub use problem::{Derivative, Eliminated, LeastSquaresProblem, Problem};
 pub use pso::PsoOptions;
 pub use settings::{Settings, Stagnation};
 pub use starts::Starts;

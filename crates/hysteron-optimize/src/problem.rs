@@ -41,6 +41,28 @@ pub trait LeastSquaresProblem: Problem {
         let _ = (x, workspace, out);
         Derivative::ByDifferences
     }
+    /// As [`Self::jacobian`], but with the non-negative coefficients c that the problem eliminates held at
+    /// their values at `x`; and their columns, so that a step can be chosen for x and c together. The
+    /// derivatives of [`Self::jacobian`] hold while the same coefficients are 0, a step often changes which.
+    ///
+    /// The default is [`Self::jacobian`], for problems that eliminate none.
+    fn jacobian_with_eliminated<'w>(
+        &self,
+        x: &[f64],
+        workspace: &'w mut Self::Workspace,
+        out: &mut [f64],
+    ) -> (Derivative, Eliminated<'w>) {
+        (self.jacobian(x, workspace, out), Eliminated::default())
+    }
+}
+
+/// Non-negative coefficients c that a problem eliminates, at one point.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Eliminated<'w> {
+    /// −∂r/∂cⱼ, column by column.
+    pub columns: &'w [f64],
+    /// c.
+    pub coefficients: &'w [f64],
 }
 
 /// Result of [`LeastSquaresProblem::jacobian`].

@@ -5,7 +5,7 @@ use super::super::options::{Choice, Options, RecordRole};
 use super::super::parameter::ParameterRole;
 use super::super::result::{Identification, RecordFit};
 use super::super::{Finding, FindingKind, IdentifyError};
-use super::normalised::quick_fit;
+use super::normalised::resolved_fit;
 use super::problem::JointProblem;
 use super::setup::JointSetup;
 use crate::findings::say;
@@ -151,7 +151,7 @@ pub(super) fn compared<'a>(
     for (index, options) in others.iter().enumerate() {
         let rule = options.inter_sample();
         let problem = setup.anew(options).problem(degree, false)?;
-        let fit = quick_fit(engine, &format!("between samples: {rule}"), &problem, vec![x.to_vec()]);
+        let fit = resolved_fit(engine, &format!("between samples: {rule}"), &problem, vec![x.to_vec()], None);
         let Some(fit) = engine.unless_stopped(fit)?.filter(|_| !engine.is_stopped()) else { return Ok(None) };
         costs.push((rule, fit.outcome.cost));
         if fit.outcome.cost < best.as_ref().map_or(cost, |best| best.cost) {

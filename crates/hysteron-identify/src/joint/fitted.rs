@@ -5,10 +5,11 @@ use super::super::engine::{Engine, Search};
 use super::super::options::Options;
 use super::super::result::Reduction;
 use super::between::{self, InterSampleChoice};
-use super::normalised::quick_fit;
+use super::normalised::{local_fits, resolved_fit};
 use super::parameter_layout::DELAY;
 use super::problem::JointProblem;
-use super::search::{Optimum, information};
+use super::resolution::{FINAL, information, resolution, resolved};
+use super::search::Optimum;
 use super::setup::JointSetup;
 use hysteron_optimize::{LeastSquaresProblem, Problem};
 
@@ -55,7 +56,7 @@ impl<'a> FittedOptimum<'a> {
             setup = setup.anew(&others[better.index]);
             if reduced {
                 let problem = setup.problem(degree, true)?;
-                let fit = quick_fit(engine, ALL_SAMPLES, &problem, vec![better.x.clone()]);
+                let fit = resolved_fit(engine, ALL_SAMPLES, &problem, vec![better.x.clone()], None);
                 let fit = engine.unless_stopped(fit)?.map(|fit| fit.outcome.best);
                 let before = thinned.map_or_else(Vec::new, |(_, x)| x);
                 thinned = Some((problem, fit.unwrap_or(before)));
@@ -101,11 +102,8 @@ fn polished(
         return Ok(None);
     }
     let whole = setup.problem(degree, false)?;
-    if !reduced {
-        let cost = whole.cost(&best, &mut whole.workspace());
-        return Ok(cost.is_finite().then_some((whole, best, cost)));
-    }
-    let polished = quick_fit(engine, ALL_SAMPLES, &whole, vec![best]);
+    let options = resolved(FINAL * resolution(&setup.problem(degree, reduced)?, &best));
+    let polished = local_fits(engine, ALL_SAMPLES, &whole, vec![best], options, None);
     let polished = engine.unless_stopped(polished)?.map(|search| search.outcome);
     Ok(polished.filter(|end| end.cost.is_finite()).map(|end| (whole, end.best, end.cost)))
 }

@@ -18,6 +18,7 @@ mod problem;
 mod profile;
 mod record;
 mod reduction;
+mod resolution;
 mod resonances;
 mod search;
 mod setup;

@@ -5,14 +5,17 @@
 //! nearly linear in b₂ and b₁, while natural frequency and damping compensate for each other and for the
 //! orders along a curved valley. The optimum is the same, in fewer evaluations (`docs/theory/joint.md`).
 
-use super::super::engine::{Engine, Search, Show, quick, rough};
+use super::super::engine::{Engine, Search, Show, rough};
 use super::super::layout::Role;
 use super::problem::{JointProblem, JointWorkspace};
+use super::resolution::{COARSE, resolution, resolved};
 use hysteron_model::dynamics::{Modes, ParameterKind};
 use hysteron_optimize::{
-    Bounds, Derivative, LeastSquaresOptions, LeastSquaresProblem, OptimizeError, Problem, Range,
+    Bounds, Derivative, Eliminated, LeastSquaresOptions, LeastSquaresProblem, OptimizeError, Problem, Range,
 };
 
+/// Starts that are continued beyond [`COARSE`] are within this many times of it.
+const NEAR: f64 = 100.0;
 /// Least coefficient, at which the term is negligible.
 const NOTHING: f64 = 1e-12;
 
@@ -164,9 +167,30 @@ impl LeastSquaresProblem for Normalised<'_> {
     fn jacobian(&self, point: &[f64], workspace: &mut JointWorkspace, out: &mut [f64]) -> Derivative {
         let x = self.own(point);
         let answer = self.problem.jacobian(&x, workspace, out);
-        if answer != Derivative::Written {
-            return answer;
+        if answer == Derivative::Written {
+            self.by_coefficients(point, &x, out);
         }
+        answer
+    }
+
+    fn jacobian_with_eliminated<'w>(
+        &self,
+        point: &[f64],
+        workspace: &'w mut JointWorkspace,
+        out: &mut [f64],
+    ) -> (Derivative, Eliminated<'w>) {
+        let x = self.own(point);
+        let answer = self.problem.jacobian_with_eliminated(&x, workspace, out);
+        if answer.0 == Derivative::Written {
+            self.by_coefficients(point, &x, out);
+        }
+        answer
+    }
+}
+
+impl Normalised<'_> {
+    /// Derivatives with respect to the point from those with respect to the original search vector `x`.
+    fn by_coefficients(&self, point: &[f64], x: &[f64], out: &mut [f64]) {
         let count = self.residual_count();
         for factor in &self.factors {
             let [f, damping] = [x[factor.natural_frequency], x[factor.damping]];
@@ -199,18 +223,32 @@ impl LeastSquaresProblem for Normalised<'_> {
                 }
             }
         }
-        Derivative::Written
     }
 }
 
-/// [`quick`] fits from the given starts.
-pub(super) fn quick_fit(
+/// Fits from the given starts, to where a better cost would not show in the records ([`resolution`]).
+pub(super) fn resolved_fit(
     engine: &mut Engine<'_, '_>,
     step: &str,
     problem: &JointProblem,
     starts: Vec<Vec<f64>>,
+    show: Show<'_>,
 ) -> Result<Search, OptimizeError> {
-    local_fits(engine, step, problem, starts, quick(), None)
+    let coarse = resolved(COARSE);
+    let mut search = local_fits(engine, step, problem, starts, coarse, show)?;
+    let wanted = resolution(problem, &search.outcome.best);
+    if wanted >= COARSE || engine.is_stopped() || problem.bounds().dimension() == 0 {
+        return Ok(search);
+    }
+    // The residuals of a better fit may be whiter, but no more than by a few times.
+    let near = search.outcome.cost * (1.0 + NEAR * COARSE);
+    let (near, rest): (Vec<_>, Vec<_>) =
+        std::mem::take(&mut search.outcome.starts).into_iter().partition(|start| start.cost <= near);
+    let starts = near.into_iter().map(|start| start.best).collect();
+    search.outcome.starts = rest;
+    let finer = local_fits(engine, step, problem, starts, resolved(wanted), show);
+    search.take_better(engine.unless_stopped(finer)?);
+    Ok(search)
 }
 
 /// [`rough`] fits from the given starts.

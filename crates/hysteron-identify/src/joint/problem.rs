@@ -25,7 +25,9 @@ use super::record::{Candidate, Derivatives, Direction, JointRecord, RecordWorksp
 use hysteron_model::dynamics::{DynamicForm, Linearised};
 use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_numeric::dot;
-use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, Range, Stop, root_mean_square};
+use hysteron_optimize::{
+    Bounds, Derivative, Eliminated, LeastSquaresProblem, Problem, Range, Stop, root_mean_square,
+};
 
 /// Meaning of one searched number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,8 +76,10 @@ pub(in super::super) struct JointWorkspace {
     column: Vec<f64>,
     target: Vec<f64>,
     projection: Projection,
-    /// Columns of the sign-constrained weights, orthogonal to those eliminated before.
+    /// Columns of the sign-constrained weights times their signs, orthogonal to those eliminated before, and
+    /// the absolute weights.
     signed: Vec<f64>,
+    absolute: Vec<f64>,
     /// Which coefficients the columns of `projection` belong to.
     eliminated: Vec<usize>,
     /// Point of the columns, sensitivities and residual in this workspace; empty: none.
@@ -361,6 +365,33 @@ impl JointProblem {
             },
         );
     }
+
+    /// −(∂Φ/∂θ) c at `x` into `out`, orthogonal to the first `count` eliminated columns.
+    fn differentiate_beside(
+        &self,
+        x: &[f64],
+        ws: &mut JointWorkspace,
+        out: &mut [f64],
+        count: impl Fn(&JointWorkspace) -> usize,
+    ) -> Derivative {
+        if (x.is_empty() || ws.at != x) && !self.evaluate(x, self.derivatives(), ws) {
+            return Derivative::Infeasible;
+        }
+        let coefficients = self.coefficients(x, ws);
+        self.differentiate(&coefficients, &mut ws.records, out);
+        let rows = self.residual_count();
+        let (projection, eliminated) = (&ws.projection, count(ws));
+        out.par_chunks_exact_mut(rows).for_each(|column| {
+            projection.project_out_first(eliminated, column);
+            column.iter_mut().for_each(|d| *d = -*d);
+        });
+        // A candidate is differentiable where every derivative is finite.
+        if out.par_chunks_exact(rows).all(|column| dot(column, column).is_finite()) {
+            Derivative::Written
+        } else {
+            Derivative::Infeasible
+        }
+    }
 }
 
 impl Problem for JointProblem {
@@ -384,6 +415,7 @@ impl Problem for JointProblem {
             target: vec![0.0; count],
             projection: Projection::new(count, degree + weights),
             signed: Vec::new(),
+            absolute: Vec::new(),
             eliminated: Vec::with_capacity(degree + weights),
             at: Vec::with_capacity(self.bounds.dimension()),
         }
@@ -423,22 +455,20 @@ impl LeastSquaresProblem for JointProblem {
     }
 
     fn jacobian(&self, x: &[f64], ws: &mut JointWorkspace, out: &mut [f64]) -> Derivative {
-        if (x.is_empty() || ws.at != x) && !self.evaluate(x, self.derivatives(), ws) {
-            return Derivative::Infeasible;
-        }
-        let coefficients = self.coefficients(x, ws);
-        self.differentiate(&coefficients, &mut ws.records, out);
-        let count = self.residual_count();
-        let projection = &ws.projection;
-        out.par_chunks_exact_mut(count).for_each(|column| {
-            projection.project(column);
-            column.iter_mut().for_each(|d| *d = -*d);
-        });
-        // A candidate is differentiable where every derivative is finite.
-        if out.par_chunks_exact(count).all(|column| dot(column, column).is_finite()) {
-            Derivative::Written
-        } else {
-            Derivative::Infeasible
-        }
+        self.differentiate_beside(x, ws, out, |ws| ws.projection.len())
+    }
+
+    fn jacobian_with_eliminated<'w>(
+        &self,
+        x: &[f64],
+        ws: &'w mut JointWorkspace,
+        out: &mut [f64],
+    ) -> (Derivative, Eliminated<'w>) {
+        let free = |ws: &JointWorkspace| {
+            let positive = ws.absolute.iter().filter(|c| **c > 0.0).count();
+            ws.projection.len() - positive
+        };
+        let derivative = self.differentiate_beside(x, ws, out, free);
+        (derivative, Eliminated { columns: &ws.signed, coefficients: &ws.absolute })
     }
 }

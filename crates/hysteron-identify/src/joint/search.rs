@@ -2,29 +2,33 @@
 //! polynomial degree.
 
 use super::super::IdentifyError;
-use super::super::engine::{Engine, Search, Show, quick, rough};
+use super::super::engine::{Engine, Search, Show, rough};
 use super::super::options::{Choice, DynamicsChoice, Options};
 use super::super::static_step::{BIC_FALL, HIGHEST_AUTOMATIC_DEGREE};
-use super::super::uncertainty::correlation_time;
 use super::model::shown;
-use super::normalised::{local_fits, quick_fit};
+use super::normalised::{local_fits, resolved_fit};
 use super::problem::JointProblem;
+use super::resolution::{information, resolution, resolved};
 use super::setup::JointSetup;
 use super::starts::{Places, Starts};
 use hysteron_model::dynamics::{Creep, DynamicForm};
 use hysteron_model::model_file::polynomial_name;
-use hysteron_optimize::{
-    Algorithm, DeAbcOptions, LeastSquaresOptions, LeastSquaresProblem, OptimizeError, Problem,
-};
+use hysteron_optimize::{Algorithm, DeAbcOptions, LeastSquaresOptions, LocalStatus, OptimizeError, Problem};
 
 /// Polynomial degree of the starts where the degree is chosen from the data.
 pub(super) const DEGREE_OF_STARTS: usize = 3;
 /// Residuals with an effective sample size below this share of their samples are far from white.
 const WHITE: f64 = 0.5;
+/// Residuals with an effective sample size above this share of their samples are nearly white.
+const NEARLY_WHITE: f64 = 0.25;
+/// A rough fit whose cost is within this many times the best leads to the same optimum …
+const SAME: f64 = 1.001;
+/// … and one within this many times may lead to a better one.
+const NEAR: f64 = 1.1;
 /// Evidence for creep beyond doubt, relative to very strong evidence, and the least ratio of the costs.
 const EVIDENT: f64 = 10.0;
 const EVIDENT_RATIO: f64 = 1.5;
-/// Starts that must end in the same optimum.
+/// Rough fits that must come near the best optimum.
 const AGREEMENT: usize = 3;
 /// Number of first starts with fitted dynamics, in addition to the best unfitted one.
 const FIRST_STARTS: usize = 2;
@@ -78,7 +82,7 @@ pub(super) fn search<'a>(
         let grown = |x: &[f64]| shown(&wide, x, &longer);
         let wider = search_globally((&wide, reduced), (&longer, None), engine, Some(&grown));
         if let Some(mut wider) = engine.unless_stopped(wider)? {
-            let from_edge = quick_fit(engine, "joint fit", &wide, vec![search.outcome.best.clone()]);
+            let from_edge = resolved_fit(engine, "joint fit", &wide, vec![search.outcome.best.clone()], None);
             wider.take_better(engine.unless_stopped(from_edge)?);
             (setup, problem, search, found) = (longer, wide, wider, None);
         }
@@ -194,7 +198,7 @@ fn begin_with_creep(
     };
     let before = places.evaluations + evaluations;
     let points = first_or_best(&problem, points, engine);
-    let search = quick_fit(engine, "joint fit with creep", &problem, points)?;
+    let search = resolved_fit(engine, "joint fit with creep", &problem, points, None)?;
     let start = from_other(&problem, &search.outcome.best, plain, &vec![0.0; plain.bounds().dimension()]);
     let mut plain_fit = None;
     if !engine.is_stopped() {
@@ -234,17 +238,19 @@ fn search_globally(
         let mut search = engine.search("joint fit", problem, setup.guesses(problem)?, show)?;
         if algorithm.name() != "least-squares" && !engine.cancelled {
             let best = search.outcome.best.clone();
-            let polished = quick_fit(engine, "joint fit, polished", problem, vec![best])?.outcome;
+            let polished = resolved_fit(engine, "joint fit, polished", problem, vec![best], None)?.outcome;
             (search.outcome.best, search.outcome.cost) = (polished.best, polished.cost);
         }
         return Ok(search);
     }
-    let mut search = if setup.options.start.is_some() {
-        engine.search("joint fit", problem, setup.guesses(problem)?, show)?
+    let (mut search, settled) = if setup.options.start.is_some() {
+        let search = engine.search("joint fit", problem, setup.guesses(problem)?, show)?;
+        let settled = is_settled(problem, &search);
+        (search, settled)
     } else {
         search_from_places(problem, (setup, first), engine, show)?
     };
-    if agreeing(&search) >= AGREEMENT || engine.cancelled {
+    if settled || engine.cancelled {
         return Ok(search);
     }
     if setup.form.creep != Creep::None && setup.options.start.is_none() {
@@ -252,10 +258,13 @@ fn search_globally(
         let without = setup.with(DynamicForm { creep: Creep::None, ..setup.form }, setup.options);
         let plain = without.problem(problem.degree(), reduced)?;
         let found = search_from_places(&plain, (&without, None), engine, None);
-        let Some(found) = engine.unless_stopped(found)? else { return Ok(search) };
+        let found = match found {
+            Err(_) if engine.is_stopped() => return Ok(search),
+            found => found?.0,
+        };
         let guesses = setup.guesses(problem)?.into_iter();
         let starts = guesses.map(|guess| from_other(&plain, &found.outcome.best, problem, &guess)).collect();
-        let fit = quick_fit(engine, "joint fit with creep", problem, starts);
+        let fit = resolved_fit(engine, "joint fit with creep", problem, starts, None);
         let Some(fit) = engine.unless_stopped(fit)? else { return Ok(search) };
         search.take_better(Some(fit));
     }
@@ -265,33 +274,65 @@ fn search_globally(
     let wide = engine.run_for("joint fit, population", problem, &population, starts, generations, show);
     let Some(wide) = engine.unless_stopped(wide)? else { return Ok(search) };
     search.outcome.evaluations += wide.outcome.evaluations;
-    let polished = quick_fit(engine, "joint fit, population polished", problem, vec![wide.outcome.best]);
+    let polished =
+        resolved_fit(engine, "joint fit, population polished", problem, vec![wide.outcome.best], None);
     search.take_better(engine.unless_stopped(polished)?);
     Ok(search)
 }
 
-/// Fits from the first few places; from all others where their optima disagree.
+/// Fits from the first few places; from all others unless these settle it. With the search, whether it is
+/// settled.
 fn search_from_places(
     problem: &JointProblem,
     (setup, first): (&JointSetup<'_>, Option<FirstPoints>),
     engine: &mut Engine<'_, '_>,
     show: Show<'_>,
-) -> Result<Search, IdentifyError> {
+) -> Result<(Search, bool), IdentifyError> {
     let FirstPoints { places, points, evaluations } = match first {
         Some(first) => first,
         None => FirstPoints::new(problem, setup, engine)?,
     };
-    let to_the_end = LeastSquaresOptions::default();
-    let mut search = local_fits(engine, "joint fit", problem, points, to_the_end, show)?;
+    let mut search = raced_fit(engine, "joint fit", problem, points, (f64::INFINITY, show))?;
     search.outcome.evaluations += evaluations;
-    if agreeing(&search) >= AGREEMENT || engine.cancelled {
-        return Ok(search);
+    if is_settled(problem, &search) || engine.is_stopped() {
+        return Ok((search, true));
     }
     let others = setup.fitted(problem, &places, FIRST_STARTS..usize::MAX, engine)?;
     search.outcome.evaluations += others.evaluations;
-    let others = engine.search("joint fit, other starts", problem, others.points, show);
+    let best = search.outcome.cost;
+    let others = raced_fit(engine, "joint fit, other starts", problem, others.points, (best, show));
     search.take_better(engine.unless_stopped(others)?);
+    let settled = is_settled(problem, &search);
+    Ok((search, settled))
+}
+
+/// Rough fits from all starts; the best is continued if it is near `known`, the best cost before, or better.
+fn raced_fit(
+    engine: &mut Engine<'_, '_>,
+    step: &str,
+    problem: &JointProblem,
+    starts: Vec<Vec<f64>>,
+    (known, show): (f64, Show<'_>),
+) -> Result<Search, OptimizeError> {
+    let mut search = local_fits(engine, step, problem, starts, rough(), show)?;
+    if search.outcome.cost <= known * NEAR && !engine.is_stopped() {
+        let best = search.outcome.best.clone();
+        let finished = resolved_fit(engine, step, problem, vec![best.clone()], show);
+        if let Some(finished) = engine.unless_stopped(finished)? {
+            search.outcome.starts.retain(|start| start.best != best);
+            search.take_better(Some(finished));
+        }
+    }
     Ok(search)
+}
+
+/// True if no better optimum is to be expected: fits from several starts come near the best one, and none of
+/// these stalled; or the residuals are nearly white.
+fn is_settled(problem: &JointProblem, search: &Search) -> bool {
+    let best = search.outcome.cost;
+    let near = || search.outcome.starts.iter().filter(|start| start.cost <= SAME * best);
+    near().count() >= AGREEMENT && near().all(|start| start.status != LocalStatus::Stalled)
+        || information(problem, &search.outcome.best) >= NEARLY_WHITE * problem.valid() as f64
 }
 
 /// Evidence for a creep factor: the fall of −2 ln of the likelihood, the BIC penalty of its parameters, and
@@ -343,7 +384,7 @@ fn try_creep(
     if found.is_none() {
         starts.extend(guesses);
     }
-    let search = quick_fit(engine, "joint fit with creep", &problem, starts);
+    let search = resolved_fit(engine, "joint fit with creep", &problem, starts, None);
     let search = engine.unless_stopped(search)?.filter(|_| !engine.is_stopped());
     Ok(search.map(|mut search| {
         search.take_better(found.map(|(_, found)| found));
@@ -356,26 +397,6 @@ fn from_other(other: &JointProblem, x: &[f64], problem: &JointProblem, guess: &[
     let place = |name: &str| other.bounds().ranges.iter().position(|range| range.name == name);
     let ranges = problem.bounds().ranges.iter().zip(guess);
     ranges.map(|(range, &guess)| place(&range.name).map_or(guess, |at| x[at])).collect()
-}
-
-/// Effective number of independent samples of the residuals at `x`.
-pub(super) fn information(problem: &JointProblem, x: &[f64]) -> f64 {
-    let residual = problem.residuals_of(x).unwrap_or_else(|| vec![0.0; problem.residual_count()]);
-    (0..problem.records().len())
-        .map(|r| problem.records()[r].valid as f64 / correlation_time(&residual[problem.rows(r)]))
-        .sum::<f64>()
-        .max(2.0)
-}
-
-/// Number of starts that ended in the best optimum (to 1e-6 of its cost).
-fn agreeing(search: &Search) -> usize {
-    let best = search.outcome.cost;
-    search
-        .outcome
-        .starts
-        .iter()
-        .filter(|start| start.status.converged() && start.cost <= best * (1.0 + 1e-6))
-        .count()
 }
 
 /// Degree by BIC over the independent samples, from one warm-started fit each, and its best point.
@@ -392,6 +413,8 @@ fn choose_degree(
         .unwrap_or(1);
     let mut fits = Vec::new();
     let mut information = 2.0;
+    let own = setup.problem(DEGREE_OF_STARTS, reduced)?;
+    let options = resolved(resolution(&own, &found.outcome.best));
     let highest = HIGHEST_AUTOMATIC_DEGREE.max(demanded);
     for degree in 1..=highest {
         let problem = setup.problem(degree, reduced)?;
@@ -400,7 +423,8 @@ fn choose_degree(
             (found.outcome.cost, found.outcome.best.clone())
         } else {
             let start = found.outcome.best.clone();
-            let fit = fit_with_its_memory(engine, &format!("degree {degree}"), &problem, start, quick());
+            let fit =
+                fit_with_its_memory(engine, &format!("degree {degree}"), &problem, start, options.clone());
             match engine.unless_stopped(fit)? {
                 Some(fit) if !engine.is_stopped() => (fit.outcome.cost, fit.outcome.best),
                 _ => break,
@@ -408,7 +432,7 @@ fn choose_degree(
         };
         if degree == highest {
             // That of the richest fit is used: its residual is the least structured.
-            information = self::information(&problem, &best);
+            information = super::resolution::information(&problem, &best);
         }
         fits.push((degree, cost, parameters, best));
     }
@@ -425,7 +449,7 @@ fn choose_degree(
     let Some((degree, _, mut best)) = chosen else { return Ok((demanded, found.outcome.best.clone())) };
     let problem = setup.problem(degree, reduced)?;
     if degree != DEGREE_OF_STARTS && problem.holding_memory(&best).is_some() && !engine.is_stopped() {
-        let fit = quick_fit(engine, &format!("degree {degree}"), &problem, vec![best.clone()]);
+        let fit = resolved_fit(engine, &format!("degree {degree}"), &problem, vec![best.clone()], None);
         best = engine.unless_stopped(fit)?.map_or(best, |fit| fit.outcome.best);
     }
     Ok((degree, best))

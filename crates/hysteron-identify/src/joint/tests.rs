@@ -132,6 +132,34 @@ fn residuals(problem: &JointProblem, x: &[f64]) -> Vec<f64> {
     out
 }
 
+/// With the weights as unknowns beside them, the derivatives are those of `jacobian` but for what lies in the
+/// span of the columns; the weights and their columns are those of the elimination.
+fn is_the_jacobian_beside_the_weights(
+    problem: &JointProblem,
+    x: &[f64],
+    jacobian: &[f64],
+    basis: &super::super::projection::Projection,
+) {
+    let mut beside = vec![0.0; jacobian.len()];
+    let mut ws = problem.workspace();
+    let (written, eliminated) = problem.jacobian_with_eliminated(x, &mut ws, &mut beside);
+    assert_eq!(written, Derivative::Written);
+    let count = problem.residual_count();
+    for (found, expected) in beside.chunks_exact_mut(count).zip(jacobian.chunks_exact(count)) {
+        basis.project(found);
+        let size = expected.iter().fold(0.0f64, |m, d| m.max(d.abs()));
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() <= 1e-10 * size));
+    }
+    let one_sided = problem.layout().weights.iter().filter(|role| matches!(role, Role::OneSided(_))).count();
+    assert_eq!(eliminated.coefficients.len(), one_sided);
+    for (column, c) in eliminated.columns.chunks_exact(count).zip(eliminated.coefficients) {
+        let mut rest = column.to_vec();
+        basis.project(&mut rest);
+        let share = hysteron_numeric::dot(&rest, &rest) / hysteron_numeric::dot(column, column);
+        assert!((*c > 0.0) == (share < 1e-18), "{c} {share}");
+    }
+}
+
 /// Kaufman's Jacobian is P⊥ times the derivative of the residual, since what it leaves out lies in the span
 /// of the columns. P⊥ itself is taken from the problem: the columns are read off its linearisation.
 fn check(problem: &JointProblem, x: &[f64]) {
@@ -144,6 +172,7 @@ fn check(problem: &JointProblem, x: &[f64]) {
     for column in linearisation.linear.chunks_exact(count) {
         basis.push(|q| q.copy_from_slice(column));
     }
+    is_the_jacobian_beside_the_weights(problem, x, &jacobian, &basis);
     let gradient_of_cost = |j: usize, r: &[f64]| -> f64 {
         jacobian[j * count..(j + 1) * count].iter().zip(r).map(|(a, b)| a * b).sum()
     };

@@ -98,6 +98,10 @@ impl ColumnKernel for DeadZonePlays {
         self.thresholds.len() + BANDS
     }
 
+    fn first_shaped(&self) -> usize {
+        self.thresholds.len()
+    }
+
     fn virgin<S: Scalar<Real = f64>>(&self, shape: &[S], u: S) -> DeadZonePlayStates<S> {
         let (shares, corners) = (self.shares(shape), self.corners());
         DeadZonePlayStates { plays: PlayStates::at(self.thresholds.len(), u), shares, corners, u }

@@ -1,8 +1,127 @@
 use super::super::test_problems::{Residuals, bard, cube, kowalik_osborne, powell_singular, rosenbrock};
 use super::super::{
-    Algorithm, Bounds, Differences, LeastSquaresProblem, Outcome, Range, Unobserved, minimize,
+    Algorithm, Bounds, Derivative, Differences, Eliminated, LeastSquaresProblem, Outcome, Problem, Range,
+    Unobserved, minimize,
 };
 use super::*;
+
+/// y = c₁ exp(−x₁ t) + c₂ exp(−x₂ t), c ≥ 0 eliminated; with derivatives beside c, or for the coefficients
+/// that are positive alone.
+struct Exponentials {
+    bounds: Bounds,
+    y: Vec<f64>,
+    beside: bool,
+}
+
+#[derive(Default)]
+struct Elimination {
+    columns: Vec<f64>,
+    coefficients: Vec<f64>,
+}
+
+const TIMES: usize = 40;
+
+fn time(k: usize) -> f64 {
+    0.1 * k as f64
+}
+
+impl Exponentials {
+    fn eliminate(&self, x: &[f64], ws: &mut Elimination) -> Vec<f64> {
+        ws.columns = x.iter().flat_map(|x| (0..TIMES).map(move |k| (-x * time(k)).exp())).collect();
+        let columns: Vec<&[f64]> = ws.columns.chunks_exact(TIMES).collect();
+        ws.coefficients = hysteron_numeric::non_negative_least_squares(&columns, &self.y);
+        let fit =
+            |k: usize| columns.iter().zip(&ws.coefficients).map(|(column, c)| c * column[k]).sum::<f64>();
+        (0..TIMES).map(|k| self.y[k] - fit(k)).collect()
+    }
+}
+
+impl Problem for Exponentials {
+    type Workspace = Elimination;
+
+    fn bounds(&self) -> &Bounds {
+        &self.bounds
+    }
+
+    fn workspace(&self) -> Elimination {
+        Elimination::default()
+    }
+
+    fn cost(&self, x: &[f64], ws: &mut Elimination) -> f64 {
+        super::super::root_mean_square(&self.eliminate(x, ws))
+    }
+}
+
+impl LeastSquaresProblem for Exponentials {
+    fn residual_count(&self) -> usize {
+        TIMES
+    }
+
+    fn residuals(&self, x: &[f64], ws: &mut Elimination, out: &mut [f64]) -> bool {
+        out.copy_from_slice(&self.eliminate(x, ws));
+        true
+    }
+
+    fn jacobian(&self, x: &[f64], ws: &mut Elimination, out: &mut [f64]) -> Derivative {
+        self.eliminate(x, ws);
+        let each = out.chunks_exact_mut(TIMES).zip(ws.columns.chunks_exact(TIMES)).zip(&ws.coefficients);
+        for ((out, column), c) in each {
+            out.iter_mut().zip(column).enumerate().for_each(|(k, (out, e))| *out = c * time(k) * e);
+        }
+        if !self.beside {
+            let positive: Vec<f64> = ws
+                .columns
+                .chunks_exact(TIMES)
+                .zip(&ws.coefficients)
+                .filter(|(_, c)| **c > 0.0)
+                .flat_map(|(column, _)| column.to_vec())
+                .collect();
+            let q = DMatrix::from_vec(TIMES, positive.len() / TIMES, positive).qr().q();
+            for column in out.chunks_exact_mut(TIMES) {
+                let d = DVector::from_column_slice(column);
+                column.copy_from_slice((&d - &q * q.tr_mul(&d)).as_slice());
+            }
+        }
+        Derivative::Written
+    }
+
+    fn jacobian_with_eliminated<'w>(
+        &self,
+        x: &[f64],
+        ws: &'w mut Elimination,
+        out: &mut [f64],
+    ) -> (Derivative, Eliminated<'w>) {
+        let derivative = self.jacobian(x, ws, out);
+        let Elimination { columns, coefficients } = ws;
+        let known = Eliminated { columns, coefficients };
+        (derivative, if self.beside { known } else { Eliminated::default() })
+    }
+}
+
+/// While the same coefficients are positive a step beside them is that by projection; across an edge, from a
+/// start where one coefficient is 0, it ends in the same optimum, in no more steps.
+#[test]
+fn coefficients_beside_the_numbers_lead_to_the_same_optimum() {
+    let y =
+        (0..TIMES).map(|k| 2.0 * (-0.4 * time(k)).exp() + 3.0 * (-1.7 * time(k)).exp()).collect::<Vec<_>>();
+    for (start, edge) in [([0.3, 2.5], false), ([3.0, 5.0], true)] {
+        let [beside, projected] = [true, false].map(|beside| {
+            let problem = Exponentials { bounds: cube(2, 0.0, 10.0), y: y.clone(), beside };
+            let mut ws = Elimination::default();
+            problem.eliminate(&start, &mut ws);
+            assert_eq!(ws.coefficients.contains(&0.0), edge, "{:?}", ws.coefficients);
+            fit(&problem, &start)
+        });
+        for (x, truth) in beside.best.iter().zip([0.4, 1.7]) {
+            assert!((x - truth).abs() < 1e-7, "{:?}", beside.best);
+        }
+        let steps = [&beside, &projected].map(|outcome| outcome.starts[0].iterations);
+        assert!(steps[0] <= steps[1], "{steps:?}");
+        if !edge {
+            assert_eq!(steps[0], steps[1]);
+        }
+    }
+}
 
 /// One fit from `start`.
 fn fit(problem: &impl LeastSquaresProblem, start: &[f64]) -> Outcome {

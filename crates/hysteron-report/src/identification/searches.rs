@@ -39,6 +39,7 @@ fn in_words(status: LocalStatus) -> &'static str {
         LocalStatus::CostTolerance => "converged: RMSE no longer falls",
         LocalStatus::StepTolerance => "converged: parameters no longer move",
         LocalStatus::Iterations => "out of iterations",
+        LocalStatus::Stalled => "stalled: the RMSE has jumps or an edge",
         LocalStatus::Abandoned => "given up: too slow to reach the best",
         LocalStatus::Budget => "out of evaluations",
         LocalStatus::Infeasible => "the model cannot be simulated there",

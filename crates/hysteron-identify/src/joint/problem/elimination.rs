@@ -28,6 +28,8 @@ impl JointProblem {
         }
         ws.projection.clear();
         ws.eliminated.clear();
+        ws.signed.clear();
+        ws.absolute.clear();
         let JointWorkspace { records, column, target, projection, eliminated, .. } = ws;
         let mut signed = Vec::new();
         for (index, role) in self.layout.linear().enumerate() {
@@ -52,7 +54,7 @@ impl JointProblem {
     /// those eliminated so far; columns with nonzero coefficients are added to these. `false` where the
     /// coefficients are not finite, and after a stop.
     fn eliminate_signed(&self, signed: &[(usize, f64)], ws: &mut JointWorkspace) -> bool {
-        let JointWorkspace { records, target, projection, signed: columns, eliminated, .. } = ws;
+        let JointWorkspace { records, target, projection, signed: columns, absolute, eliminated, .. } = ws;
         let count = target.len();
         columns.resize(signed.len() * count, 0.0);
         columns.par_chunks_exact_mut(count.max(1)).zip(signed).for_each(|(column, &(index, sign))| {
@@ -68,7 +70,8 @@ impl JointProblem {
         if used.iter().any(|c| c.is_nan()) {
             return false;
         }
-        for (&(index, _), _) in signed.iter().zip(used).filter(|(_, c)| *c > 0.0) {
+        *absolute = used;
+        for (&(index, _), _) in signed.iter().zip(&*absolute).filter(|(_, c)| **c > 0.0) {
             if self.stop.is_requested() {
                 return false;
             }

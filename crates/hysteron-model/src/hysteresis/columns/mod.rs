@@ -49,6 +49,11 @@ pub trait ColumnKernel {
     /// Number of columns K.
     fn columns(&self) -> usize;
 
+    /// Index of the first column that depends on θ; those before do not.
+    fn first_shaped(&self) -> usize {
+        0
+    }
+
     /// The virgin state at the voltage `u` \[V\].
     fn virgin<S: Scalar<Real = f64>>(&self, shape: &[S], u: S) -> Self::State<S>;
 

@@ -17,7 +17,8 @@ use crate::start::Start;
 pub struct ColumnSensitivities {
     /// The columns.
     pub columns: Vec<Vec<f64>>,
-    /// Their derivatives with respect to each shape parameter.
+    /// Their derivatives with respect to each shape parameter; empty for columns that do not depend on it
+    /// ([`ColumnKernel::first_shaped`]).
     pub d_shape: Vec<Vec<Vec<f64>>>,
     /// Their derivatives with respect to the voltage at which the device was virgin, 0 beyond their end: a
     /// steady state has no free start, and memory is wiped out.
@@ -290,7 +291,7 @@ pub(in crate::hysteresis) fn differentiate<const P: usize, K: ColumnKernel>(
     let samples = check(kernel, shape, grid, u)?;
     let drive = (u, grid.paces);
     let columns = kernel.columns();
-    out.resize(shape.len(), columns, samples)?;
+    out.resize(shape.len(), (kernel.first_shaped(), columns), samples)?;
     let duals: [Dual<f64, P>; P] = std::array::from_fn(|index| match shape.get(index) {
         Some(&value) => Dual::variable(value, index),
         None => Dual::constant(0.0),
@@ -375,14 +376,22 @@ fn close_period<const P: usize, K: ColumnKernel>(
 }
 
 impl ColumnSensitivities {
-    /// Resizes every buffer.
-    fn resize(&mut self, parameters: usize, columns: usize, samples: usize) -> Result<(), HysteresisError> {
+    /// Resizes every buffer, for `columns` of which the first `shaped` depends on the shape.
+    fn resize(
+        &mut self,
+        parameters: usize,
+        (shaped, columns): (usize, usize),
+        samples: usize,
+    ) -> Result<(), HysteresisError> {
         self.d_shape.resize(parameters, Vec::new());
         let Self { d_shape, left_out, .. } = self;
         let wanted = d_shape.iter_mut().enumerate().filter(|(index, _)| left_out.get(*index) != Some(&true));
-        for buffers in wanted.map(|(_, buffers)| buffers).chain([&mut self.columns]) {
+        let wanted = wanted.map(|(_, buffers)| (shaped, buffers));
+        for (first, buffers) in wanted.chain([(0, &mut self.columns)]) {
             buffers.resize(columns, Vec::new());
-            for column in buffers {
+            let (without, with) = buffers.split_at_mut(first.min(columns));
+            without.iter_mut().for_each(Vec::clear);
+            for column in with {
                 outputs::look(self.stop.as_ref())?;
                 column.resize(samples, 0.0);
             }

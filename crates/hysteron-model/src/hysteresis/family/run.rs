@@ -26,7 +26,7 @@ pub(super) fn run<K: ColumnKernel>(
     let is_wanted = |index: usize| wanted.is_some_and(|wanted| wanted.get(index) == Some(&true));
     let pairs: Vec<(usize, usize)> = (fixed..shape.len())
         .filter(|&index| is_wanted(index))
-        .flat_map(|index| (0..count).map(move |column| (index, column)))
+        .flat_map(|index| (kernel.first_shaped()..count).map(move |column| (index, column)))
         .collect();
     let free = matches!(start, Start::Remembering { .. });
     let mut all = std::mem::take(&mut out.scratch);

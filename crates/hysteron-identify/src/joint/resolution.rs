@@ -1,0 +1,33 @@
+//! What the records tell about the cost: the number of independent residual samples, and the differences in
+//! cost that they do not show.
+
+use super::super::uncertainty::correlation_time;
+use super::problem::JointProblem;
+use hysteron_optimize::{LeastSquaresOptions, LeastSquaresProblem};
+
+/// Change of −2 ln of the likelihood that changes no conclusion: 0.3 standard errors, squared.
+const NEGLIGIBLE: f64 = 0.1;
+/// Share of the resolution to which the optimum of a chosen structure is fitted: 0.03 standard errors.
+pub(super) const FINAL: f64 = 0.01;
+/// Largest resolution: residuals of few independent samples show a wrong structure, or a start.
+pub(super) const COARSE: f64 = 1e-5;
+
+/// Effective number of independent samples of the residuals at `x`.
+pub(super) fn information(problem: &JointProblem, x: &[f64]) -> f64 {
+    let residual = problem.residuals_of(x).unwrap_or_else(|| vec![0.0; problem.residual_count()]);
+    (0..problem.records().len())
+        .map(|r| problem.records()[r].valid as f64 / correlation_time(&residual[problem.rows(r)]))
+        .sum::<f64>()
+        .max(2.0)
+}
+
+/// Fits that end where the squared cost falls by less than this share.
+pub(super) fn resolved(resolution: f64) -> LeastSquaresOptions {
+    LeastSquaresOptions { cost_tolerance: resolution, ..Default::default() }
+}
+
+/// Share by which the squared cost at `x` may differ without effect: −2 ln of the likelihood by
+/// [`NEGLIGIBLE`], over the independent samples of the residuals.
+pub(super) fn resolution(problem: &JointProblem, x: &[f64]) -> f64 {
+    (NEGLIGIBLE / information(problem, x)).min(COARSE)
+}
