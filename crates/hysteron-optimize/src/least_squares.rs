@@ -97,7 +97,7 @@ pub enum LocalStatus {
     CostTolerance,
     /// Converged: the parameters no longer change.
     StepTolerance,
-    /// No step lowers the cost although the derivatives promise it: the cost has jumps, or an edge.
+    /// Steps whose promised fall is above the tolerance do not lower the cost: it has jumps, or an edge.
     Stalled,
     /// Iteration limit reached.
     Iterations,

@@ -139,7 +139,7 @@ impl LocalFit {
             if settled {
                 return Some(LocalStatus::CostTolerance);
             }
-            if predicted <= negligible {
+            if predicted <= negligible && cost.is_finite() {
                 return Some(LocalStatus::Stalled);
             }
             self.damping *= self.growth;
@@ -222,8 +222,8 @@ impl Linearised {
         (0..point.len()).map(cosine).fold(0.0, f64::max)
     }
 
-    /// p and d (of the positive coefficients, p, of the others) that minimise ‖J p − Φ d + r‖² + λ ‖D p‖² in
-    /// the box around `point`, c + d ≥ 0.
+    /// The minimiser of ‖J p − Φ d + r‖² + λ ‖D p‖² in the box around `point`, c + d ≥ 0: d of the positive
+    /// coefficients, p, d of those that are 0.
     fn step(&self, point: &[f64], damping: f64, scale: &[f64]) -> DVector<f64> {
         let (rows, first, n) = (self.r.nrows(), self.positive.len(), point.len());
         let root = damping.sqrt();
@@ -244,7 +244,7 @@ impl Linearised {
         bounded_linear::solve(&stacked, &target, &low, &high)
     }
 
-    /// The share of p in a step.
+    /// p of a step.
     fn own<'s>(&self, step: &'s DVector<f64>) -> &'s [f64] {
         let first = self.positive.len();
         &step.as_slice()[first..step.len() - self.zeros]

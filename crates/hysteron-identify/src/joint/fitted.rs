@@ -62,6 +62,11 @@ impl<'a> FittedOptimum<'a> {
                 thinned = Some((problem, fit.unwrap_or(before)));
             }
             (whole, x, cost) = (better.problem, better.x, better.cost);
+            let options = resolved(FINAL * resolution(&whole, &x));
+            let fit = local_fits(engine, ALL_SAMPLES, &whole, vec![x.clone()], options, None);
+            if let Some(fit) = engine.unless_stopped(fit)? {
+                (x, cost) = (fit.outcome.best, fit.outcome.cost);
+            }
         }
         (search.outcome.cost, search.outcome.best) = (cost, x.clone());
         let samples = whole.residual_count();

@@ -14,8 +14,8 @@ use hysteron_optimize::{
     Bounds, Derivative, Eliminated, LeastSquaresOptions, LeastSquaresProblem, OptimizeError, Problem, Range,
 };
 
-/// Starts that are continued beyond [`COARSE`] are within this many times of it.
-const NEAR: f64 = 100.0;
+/// Fits are continued beyond [`COARSE`] if their cost exceeds the best by less than this many times that share.
+const CONTINUED: f64 = 100.0;
 /// Least coefficient, at which the term is negligible.
 const NOTHING: f64 = 1e-12;
 
@@ -226,7 +226,8 @@ impl Normalised<'_> {
     }
 }
 
-/// Fits from the given starts, to where a better cost would not show in the records ([`resolution`]).
+/// Fits from the given starts, to where one step would lower the cost by less than shows in the records
+/// ([`resolution`]).
 pub(super) fn resolved_fit(
     engine: &mut Engine<'_, '_>,
     step: &str,
@@ -241,13 +242,17 @@ pub(super) fn resolved_fit(
         return Ok(search);
     }
     // The residuals of a better fit may be whiter, but no more than by a few times.
-    let near = search.outcome.cost * (1.0 + NEAR * COARSE);
+    let near = search.outcome.cost * (1.0 + CONTINUED * COARSE);
     let (near, rest): (Vec<_>, Vec<_>) =
         std::mem::take(&mut search.outcome.starts).into_iter().partition(|start| start.cost <= near);
-    let starts = near.into_iter().map(|start| start.best).collect();
-    search.outcome.starts = rest;
+    let starts = near.iter().map(|start| start.best.clone()).collect();
     let finer = local_fits(engine, step, problem, starts, resolved(wanted), show);
-    search.take_better(engine.unless_stopped(finer)?);
+    let finer = engine.unless_stopped(finer)?;
+    search.outcome.starts = rest;
+    if finer.is_none() {
+        search.outcome.starts.extend(near);
+    }
+    search.take_better(finer);
     Ok(search)
 }
 

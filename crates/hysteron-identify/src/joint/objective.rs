@@ -6,7 +6,7 @@ use super::campaign::JointMember;
 use super::problem::{JointProblem, JointWorkspace};
 use super::search::DEGREE_OF_STARTS;
 use super::setup::{self, JointSetup};
-use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, Settings};
+use hysteron_optimize::{Bounds, Derivative, Eliminated, LeastSquaresProblem, Problem, Settings};
 
 /// Problem that [`super::super::identify`] solves in a joint fit: residuals of all records, each weighted by
 /// its noise, with offsets, polynomial and α eliminated, over β', γ', the parameters of the dynamics, the
@@ -89,5 +89,14 @@ impl LeastSquaresProblem for JointObjective {
 
     fn jacobian(&self, x: &[f64], workspace: &mut JointScratch, out: &mut [f64]) -> Derivative {
         self.problem.jacobian(x, &mut workspace.0, out)
+    }
+
+    fn jacobian_with_eliminated<'w>(
+        &self,
+        x: &[f64],
+        workspace: &'w mut JointScratch,
+        out: &mut [f64],
+    ) -> (Derivative, Eliminated<'w>) {
+        self.problem.jacobian_with_eliminated(x, &mut workspace.0, out)
     }
 }

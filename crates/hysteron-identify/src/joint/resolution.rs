@@ -5,11 +5,13 @@ use super::super::uncertainty::correlation_time;
 use super::problem::JointProblem;
 use hysteron_optimize::{LeastSquaresOptions, LeastSquaresProblem};
 
-/// Change of −2 ln of the likelihood that changes no conclusion: 0.3 standard errors, squared.
+/// Change of −2 ln of the likelihood by one step that changes no conclusion: that of a step of 0.3 standard
+/// errors.
 const NEGLIGIBLE: f64 = 0.1;
-/// Share of the resolution to which the optimum of a chosen structure is fitted: 0.03 standard errors.
+/// Share of the resolution to which the optimum of a chosen structure is fitted: steps of 0.03 standard errors.
 pub(super) const FINAL: f64 = 0.01;
-/// Largest resolution: residuals of few independent samples show a wrong structure, or a start.
+/// Largest resolution: where the residuals have few independent samples, the structure or the start is wrong,
+/// and a better one has more.
 pub(super) const COARSE: f64 = 1e-5;
 
 /// Effective number of independent samples of the residuals at `x`.
@@ -27,7 +29,9 @@ pub(super) fn resolved(resolution: f64) -> LeastSquaresOptions {
 }
 
 /// Share by which the squared cost at `x` may differ without effect: −2 ln of the likelihood by
-/// [`NEGLIGIBLE`], over the independent samples of the residuals.
+/// [`NEGLIGIBLE`], over the independent samples of the residuals; a power of ten, the next below, since
+/// resumed searches compare it and the last bits of the residuals differ between processors.
 pub(super) fn resolution(problem: &JointProblem, x: &[f64]) -> f64 {
-    (NEGLIGIBLE / information(problem, x)).min(COARSE)
+    let decade = (NEGLIGIBLE / information(problem, x)).log10().floor();
+    10f64.powi(decade as i32).min(COARSE)
 }

@@ -19,8 +19,6 @@ use hysteron_optimize::{Algorithm, DeAbcOptions, LeastSquaresOptions, LocalStatu
 pub(super) const DEGREE_OF_STARTS: usize = 3;
 /// Residuals with an effective sample size below this share of their samples are far from white.
 const WHITE: f64 = 0.5;
-/// Residuals with an effective sample size above this share of their samples are nearly white.
-const NEARLY_WHITE: f64 = 0.25;
 /// A rough fit whose cost is within this many times the best leads to the same optimum …
 const SAME: f64 = 1.001;
 /// … and one within this many times may lead to a better one.
@@ -28,7 +26,7 @@ const NEAR: f64 = 1.1;
 /// Evidence for creep beyond doubt, relative to very strong evidence, and the least ratio of the costs.
 const EVIDENT: f64 = 10.0;
 const EVIDENT_RATIO: f64 = 1.5;
-/// Rough fits that must come near the best optimum.
+/// Fits that must come near the best optimum.
 const AGREEMENT: usize = 3;
 /// Number of first starts with fitted dynamics, in addition to the best unfitted one.
 const FIRST_STARTS: usize = 2;
@@ -245,7 +243,7 @@ fn search_globally(
     }
     let (mut search, settled) = if setup.options.start.is_some() {
         let search = engine.search("joint fit", problem, setup.guesses(problem)?, show)?;
-        let settled = is_settled(problem, &search);
+        let settled = is_settled(&search);
         (search, settled)
     } else {
         search_from_places(problem, (setup, first), engine, show)?
@@ -294,7 +292,7 @@ fn search_from_places(
     };
     let mut search = raced_fit(engine, "joint fit", problem, points, (f64::INFINITY, show))?;
     search.outcome.evaluations += evaluations;
-    if is_settled(problem, &search) || engine.is_stopped() {
+    if is_settled(&search) || engine.is_stopped() {
         return Ok((search, true));
     }
     let others = setup.fitted(problem, &places, FIRST_STARTS..usize::MAX, engine)?;
@@ -302,7 +300,7 @@ fn search_from_places(
     let best = search.outcome.cost;
     let others = raced_fit(engine, "joint fit, other starts", problem, others.points, (best, show));
     search.take_better(engine.unless_stopped(others)?);
-    let settled = is_settled(problem, &search);
+    let settled = is_settled(&search);
     Ok((search, settled))
 }
 
@@ -327,12 +325,12 @@ fn raced_fit(
 }
 
 /// True if no better optimum is to be expected: fits from several starts come near the best one, and none of
-/// these stalled; or the residuals are nearly white.
-fn is_settled(problem: &JointProblem, search: &Search) -> bool {
+/// these stalled.
+fn is_settled(search: &Search) -> bool {
     let best = search.outcome.cost;
     let near = || search.outcome.starts.iter().filter(|start| start.cost <= SAME * best);
-    near().count() >= AGREEMENT && near().all(|start| start.status != LocalStatus::Stalled)
-        || information(problem, &search.outcome.best) >= NEARLY_WHITE * problem.valid() as f64
+    let ended = near().filter(|start| start.status != LocalStatus::Abandoned).count();
+    ended >= AGREEMENT && near().all(|start| start.status != LocalStatus::Stalled)
 }
 
 /// Evidence for a creep factor: the fall of −2 ln of the likelihood, the BIC penalty of its parameters, and
@@ -413,6 +411,7 @@ fn choose_degree(
         .unwrap_or(1);
     let mut fits = Vec::new();
     let mut information = 2.0;
+    // At a stop the residuals are unknown; nothing is fitted then.
     let own = setup.problem(DEGREE_OF_STARTS, reduced)?;
     let options = resolved(resolution(&own, &found.outcome.best));
     let highest = HIGHEST_AUTOMATIC_DEGREE.max(demanded);
