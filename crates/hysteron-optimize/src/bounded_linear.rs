@@ -7,8 +7,8 @@ const MULTIPLIER_TOLERANCE: f64 = 1e-13;
 
 /// Minimiser of ‖A p − b‖ over low ≤ p ≤ high, for A of full column rank and a box that contains 0.
 ///
-/// Primal active set from p = 0, with bounds at 0 fixed that the descent there points beyond (Stark and Parker
-/// 1995, "Bounded-variable least-squares", Computational Statistics 10, 129–141): solve for the free
+/// Primal active set from p = 0, with bounds at 0 fixed that the descent there points beyond (Stark and
+/// Parker 1995, "Bounded-variable least-squares", Computational Statistics 10, 129–141): solve for the free
 /// variables, move towards that solution until a bound blocks, fix the blocking variable; where none blocks,
 /// release the bound with the largest multiplier of wrong sign. Every pass reduces ‖A p − b‖ or fixes a
 /// variable, so the result is no worse than p = 0 and inside the box.

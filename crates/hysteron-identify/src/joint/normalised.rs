@@ -14,7 +14,8 @@ use hysteron_optimize::{
     Bounds, Derivative, Eliminated, LeastSquaresOptions, LeastSquaresProblem, OptimizeError, Problem, Range,
 };
 
-/// Fits are continued beyond [`COARSE`] if their cost exceeds the best by less than this many times that share.
+/// Fits are continued beyond [`COARSE`] if their cost exceeds the best by less than this many times that
+/// share.
 const CONTINUED: f64 = 100.0;
 /// Least coefficient, at which the term is negligible.
 const NOTHING: f64 = 1e-12;

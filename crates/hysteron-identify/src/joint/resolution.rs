@@ -8,7 +8,8 @@ use hysteron_optimize::{LeastSquaresOptions, LeastSquaresProblem};
 /// Change of −2 ln of the likelihood by one step that changes no conclusion: that of a step of 0.3 standard
 /// errors.
 const NEGLIGIBLE: f64 = 0.1;
-/// Share of the resolution to which the optimum of a chosen structure is fitted: steps of 0.03 standard errors.
+/// Share of the resolution to which the optimum of a chosen structure is fitted: steps of 0.03 standard
+/// errors.
 pub(super) const FINAL: f64 = 0.01;
 /// Largest resolution: where the residuals have few independent samples, the structure or the start is wrong,
 /// and a better one has more.
