@@ -87,7 +87,7 @@ impl Projection {
 
     /// Projects `x` onto the orthogonal complement of the columns.
     pub(super) fn project(&self, x: &mut [f64]) {
-        project_out(&self.q[..self.columns * self.rows], x);
+        self.project_out_first(self.columns, x);
     }
 
     /// Projects `x` onto the orthogonal complement of the first `count` columns.

@@ -1,5 +1,4 @@
-//! What the records tell about the cost: the number of independent residual samples, and the differences in
-//! cost that they do not show.
+//! Tolerances of a joint fit, from the effective number of independent residual samples.
 
 use super::super::uncertainty::correlation_time;
 use super::problem::JointProblem;

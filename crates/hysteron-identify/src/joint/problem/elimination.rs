@@ -28,8 +28,6 @@ impl JointProblem {
         }
         ws.projection.clear();
         ws.eliminated.clear();
-        ws.signed.clear();
-        ws.absolute.clear();
         let JointWorkspace { records, column, target, projection, eliminated, .. } = ws;
         let mut signed = Vec::new();
         for (index, role) in self.layout.linear().enumerate() {
