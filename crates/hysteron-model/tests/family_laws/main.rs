@@ -184,7 +184,7 @@ fn derivatives_are_differences<K: ColumnKernel>(
         shape[index] += by;
         plain(&shape, start)
     };
-    let d_shape: Vec<Vec<f64>> = exact.d_shape.iter().map(|columns| columns.concat()).collect();
+    let d_shape: Vec<Vec<f64>> = exact.d_shape.iter().map(|columns| whole(columns, u.len())).collect();
     let d_start = whole(&exact.d_start, u.len());
     let mut wanted: Vec<_> = d_shape
         .iter()
@@ -244,8 +244,9 @@ fn a_memory_is_a_move<K: ColumnKernel>(
     prop_assert_eq!(&all.rest, &first(&columns));
     prop_assert_eq!(&all.d_start_rest, &first(&d_start));
     for (index, d) in all_longer.d_shape.iter().enumerate() {
-        prop_assert_eq!(&all.d_shape[index].concat(), &others(&d.concat()));
-        prop_assert_eq!(&all.d_shape_rest[index], &first(&d.concat()));
+        let d = whole(d, longer.len());
+        prop_assert_eq!(&whole(&all.d_shape[index], u.len()), &others(&d));
+        prop_assert_eq!(&all.d_shape_rest[index], &first(&d));
     }
     Ok(())
 }
