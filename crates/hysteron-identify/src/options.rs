@@ -314,6 +314,15 @@ impl Options {
         }
     }
 
+    /// The family that a fit searches: that of [`Self::family`] with fewer unknowns, where it has one and no
+    /// number of the family itself is asked for.
+    pub fn searched_family(&self) -> HysteresisForm {
+        let family = self.family();
+        let own: Vec<String> = family.weight_names().into_iter().chain(family.shape_names()).collect();
+        let is_asked_for = self.demands.names().any(|name| own.iter().any(|own| own == name));
+        if is_asked_for { family } else { family.searched() }
+    }
+
     /// The family given, else the default.
     pub fn family(&self) -> HysteresisForm {
         match self.hysteresis {

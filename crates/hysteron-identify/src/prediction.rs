@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::joint::PredictionBand;
 use crate::IdentifyError;
 use hysteron_model::Start;
+use hysteron_model::dynamics::Dynamics;
 use hysteron_model::hammerstein::{Model, SimulationError};
 use hysteron_model::model_file::{ModelFile, number_mut};
 use hysteron_model::record::Timing;
@@ -62,11 +63,20 @@ impl PredictionBand {
 }
 
 /// The model with its numbers moved along `direction`.
-fn moved(model: &Model, names: &[String], direction: &DVector<f64>, step: f64) -> Model {
-    let mut model = model.clone();
+fn moved(original: &Model, names: &[String], direction: &DVector<f64>, step: f64) -> Model {
+    let mut model = original.clone();
     for (name, d) in names.iter().zip(direction) {
         if let Some(number) = number_mut(&mut model, name) {
             *number += step * d;
+        }
+    }
+    // Equal orders are one number of the fit: rounding between them would make G improper.
+    if let (Dynamics::Fractional(before), Dynamics::Fractional(g)) = (&original.dynamics, &mut model.dynamics)
+    {
+        for (order, term) in before.numerator.iter().map(|term| term.order).zip(&mut g.numerator) {
+            if let Some(same) = before.denominator.iter().position(|of| of.order == order) {
+                term.order = g.denominator[same].order;
+            }
         }
     }
     model
@@ -88,7 +98,7 @@ fn scatter(file: &ModelFile) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
+    use hysteron_model::dynamics::{Scheme, Term, TransferFunction};
     use hysteron_model::hysteresis::Hysteresis;
     use hysteron_model::model_file::SignalUnits;
     use hysteron_model::record::InterSample;
@@ -135,6 +145,24 @@ mod tests {
             assert!((sd - expected).abs() < 1e-9, "{sd} {expected}");
         }
         assert_eq!(band.noise, 0.0);
+    }
+
+    #[test]
+    fn creep_alone_stays_proper() {
+        // (k + s^μ)/s^μ: μ stands in the numerator and in the denominator.
+        let term = |coefficient, order| Term { coefficient, order };
+        let g = TransferFunction {
+            numerator: vec![term(0.05, 0.0), term(1.0, 0.1)],
+            denominator: vec![term(1.0, 0.1)],
+        };
+        let creeping = Model { dynamics: Dynamics::Fractional(g), delay_s: 0.0, ..model() };
+        let both = names(&["numerator[1].order", "denominator[0].order"]);
+        // As an eigenvector has them: equal but for rounding.
+        let direction = DVector::from_vec(vec![0.01 + 1e-12, 0.01]);
+        let up = moved(&creeping, &both, &direction, STEP);
+        let Dynamics::Fractional(g) = &up.dynamics else { panic!("{:?}", up.dynamics) };
+        assert_eq!((g.numerator[1].order, g.denominator[0].order), (0.10001, 0.10001));
+        up.simulate(&[0.0, 1.0, 1.0], Some(100.0), &Start::Rest { voltage_v: 0.0 }).unwrap();
     }
 
     #[test]

@@ -323,6 +323,8 @@ fn weights_of_plays_come_back_within_three_standard_errors() {
         hysteresis: Choice::Given(HysteresisForm::plays(4)),
         dynamics: DynamicsChoice::Integer,
         degree: Choice::Given(1),
+        // Single plays, not a density of them.
+        demands: Demands { fixed: vec![("threshold_1".into(), 1.0)], bounded: Vec::new() },
         ..Options::default()
     };
     let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();
@@ -446,6 +448,55 @@ fn three_resonances_come_back_within_three_standard_errors() {
     }
     let delay = value("delay".into());
     assert!((delay.0 - 1.3e-4).abs() < 3.0 * delay.1, "{delay:?}");
+}
+
+/// Plays up to nine tenths of the stroke, two modes, creep: a loop and a sweep of one amplitude determine
+/// their density, and with it the minor loops of a random reference, to twice the noise of the sensor. Twelve
+/// single plays up to half of the stroke do not.
+#[test]
+fn a_density_of_plays_predicts_loops_of_other_amplitudes() {
+    let plays = (0..45).map(|index| {
+        let r = 0.1 + 0.2 * f64::from(index);
+        Play { rising_v: r, falling_v: r, weight_um_per_v: 0.03 }
+    });
+    let stack = PlayStack {
+        plays: plays.collect(),
+        quadratic_per_um: 0.0,
+        cubic_per_um2: 0.0,
+        ..PlayStack::default()
+    };
+    let mut truth = Truth { plant: Plant::PlayStack(stack), ..Truth::default() };
+    truth.sensor.noise_um = 0.004;
+    let plan = CampaignPlan {
+        loop_periods: 2.0,
+        sweep_s: 4.0,
+        validation_hz: Vec::new(),
+        tracking_s: 1.0,
+        ..CampaignPlan::default()
+    };
+    let runs = run_campaign(&truth, &plan, 3).unwrap();
+    let of_role = |wanted: fn(&Role) -> bool| runs.iter().filter(move |r| wanted(&r.role)).map(data);
+    let training = of_role(|role| matches!(role, Role::QuasiStatic | Role::Sweep));
+    let campaign: Vec<CampaignRecord> = training.map(|data| CampaignRecord { data, role: None }).collect();
+    let unseen = of_role(|role| matches!(role, Role::Tracking)).next().unwrap();
+    let error = |demands: Demands| {
+        let hysteresis = Choice::Given(HysteresisForm::plays(12));
+        let options = Options { hysteresis, demands, ..Options::default() };
+        let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();
+        let start = found.records[0].start;
+        let (_, simulated) = choose_start(&found.model, &unseen, start, None, &Scoring::default()).unwrap();
+        (score(&unseen, &simulated, &Scoring::default()).unwrap().rmse, found)
+    };
+    let (density, found) = error(Demands::default());
+    assert!(density < 0.008, "{density} µm");
+    // The errors of the weights follow from those of the density.
+    let weights: Vec<_> = found.parameters.iter().filter(|p| p.name.starts_with("weight_")).collect();
+    assert_eq!(weights.len(), 60);
+    assert!(weights.iter().any(|weight| weight.std_error.is_some_and(|error| error < 0.1 * weight.value)));
+    assert!(found.parameters.iter().all(|p| p.held == p.name.starts_with("threshold_")));
+    let held = Demands { fixed: vec![("threshold_1".into(), 5.0 / 13.0)], bounded: Vec::new() };
+    let (single, _) = error(held);
+    assert!(density < 0.3 * single, "{density} and {single} µm");
 }
 
 /// The default bench lies outside every class: asymmetric plays behind a bend, two modes, creep. Trained on

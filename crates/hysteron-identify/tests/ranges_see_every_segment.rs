@@ -53,7 +53,8 @@ fn record() -> CampaignRecord {
 #[test]
 fn ranges_are_those_of_the_small_fast_sine_too() {
     let options = Options {
-        hysteresis: Choice::Given(HysteresisForm::plays(4)),
+        // Enough that a density of them has corners near both plays of the device.
+        hysteresis: Choice::Given(HysteresisForm::plays(12)),
         dynamics: DynamicsChoice::Integer,
         order: 1,
         degree: Choice::Given(1),

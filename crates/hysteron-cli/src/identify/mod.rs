@@ -104,8 +104,8 @@ pub struct Identify {
     )]
     hysteresis: Option<HysteresisForm>,
 
-    /// Size of the hysteresis block: number of plays, slip elements, states, grid lines or intervals of a
-    /// plane, or the polynomial degree [default: usual for the family]
+    /// Size of the hysteresis block: number of plays or of the corners of their density, slip elements,
+    /// states, grid lines or intervals of a plane, or the polynomial degree [default: usual for the family]
     #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true)]
     elements: Option<usize>,
 

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use super::super::layout::{BoxBuilder, Role};
 use super::super::options::Choice;
 use super::super::static_step::Scales;
+use super::campaign::JointMember;
 use super::setup::JointSetup;
 use hysteron_model::Start;
 use hysteron_model::hysteresis::{DriveSpan, Search, ShapeNumber};
@@ -58,11 +59,28 @@ impl JointSetup<'_> {
             stroke: self.scales.range_v,
             ends: self.span().into(),
             grid: self.grid(),
+            reach: self.reach.unwrap_or_else(|| self.farthest()),
             fastest_rate: TAU * self.fastest_hz,
             exponent,
             holds_exponent,
             is_straight: self.hysteresis.weight_names().iter().all(|name| demands.fixed(name) == Some(0.0)),
         }
+    }
+
+    /// Largest half-width of a play that the drives may move: the way from the first voltage of a record, where
+    /// it may be virgin, to the farther end of its range; half of the range for a steady state.
+    pub(super) fn farthest(&self) -> f64 {
+        let of_member = |member: &JointMember<'_>| {
+            let u = &member.facts.data.u;
+            let (low, high) = range_of(u);
+            let first = match member.before {
+                Start::Rest { voltage_v } => voltage_v,
+                _ if member.before == Start::PERIODIC => 0.5 * (low + high),
+                _ => u[0],
+            };
+            (high - first).max(first - low)
+        };
+        self.members.iter().map(of_member).fold(0.5 * self.scales.range_v, f64::max)
     }
 
     /// Range of a family's grid. A plane of relays covers the range a demagnetised device needs: relays that

@@ -3,6 +3,7 @@
 mod band;
 mod between;
 mod campaign;
+mod degree;
 mod drive;
 mod family;
 mod fit;

@@ -3,8 +3,8 @@
 use super::super::campaign::usable;
 use super::super::{CampaignRecord, Choice, Engine, IdentifyError, Options, Watch};
 use super::campaign::JointMember;
+use super::degree::DEGREE_OF_STARTS;
 use super::problem::{JointProblem, JointWorkspace};
-use super::search::DEGREE_OF_STARTS;
 use super::setup::{self, JointSetup};
 use hysteron_optimize::{Bounds, Derivative, Eliminated, LeastSquaresProblem, Problem, Settings};
 

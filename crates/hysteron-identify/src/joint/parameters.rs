@@ -131,27 +131,33 @@ pub(super) fn parameters(
         })
         .collect();
     let layout = problem.layout();
-    let mut push = |role, name: &str, value, fitted: Role| {
+    let mut push = |role, name: &str, value, fitted: Role, std_error| {
         let held = matches!(fitted, Role::Fixed(_));
-        list.push(Parameter { held, ..Parameter::new(role, name, value, error(name)) });
+        list.push(Parameter { held, ..Parameter::new(role, name, value, std_error) });
     };
     let family = problem.hysteresis();
-    for (number, (name, value)) in family.model_numbers().into_iter().zip(b.numbers()) {
+    // The numbers of a model with more of them than the fit had follow from those of the fit.
+    let follows = b.form() != family;
+    for (number, (name, value)) in b.form().model_numbers().into_iter().zip(b.numbers()) {
+        let role = ParameterRole::Hysteresis(number.place);
+        if follows {
+            let fitted = match number.place {
+                Place::Shape(_) => Role::Fixed(value),
+                Place::Weight(_) => Role::Projected,
+            };
+            push(role, &name, value, fitted, of(of_numbers, &name).filter(|error| *error > 0.0));
+            continue;
+        }
         let fitted = match number.place {
             Place::Shape(index) => layout.shape.get(index),
             Place::Weight(index) => layout.weights.get(index),
         };
-        push(
-            ParameterRole::Hysteresis(number.place),
-            &name,
-            value,
-            fitted.copied().unwrap_or(Role::Projected),
-        );
+        push(role, &name, value, fitted.copied().unwrap_or(Role::Projected), error(&name));
     }
     for ((parameter, &value), &role) in form.parameters().iter().zip(&solution.form).zip(&layout.form) {
-        push(ParameterRole::Dynamics(*parameter), parameter.name, value, role);
+        push(ParameterRole::Dynamics(*parameter), parameter.name, value, role, error(parameter.name));
     }
-    push(ParameterRole::Delay, DELAY, solution.delay_s, layout.delay);
+    push(ParameterRole::Delay, DELAY, solution.delay_s, layout.delay, error(DELAY));
     if let (Modes::Fractional, Creep::None, Dynamics::Fractional(g)) =
         (form.modes, form.creep, &model.dynamics)
     {

@@ -4,19 +4,17 @@
 use super::super::IdentifyError;
 use super::super::engine::{Engine, Search, Show, rough};
 use super::super::options::{Choice, DynamicsChoice, Options};
-use super::super::static_step::{BIC_FALL, HIGHEST_AUTOMATIC_DEGREE};
+use super::super::static_step::BIC_FALL;
+use super::degree::{DEGREE_OF_STARTS, choose_degree, fit_with_its_memory, with_reach};
 use super::model::shown;
 use super::normalised::{local_fits, resolved_fit};
 use super::problem::JointProblem;
-use super::resolution::{information, resolution, resolved};
+use super::resolution::{COARSE, information, resolved};
 use super::setup::JointSetup;
 use super::starts::{Places, Starts};
 use hysteron_model::dynamics::{Creep, DynamicForm};
-use hysteron_model::model_file::polynomial_name;
 use hysteron_optimize::{Algorithm, DeAbcOptions, LeastSquaresOptions, LocalStatus, OptimizeError, Problem};
 
-/// Polynomial degree of the starts where the degree is chosen from the data.
-pub(super) const DEGREE_OF_STARTS: usize = 3;
 /// Residuals with an effective sample size below this share of their samples are far from white.
 const WHITE: f64 = 0.5;
 /// A rough fit whose cost is within this many times the best leads to the same optimum …
@@ -64,7 +62,16 @@ pub(super) fn search<'a>(
         let creeping = setup.with(with_creep, options);
         let mut begun = begin_with_creep(&problem, &creeping, reduced, engine)?;
         begun.search.outcome.evaluations += begun.evaluations();
-        if engine.is_stopped() || begun.is_evident(&problem, &creeping) {
+        let shows_creep = begun.shows_creep(&problem) && begun.delay_is_inside(&creeping);
+        if shows_creep && !begun.dynamics_are_inside(&creeping) && !engine.is_stopped() {
+            // An optimum at an edge of the search may be a local one.
+            let first = FirstPoints::at(begun.places, &begun.problem, &creeping, engine)?;
+            let others = search_from_places(&begun.problem, (&creeping, Some(first)), engine, None);
+            let others = engine.unless_stopped(others.map(|(others, _)| others))?;
+            begun.search.take_better(others);
+            return with_degree(creeping, (begun.problem, reduced), begun.search, engine);
+        }
+        if shows_creep || engine.is_stopped() {
             return with_degree(creeping, (begun.problem, reduced), begun.search, engine);
         }
         let mut from_places = FirstPoints::at(begun.places, &problem, &setup, engine)?;
@@ -105,6 +112,7 @@ fn with_degree<'a>(
     engine: &mut Engine<'_, '_>,
 ) -> Result<Optimum<'a>, IdentifyError> {
     search.outcome.best = problem.in_order(search.outcome.best);
+    let (setup, problem, search) = with_reach(setup, (problem, reduced), search, engine)?;
     let mut degrees = Vec::new();
     let (degree, best) = if setup.options.degree == Choice::Auto && !engine.is_stopped() {
         choose_degree(&setup, reduced, &search, engine, &mut degrees)?
@@ -154,6 +162,8 @@ struct CreepFirst {
     search: Search,
     /// None after a stop.
     plain: Option<Search>,
+    /// The fit without creep is no longer a rough one.
+    is_followed: bool,
     places: Places,
     /// Evaluations before the fit with creep.
     before: usize,
@@ -165,16 +175,25 @@ impl CreepFirst {
         self.before + self.plain.as_ref().map_or(0, |plain| plain.outcome.evaluations)
     }
 
-    /// True if creep is beyond doubt in a fit with no parameter of its dynamics and no delay at a bound.
-    fn is_evident(&self, plain: &JointProblem, setup: &JointSetup<'_>) -> bool {
-        let best = &self.search.outcome.best;
+    /// True if creep is beyond doubt.
+    fn shows_creep(&self, plain: &JointProblem) -> bool {
+        self.plain.as_ref().is_some_and(|fit| {
+            let gain = Gain::new((plain, fit.outcome.cost), (&self.problem, &self.search));
+            if self.is_followed { gain.is_overwhelming() } else { gain.is_evident() }
+        })
+    }
+
+    /// True if no parameter of the dynamics is at an edge of its range.
+    fn dynamics_are_inside(&self, setup: &JointSetup<'_>) -> bool {
         let own = setup.form.parameters();
         let is_own = |name: &str| own.iter().any(|parameter| parameter.name == name);
-        let mut ranges = self.problem.bounds().ranges.iter().zip(best);
-        self.plain.as_ref().is_some_and(|rough| {
-            Gain::new((plain, rough.outcome.cost), (&self.problem, &self.search)).is_evident()
-        }) && !ranges.any(|(range, x)| is_own(&range.name) && range.is_end(*x))
-            && setup.with_longer_delays(&self.problem, best).is_none()
+        let mut ranges = self.problem.bounds().ranges.iter().zip(&self.search.outcome.best);
+        !ranges.any(|(range, x)| is_own(&range.name) && range.is_end(*x))
+    }
+
+    /// True if the delay is not at the upper end of its range.
+    fn delay_is_inside(&self, setup: &JointSetup<'_>) -> bool {
+        setup.with_longer_delays(&self.problem, &self.search.outcome.best).is_none()
     }
 }
 
@@ -198,12 +217,24 @@ fn begin_with_creep(
     let points = first_or_best(&problem, points, engine);
     let search = resolved_fit(engine, "joint fit with creep", &problem, points, None)?;
     let start = from_other(&problem, &search.outcome.best, plain, &vec![0.0; plain.bounds().dimension()]);
-    let mut plain_fit = None;
+    let (mut plain_fit, mut is_followed) = (None, false);
     if !engine.is_stopped() {
-        let fit = fit_with_its_memory(engine, "joint fit without creep", plain, start, rough());
+        let step = "joint fit without creep";
+        let fit = fit_with_its_memory(engine, step, plain, start, rough());
         plain_fit = engine.unless_stopped(fit)?;
+        if let Some(rough) = &mut plain_fit {
+            let gain = Gain::new((plain, rough.outcome.cost), (&problem, &search));
+            // A fit from other starts takes far longer than the end of this one.
+            if gain.is_overwhelming() && !gain.is_evident() && !engine.is_stopped() {
+                let start = rough.outcome.best.clone();
+                let fit = fit_with_its_memory(engine, step, plain, start, resolved(COARSE));
+                let fit = engine.unless_stopped(fit)?;
+                is_followed = fit.is_some();
+                rough.take_better(fit);
+            }
+        }
     }
-    Ok(CreepFirst { problem, search, plain: plain_fit, places, before })
+    Ok(CreepFirst { problem, search, plain: plain_fit, is_followed, places, before })
 }
 
 /// The given points; after a stop the best one so far.
@@ -359,7 +390,12 @@ impl Gain {
     /// True if creep is beyond doubt although the fit without it is not converged: on records with creep such
     /// fits converge slowly.
     fn is_evident(&self) -> bool {
-        self.ratio > EVIDENT_RATIO && self.likelihood > EVIDENT * (BIC_FALL + self.price)
+        self.ratio > EVIDENT_RATIO && self.is_overwhelming()
+    }
+
+    /// True if creep is beyond doubt where the fit without it is converged.
+    fn is_overwhelming(&self) -> bool {
+        self.likelihood > EVIDENT * (BIC_FALL + self.price)
     }
 }
 
@@ -395,78 +431,4 @@ fn from_other(other: &JointProblem, x: &[f64], problem: &JointProblem, guess: &[
     let place = |name: &str| other.bounds().ranges.iter().position(|range| range.name == name);
     let ranges = problem.bounds().ranges.iter().zip(guess);
     ranges.map(|(range, &guess)| place(&range.name).map_or(guess, |at| x[at])).collect()
-}
-
-/// Degree by BIC over the independent samples, from one warm-started fit each, and its best point.
-fn choose_degree(
-    setup: &JointSetup<'_>,
-    reduced: bool,
-    found: &Search,
-    engine: &mut Engine<'_, '_>,
-    tried: &mut Vec<(usize, f64, f64)>,
-) -> Result<(usize, Vec<f64>), IdentifyError> {
-    let demanded = (1..=super::super::HIGHEST_DEGREE)
-        .filter(|&d| setup.options.demands.names().any(|n| n == polynomial_name(d)))
-        .max()
-        .unwrap_or(1);
-    let mut fits = Vec::new();
-    let mut information = 2.0;
-    // At a stop the residuals are unknown; nothing is fitted then.
-    let own = setup.problem(DEGREE_OF_STARTS, reduced)?;
-    let options = resolved(resolution(&own, &found.outcome.best));
-    let highest = HIGHEST_AUTOMATIC_DEGREE.max(demanded);
-    for degree in 1..=highest {
-        let problem = setup.problem(degree, reduced)?;
-        let parameters = problem.bounds().dimension() + problem.layout().linear().count();
-        let (cost, best) = if degree == DEGREE_OF_STARTS {
-            (found.outcome.cost, found.outcome.best.clone())
-        } else {
-            let start = found.outcome.best.clone();
-            let fit =
-                fit_with_its_memory(engine, &format!("degree {degree}"), &problem, start, options.clone());
-            match engine.unless_stopped(fit)? {
-                Some(fit) if !engine.is_stopped() => (fit.outcome.cost, fit.outcome.best),
-                _ => break,
-            }
-        };
-        if degree == highest {
-            // That of the richest fit is used: its residual is the least structured.
-            information = super::resolution::information(&problem, &best);
-        }
-        fits.push((degree, cost, parameters, best));
-    }
-    let mut chosen: Option<(usize, f64, Vec<f64>)> = None;
-    for (degree, cost, parameters, best) in fits {
-        let bic =
-            information * (cost * cost).max(f64::MIN_POSITIVE).ln() + parameters as f64 * information.ln();
-        tried.push((degree, cost, bic));
-        let better = chosen.as_ref().is_none_or(|(_, before, _)| bic < before - BIC_FALL);
-        if better || degree <= demanded {
-            chosen = Some((degree, bic, best));
-        }
-    }
-    let Some((degree, _, mut best)) = chosen else { return Ok((demanded, found.outcome.best.clone())) };
-    let problem = setup.problem(degree, reduced)?;
-    if degree != DEGREE_OF_STARTS && problem.holding_memory(&best).is_some() && !engine.is_stopped() {
-        let fit = resolved_fit(engine, &format!("degree {degree}"), &problem, vec![best.clone()], None);
-        best = engine.unless_stopped(fit)?.map_or(best, |fit| fit.outcome.best);
-    }
-    Ok((degree, best))
-}
-
-/// A local fit with the memory held where this spares rerunning the operators, else with all free.
-fn fit_with_its_memory(
-    engine: &mut Engine<'_, '_>,
-    step: &str,
-    problem: &JointProblem,
-    start: Vec<f64>,
-    options: LeastSquaresOptions,
-) -> Result<Search, OptimizeError> {
-    let Some(held) = problem.holding_memory(&start) else {
-        return local_fits(engine, step, problem, vec![start], options, None);
-    };
-    let (searched, memory) = start.split_at(held.bounds().dimension());
-    let mut fit = local_fits(engine, step, &held, vec![searched.to_vec()], options, None)?;
-    fit.outcome.best.extend(memory);
-    Ok(fit)
 }

@@ -36,6 +36,8 @@ pub(in super::super) struct JointSetup<'a> {
     pub(in super::super) options: &'a Options,
     pub(in super::super) fastest_hz: f64,
     pub(in super::super) rate_hz: f64,
+    /// Largest half-width of a play; `None`: the largest that the drives may move.
+    pub(super) reach: Option<f64>,
     /// Longest delay searched \[s\].
     longest_delay_s: f64,
     /// Whole and reduced records, prepared when first needed.
@@ -71,13 +73,14 @@ impl<'a> JointSetup<'a> {
         let rate_hz = members.iter().map(|m| m.rate_hz).fold(0.0, f64::max);
         Self {
             scales: Scales::of(&facts),
-            hysteresis: options.family(),
+            hysteresis: options.searched_family(),
             form,
             options,
             fastest_hz,
             rate_hz,
             longest_delay_s: (LONGEST_DELAY_SAMPLES / rate_hz).max(LONGEST_DELAY_PERIODS / fastest_hz),
             members,
+            reach: None,
             prepared: Arc::default(),
             resonances: Arc::default(),
             stop: Stop::new(),
@@ -99,9 +102,9 @@ impl<'a> JointSetup<'a> {
     where
         'a: 'b,
     {
-        let longest_delay_s = self.longest_delay_s;
         JointSetup {
-            longest_delay_s,
+            longest_delay_s: self.longest_delay_s,
+            reach: self.reach,
             ..JointSetup::new(self.members, self.form, options).stopped_by(&self.stop)
         }
     }
@@ -114,6 +117,13 @@ impl<'a> JointSetup<'a> {
         let longer = FAR_DELAY_PERIODS / self.fastest_hz;
         let widen = at_end && !asked && longer > self.longest_delay_s;
         widen.then(|| JointSetup { longest_delay_s: longer, ..self.clone() })
+    }
+
+    /// This setup with other half-widths of plays, up to this share of the largest that the drives may move;
+    /// `None` where that is below half of their range.
+    pub(super) fn with_reach(&self, share: f64) -> Option<Self> {
+        let reach = share * self.farthest();
+        (reach >= 0.499 * self.scales.range_v).then(|| Self { reach: Some(reach), ..self.clone() })
     }
 
     /// True if uniformly sampled records have fewer than `samples` samples per cycle of the fastest drive and

@@ -237,6 +237,11 @@ pub trait FamilyDescription: fmt::Debug + Sync {
         Some(0.0)
     }
 
+    /// True if its models are the equivalent plays: a family for fits alone.
+    fn is_written_as_plays(&self) -> bool {
+        false
+    }
+
     /// The equivalent polynomial and plays, where they exist.
     fn as_plays(
         &self,

@@ -65,6 +65,11 @@ impl HysteresisForm {
         Err(HysteresisError::Elements { family: self.name(), found: count, allowed })
     }
 
+    /// The family that a fit searches for models of this one: itself, or one with fewer unknowns.
+    pub fn searched(self) -> Self {
+        Self { family: self.family.searched().unwrap_or(self.family), ..self }
+    }
+
     /// This family with another number of weights; `None` where it has no such member.
     pub fn with_weights(self, weights: usize) -> Option<Self> {
         let elements = if self.family.elements().is_some() { 0..=weights } else { 0..=0 };
@@ -238,6 +243,12 @@ impl HysteresisForm {
         weights: &[f64],
         shape: &[f64],
     ) -> Result<Hysteresis, HysteresisError> {
+        if self.family.is_written_as_plays()
+            && let Some(plays) = self.family.as_plays(self.elements, &polynomial, shape, weights)
+        {
+            plays.validate()?;
+            return Ok(plays.into());
+        }
         Hysteresis::new(polynomial, self, self.family.own_shape(shape, weights), weights.to_vec())
     }
 }

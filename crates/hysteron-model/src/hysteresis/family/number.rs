@@ -138,6 +138,8 @@ pub struct DriveSpan {
     pub ends: [f64; 2],
     /// Ends of what a family's grid covers \[V\].
     pub grid: [f64; 2],
+    /// Largest half-width of a play that the drives may move \[V\].
+    pub reach: f64,
     /// Rate of the fastest drive at its mean, for a drive of half the stroke to either side \[1/s\].
     pub fastest_rate: f64,
     /// Exponent of a family that has one, to start from.
@@ -154,6 +156,7 @@ impl DriveSpan {
         stroke: 1.0,
         ends: [0.0, 1.0],
         grid: [0.0, 1.0],
+        reach: 1.0,
         fastest_rate: 1.0,
         exponent: 1.0,
         holds_exponent: true,

@@ -24,6 +24,11 @@ pub(in crate::hysteresis) trait ColumnFamily: FamilyDescription {
     /// Leading numbers of the shape that are structure of the kernel: none, [`GRID_ENDS`] or [`WHOLE_SHAPE`].
     const FIXED: usize = 0;
 
+    /// The family that fits search in its place.
+    fn searched(&self) -> Option<&'static dyn ColumnOperators> {
+        None
+    }
+
     /// The kernel of this structure; `interval_s`: seconds between samples, for a rate-dependent family.
     fn kernel(&self, elements: usize, shape: &[f64], interval_s: f64) -> Self::Kernel;
 
@@ -50,6 +55,11 @@ pub(in crate::hysteresis) const WHOLE_SHAPE: usize = usize::MAX;
 
 /// Operations on a family: on its columns, and on a model of it.
 pub(in crate::hysteresis) trait ColumnOperators: FamilyDescription {
+    /// The family that fits search in place of this one, for the same models with fewer unknowns.
+    fn searched(&self) -> Option<&'static dyn ColumnOperators> {
+        None
+    }
+
     /// Checks structure and a shape of the right length, of the columns or of a model.
     fn check(&self, elements: usize, shape: &[f64]) -> Result<(), HysteresisError>;
 
@@ -150,6 +160,10 @@ fn own<F: ColumnFamily>(shape: &[f64]) -> &[f64] {
 }
 
 impl<F: ColumnFamily> ColumnOperators for F {
+    fn searched(&self) -> Option<&'static dyn ColumnOperators> {
+        ColumnFamily::searched(self)
+    }
+
     fn check(&self, elements: usize, shape: &[f64]) -> Result<(), HysteresisError> {
         let [low, high] = ends(shape);
         if F::FIXED == GRID_ENDS && !(low < high && (high - low).is_finite()) {

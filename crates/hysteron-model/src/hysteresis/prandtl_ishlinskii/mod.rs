@@ -5,6 +5,7 @@
 //! 148 (2001) 185–192, doi:10.1049/ip-cta:20010375.
 
 mod columns;
+pub(in crate::hysteresis) mod density;
 mod inverse;
 
 pub use inverse::StepInverse;
@@ -14,8 +15,8 @@ use columns::Plays;
 use hysteron_rt::{PlayBank, PlayError, play};
 
 use super::family::{
-    ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, NumberUnit, RuntimeOperator, Search,
-    ShapeNumber, WHOLE_SHAPE, in_a_row,
+    ColumnFamily, ColumnOperators, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, NumberUnit,
+    RuntimeOperator, Search, ShapeNumber, WHOLE_SHAPE, in_a_row,
 };
 use super::outputs::Columns;
 use super::pass::{Every, at_rest};
@@ -226,7 +227,7 @@ impl FamilyDescription for Entry {
     }
 
     fn summary(&self) -> &'static str {
-        "Polynomial and 12 plays: minor loops, exact inverse (this and all below: joint fit only)"
+        "Polynomial and plays: minor loops, exact inverse (this and all below: joint fit only)"
     }
 
     fn equation(&self) -> &'static str {
@@ -290,6 +291,10 @@ impl ColumnFamily for Entry {
     type Kernel = Plays;
 
     const FIXED: usize = WHOLE_SHAPE;
+
+    fn searched(&self) -> Option<&'static dyn ColumnOperators> {
+        Some(&density::Density)
+    }
 
     fn kernel(&self, _: usize, shape: &[f64], _: f64) -> Plays {
         Plays { thresholds: shape.to_vec() }

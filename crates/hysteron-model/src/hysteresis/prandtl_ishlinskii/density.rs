@@ -1,0 +1,424 @@
+//! A density of plays: many plays, their weights tied by a broken line over their half-widths.
+
+use hysteron_rt::{Scalar, play};
+
+use super::super::columns::{ColumnKernel, simulate_with_sensitivities};
+use super::super::family::{
+    ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, NumberUnit, RuntimeOperator, Search,
+    ShapeNumber, WHOLE_SHAPE,
+};
+use super::super::outputs::{self, Columns};
+use super::super::pass::{Every, at_rest};
+use super::super::plays::{PlayStates, check_thresholds};
+use super::super::{DriveGrid, HysteresisError};
+use super::PrandtlIshlinskii;
+use crate::record::range_of;
+use crate::start::Start;
+
+/// Samples between two checks of the stop.
+const LOOK: usize = 1 << 12;
+
+/// Columns of a density ρ(r) of plays that is a broken line over their half-widths, ρ(r) = Σⱼ ρⱼ hatⱼ(r) with
+/// corners at knots 0 < R₁ < … < R_K, constant below R₁ and 0 above R_K:
+///
+/// Hⱼ = Σᵢ Tᵢⱼ F_rᵢ\[u\],  Tᵢⱼ = hatⱼ(rᵢ) Δᵢ / Σᵢ hatⱼ(rᵢ) Δᵢ \[V\],
+///
+/// over a bank of plays that divides every interval between knots equally, Δᵢ being half the distance of the
+/// neighbours of rᵢ. The weight of column j is the sum of the weights of its plays. Without shape numbers.
+///
+/// Few unknowns, and loops without the corners of few plays.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::hysteresis) struct PlayDensity {
+    knots: Vec<f64>,
+    /// Plays in an interval between knots.
+    parts: usize,
+    thresholds: Vec<f64>,
+    /// Tᵢⱼ of each play, in the columns of the knots below and above it.
+    shares: Vec<[f64; 2]>,
+}
+
+impl PlayDensity {
+    pub(super) fn new(knots: &[f64]) -> Self {
+        let parts = (MOST_ELEMENTS / knots.len().max(1)).max(1);
+        let below = std::iter::once(0.0).chain(knots.iter().copied());
+        let (mut thresholds, mut shares) = (Vec::new(), Vec::new());
+        for (index, (low, &high)) in below.zip(knots).enumerate() {
+            for part in 1..=parts {
+                let at = part as f64 / parts as f64;
+                thresholds.push(low + at * (high - low));
+                shares.push(if index == 0 { [0.0, 1.0] } else { [1.0 - at, at] });
+            }
+        }
+        let mut before = 0.0;
+        for (i, shares) in shares.iter_mut().enumerate() {
+            let after = thresholds.get(i + 1).unwrap_or(&thresholds[i]);
+            shares.iter_mut().for_each(|share| *share *= 0.5 * (after - before));
+            before = thresholds[i];
+        }
+        let mut density = Self { knots: knots.to_vec(), parts, thresholds, shares };
+        let mut totals = vec![0.0; knots.len()];
+        density.sum(&vec![1.0; density.thresholds.len()], &mut totals);
+        for (interval, shares) in density.shares.chunks_exact_mut(parts).enumerate() {
+            for [below, above] in shares {
+                *below = interval.checked_sub(1).map_or(0.0, |column| *below / totals[column]);
+                *above /= totals[interval];
+            }
+        }
+        density
+    }
+
+    /// Weights of the plays, from those of the columns.
+    fn play_weights(&self, weights: &[f64]) -> Vec<f64> {
+        let weight =
+            |index: Option<usize>| index.and_then(|index| weights.get(index)).copied().unwrap_or(0.0);
+        let of = |(interval, shares): (usize, &[[f64; 2]])| {
+            let [below, above] = [weight(interval.checked_sub(1)), weight(Some(interval))];
+            shares.iter().map(move |[a, b]| a * below + b * above).collect::<Vec<f64>>()
+        };
+        self.shares.chunks_exact(self.parts).enumerate().flat_map(of).collect()
+    }
+}
+
+/// Plays, with 1 for those that the drive has not yet moved away from a memory and 0 for the others.
+struct Plays {
+    states: Vec<f64>,
+    still: Vec<f64>,
+    are_some_still: bool,
+}
+
+impl Plays {
+    #[inline]
+    fn step(&mut self, thresholds: &[f64], u: f64) {
+        if self.are_some_still {
+            for ((state, still), &threshold) in self.states.iter().zip(&mut self.still).zip(thresholds) {
+                if play(threshold, *state, u) != *state {
+                    *still = 0.0;
+                }
+            }
+            self.are_some_still = self.still.contains(&1.0);
+        }
+        for (state, &threshold) in self.states.iter_mut().zip(thresholds) {
+            *state = play(threshold, *state, u);
+        }
+    }
+}
+
+impl PlayDensity {
+    /// The plays before the first sample.
+    fn at_start(&self, start: Start<f64>, u: &[f64]) -> Result<Plays, HysteresisError> {
+        let count = self.thresholds.len();
+        let at = |voltage, still| Plays {
+            states: vec![voltage; count],
+            still: vec![f64::from(u8::from(still)); count],
+            are_some_still: still && count > 0,
+        };
+        let plays = match at_rest(start, u)? {
+            Some((rest, None)) => at(rest, false),
+            Some((rest, Some(memory))) => {
+                let mut plays = at(memory, true);
+                plays.step(&self.thresholds, rest);
+                plays
+            }
+            None => {
+                // Exact after one period; plays that the drive never moves stay in the middle.
+                let (low, high) = range_of(u);
+                let mut plays = at(0.5 * low + 0.5 * high, false);
+                u.iter().for_each(|&u| plays.step(&self.thresholds, u));
+                plays
+            }
+        };
+        match plays.states.iter().all(|state| state.is_finite()) {
+            true => Ok(plays),
+            false => Err(HysteresisError::Drive { index: 0 }),
+        }
+    }
+
+    /// Sums of `plays` in every column.
+    #[inline]
+    fn sum(&self, plays: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        let parts = self.parts;
+        let intervals = plays.chunks_exact(parts).zip(self.shares.chunks_exact(parts));
+        for (interval, (plays, shares)) in intervals.enumerate() {
+            let (mut below, mut above) = (0.0, 0.0);
+            for (play, [a, b]) in plays.iter().zip(shares) {
+                below += a * play;
+                above += b * play;
+            }
+            if let Some(first) = interval.checked_sub(1) {
+                out[first] += below;
+            }
+            out[interval] += above;
+        }
+    }
+}
+
+impl ColumnKernel for PlayDensity {
+    type State<S: Scalar<Real = f64>> = PlayStates<S>;
+
+    simulate_with_sensitivities!(0);
+
+    fn shape_names(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    fn check(&self, _: &[f64]) -> Result<(), HysteresisError> {
+        check_thresholds(&self.knots)
+    }
+
+    fn columns(&self) -> usize {
+        self.knots.len()
+    }
+
+    fn virgin<S: Scalar<Real = f64>>(&self, _: &[S], u: S) -> PlayStates<S> {
+        PlayStates::at(self.thresholds.len(), u)
+    }
+
+    fn advance<S: Scalar<Real = f64>>(
+        &self,
+        _: &[S],
+        state: &mut PlayStates<S>,
+        u: f64,
+    ) -> Result<(), HysteresisError> {
+        state.advance(self.thresholds.iter().map(|&threshold| S::constant(threshold)), u);
+        Ok(())
+    }
+
+    fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &PlayStates<S>, out: &mut [S]) {
+        out.fill(S::constant(0.0));
+        for (index, (play, [below, above])) in state.plays.iter().zip(&self.shares).enumerate() {
+            let interval = index / self.parts;
+            if let Some(out) = interval.checked_sub(1).and_then(|column| out.get_mut(column)) {
+                *out = *out + play.scale(*below);
+            }
+            if let Some(out) = out.get_mut(interval) {
+                *out = *out + play.scale(*above);
+            }
+        }
+    }
+}
+
+/// The density in which a fit searches the plays; its models are plays.
+#[derive(Debug)]
+pub(in crate::hysteresis) struct Density;
+
+/// Knots at distances that grow, up to the largest half-width that the drives may move.
+fn knots(count: usize, span: &DriveSpan) -> impl Iterator<Item = f64> {
+    let reach = span.reach;
+    (1..=count).map(move |index| index as f64 / count as f64).map(move |x| reach * x * (0.35 + 0.65 * x))
+}
+
+impl FamilyDescription for Density {
+    fn name(&self) -> &'static str {
+        "density-of-plays"
+    }
+
+    fn summary(&self) -> &'static str {
+        "Plays whose weights are a broken line over their half-widths"
+    }
+
+    fn equation(&self) -> &'static str {
+        "sum of density_j H_j, H_j a mean of plays of half-widths around knot_j"
+    }
+
+    fn elements(&self) -> Option<Elements> {
+        Some(Elements { usual: 12, most: MOST_ELEMENTS })
+    }
+
+    fn weight_name(&self, index: usize) -> String {
+        format!("density_{}", index + 1)
+    }
+
+    fn weight_reach(&self) -> f64 {
+        2.0
+    }
+
+    fn shape_numbers(&self, count: usize, span: &DriveSpan) -> Vec<ShapeNumber> {
+        let of = |(r, index): (f64, usize)| {
+            let (name, meaning) = (format!("knot_{index}"), "half-width at a corner of the density of plays");
+            ShapeNumber::new(name, NumberUnit::INPUT, meaning, Search::Held(r))
+        };
+        knots(count, span).zip(1..).map(of).collect()
+    }
+
+    fn starts(&self, count: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
+        vec![knots(count, span).collect()]
+    }
+
+    fn example(&self, count: usize, span: &DriveSpan) -> Vec<f64> {
+        knots(count, span).collect()
+    }
+
+    fn is_monotone(&self) -> bool {
+        true
+    }
+
+    fn is_written_as_plays(&self) -> bool {
+        true
+    }
+
+    fn as_plays(
+        &self,
+        _: usize,
+        polynomial: &[f64],
+        shape: &[f64],
+        weights: &[f64],
+    ) -> Option<PrandtlIshlinskii> {
+        let density = PlayDensity::new(shape);
+        let weights = density.play_weights(weights);
+        Some(PrandtlIshlinskii { polynomial: polynomial.to_vec(), thresholds: density.thresholds, weights })
+    }
+
+    fn runtime(&self, _: usize, _: &mut [f64], shape: &[f64], weights: &[f64], _: f64) -> RuntimeOperator {
+        let density = PlayDensity::new(shape);
+        let weights = density.play_weights(weights);
+        RuntimeOperator::Plays { thresholds: density.thresholds, weights }
+    }
+}
+
+impl ColumnFamily for Density {
+    type Kernel = PlayDensity;
+
+    const FIXED: usize = WHOLE_SHAPE;
+
+    fn kernel(&self, _: usize, shape: &[f64], _: f64) -> PlayDensity {
+        PlayDensity::new(shape)
+    }
+
+    /// In plain numbers: the derivative of a play with respect to the memory is 1 until the drive moves it, 0
+    /// from then on.
+    fn run_columns(
+        &self,
+        (_, knots, _): (usize, &[f64], f64),
+        grid: DriveGrid<'_>,
+        u: &[f64],
+        start: Start<f64>,
+        wanted: Option<&[bool]>,
+        out: &mut Columns,
+    ) -> Result<(), HysteresisError> {
+        Every::new(grid.factor)?;
+        let density = PlayDensity::new(knots);
+        out.resize(knots.len(), u.len().div_ceil(grid.factor), &[], false)?;
+        if wanted.is_some() {
+            out.by_memory.resize_with(knots.len(), Vec::new);
+            out.by_memory.iter_mut().for_each(Vec::clear);
+        }
+        if let Some(index) = u.iter().position(|u| !u.is_finite()) {
+            return Err(HysteresisError::Drive { index });
+        }
+        let mut plays = density.at_start(start, u)?;
+        let (stop, mut row) = (out.stop.clone(), vec![0.0; knots.len()]);
+        if at_rest(start, u)?.is_some() {
+            density.sum(&plays.states, &mut out.rest);
+            density.sum(&plays.still, &mut out.rest_by_memory);
+        }
+        for (sample, moves) in u.chunks(grid.factor).enumerate() {
+            if sample.is_multiple_of(LOOK) {
+                outputs::look(stop.as_ref())?;
+            }
+            plays.step(&density.thresholds, moves[0]);
+            density.sum(&plays.states, &mut row);
+            out.values.iter_mut().zip(&row).for_each(|(column, value)| column[sample] = *value);
+            if plays.are_some_still && wanted.is_some() {
+                density.sum(&plays.still, &mut row);
+                out.by_memory.iter_mut().zip(&row).for_each(|(column, value)| column.push(*value));
+            }
+            moves[1..].iter().for_each(|&u| plays.step(&density.thresholds, u));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hysteresis::HysteresisForm;
+    use proptest::prelude::*;
+
+    const SPAN: DriveSpan = DriveSpan { stroke: 10.0, ends: [0.0, 10.0], reach: 10.0, ..DriveSpan::UNIT };
+
+    fn drive() -> impl Strategy<Value = Vec<f64>> {
+        proptest::collection::vec(0.0..10.0_f64, 2..60)
+    }
+
+    fn start() -> impl Strategy<Value = Start<f64>> {
+        let memory = (0.0..10.0_f64, 0.0..10.0_f64);
+        prop_oneof![
+            memory.prop_map(|(voltage_v, memory)| Start::Remembering { voltage_v, memory }),
+            (0.0..10.0_f64).prop_map(|voltage_v| Start::Rest { voltage_v }),
+            Just(Start::PERIODIC),
+        ]
+    }
+
+    fn columns(count: usize, u: &[f64], start: Start<f64>, factor: usize, derivatives: bool) -> Columns {
+        let form = HysteresisForm::plays(count).searched();
+        let wanted: &[bool] = &[];
+        let mut out = Columns::default();
+        form.run(&form.example(&SPAN), factor, u, start, derivatives.then_some(wanted), &mut out).unwrap();
+        out
+    }
+
+    proptest! {
+        /// The pass in plain numbers against the operators one move at a time, in numbers with derivatives.
+        #[test]
+        fn columns_are_those_of_the_operators(
+            u in drive(), start in start(), count in 1..20_usize, factor in 1..3_usize,
+        ) {
+            let kernel = PlayDensity::new(&knots(count, &SPAN).collect::<Vec<_>>());
+            let mut exact = crate::hysteresis::ColumnSensitivities::default();
+            kernel.simulate_with_sensitivities(&[], factor, &u, start, &mut exact).unwrap();
+            let out = columns(count, &u, start, factor, true);
+            let close = |a: f64, b: f64| (a - b).abs() <= 1e-12;
+            for j in 0..count {
+                prop_assert!(out.values[j].iter().zip(&exact.columns[j]).all(|(a, b)| close(*a, *b)));
+                prop_assert!(close(out.rest[j], exact.rest[j]));
+                if let Start::Remembering { .. } = start {
+                    let at = |of: &[f64], k: usize| of.get(k).copied().unwrap_or(0.0);
+                    for k in 0..out.values[j].len() {
+                        let [a, b] = [at(&out.by_memory[j], k), at(&exact.d_start[j], k)];
+                        prop_assert!(close(a, b), "{a} {b}");
+                    }
+                    prop_assert!(close(out.rest_by_memory[j], exact.d_start_rest[j]));
+                }
+            }
+        }
+
+        /// Its models are plays with the same output.
+        #[test]
+        fn models_are_the_same_plays(
+            u in drive(), start in start(), weights in proptest::collection::vec(0.0..1.0_f64, 1..20),
+        ) {
+            let form = HysteresisForm::plays(weights.len()).searched();
+            let model = form.operator(vec![0.7, 0.02], &weights, &form.example(&SPAN)).unwrap();
+            prop_assert_eq!(model.form().name(), "prandtl-ishlinskii");
+            let mut v = vec![0.0; u.len()];
+            model.simulate(&u, start, &mut v).unwrap();
+            let columns = columns(weights.len(), &u, start, 1, false);
+            for (k, (v, u)) in v.iter().zip(&u).enumerate() {
+                let sum: f64 = weights.iter().zip(&columns.values).map(|(w, column)| w * column[k]).sum();
+                prop_assert!((v - (0.7 * u + 0.02 * u * u + sum)).abs() <= 1e-11);
+            }
+        }
+    }
+
+    #[test]
+    fn a_density_of_equal_weights_by_hand() {
+        // Two knots at 1 and 3 V, 30 plays in each interval: ρ = 1/1.95 and 0 … from the second column alone,
+        // whose hat rises from 1 to 3 V.
+        let density = PlayDensity::new(&[1.0, 3.0]);
+        assert_eq!(density.thresholds.len(), 60);
+        assert!((density.thresholds[29] - 1.0).abs() < 1e-15 && (density.thresholds[59] - 3.0).abs() < 1e-15);
+        let mut sums = [0.0; 2];
+        density.sum(&[1.0; 60], &mut sums);
+        assert!(sums.iter().all(|sum| (sum - 1.0).abs() < 1e-14));
+        // From 0 to 4 V, a play r stands at 4 − r: the mean of the second hat, r = 1 + 2x with density 2x, is
+        // 4 − 7/3 to the square of the distance of the plays.
+        let plays: Vec<f64> = density.thresholds.iter().map(|r| 4.0 - r).collect();
+        density.sum(&plays, &mut sums);
+        assert!((sums[1] - (4.0 - 7.0 / 3.0)).abs() < 2e-3, "{sums:?}");
+        // The weights of the plays are a broken line over r.
+        let weights = density.play_weights(&[0.0, 1.0]);
+        assert!((weights[44] / weights[37] - 15.0 / 8.0).abs() < 1e-12);
+        assert!(weights[..29].iter().all(|w| *w == 0.0));
+    }
+}
