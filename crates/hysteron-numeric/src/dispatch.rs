@@ -9,6 +9,7 @@ use super::Complex64;
 use super::complex_exponential::exponentials_less_one_kernel;
 use super::elementary::{exp, sin_cos};
 use super::feedback_tangent::{FeedbackTangent, Forcing, Lanes, TangentState, feedback_tangent_kernel};
+use super::filter::filter_every_kernel;
 use super::inner_product::{inner_product_kernel, project_out_four_kernel, subtract_multiple_kernel};
 use super::relaxation::{Relaxations, relaxations_kernel, relaxations_with_slopes_kernel};
 use super::relaxation_bank::{
@@ -71,6 +72,35 @@ impl InstructionSet {
             }
         }
         all
+    }
+}
+
+/// A pass that is not of this crate, to be compiled for every instruction set ([`run_pass`]).
+pub trait Pass {
+    /// The pass; `#[inline(always)]`, as must be what it calls.
+    fn run(self);
+}
+
+/// Runs a pass, compiled for an instruction set.
+pub fn run_pass<P: Pass>(set: InstructionSet, pass: P) {
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn avx2<P: Pass>(pass: P) {
+        pass.run();
+    }
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512vl,avx512dq")]
+    fn avx512<P: Pass>(pass: P) {
+        pass.run();
+    }
+    match set.0 {
+        Level::Baseline => pass.run(),
+        // SAFETY: this level is only constructed after the feature was detected on the processor.
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2 => unsafe { avx2(pass) },
+        // SAFETY: as above.
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512 => unsafe { avx512(pass) },
     }
 }
 
@@ -409,39 +439,6 @@ fn multiply_and_add_kernel(factors: &[Complex64], values: (&[f64], &[f64]), out:
     for ((out, f), (re, im)) in out.iter_mut().zip(factors).zip(values.0.iter().zip(values.1)) {
         out.re += f.re * re - f.im * im;
         out.im += f.re * im + f.im * re;
-    }
-}
-
-/// Four outputs at a time, so that additions need not wait for one another.
-#[inline(always)]
-fn filter_every_kernel(kernel: &[f64], step: usize, x: &[f64], out: &mut [f64]) {
-    let taps = kernel.len();
-    let mut at = 0;
-    for out in out.chunks_mut(4) {
-        // A last group of fewer repeats its last window.
-        let windows: [Option<&[f64]>; 4] = std::array::from_fn(|i| {
-            let first = at + i.min(out.len() - 1) * step;
-            x.get(first..first + taps)
-        });
-        let [Some(a), Some(b), Some(c), Some(d)] = windows else { return };
-        let mut sums = [[0.0; 8]; 4];
-        let mut last = [0.0; 4];
-        let eights = a.chunks_exact(8).zip(b.chunks_exact(8)).zip(c.chunks_exact(8).zip(d.chunks_exact(8)));
-        for (h, ((a, b), (c, d))) in kernel.chunks_exact(8).zip(eights) {
-            for (sum, x) in sums.iter_mut().zip([a, b, c, d]) {
-                for i in 0..8 {
-                    sum[i] += h[i] * x[i];
-                }
-            }
-        }
-        let rest = taps - taps % 8;
-        for (last, x) in last.iter_mut().zip([a, b, c, d]) {
-            *last = kernel[rest..].iter().zip(&x[rest..]).map(|(h, x)| h * x).sum();
-        }
-        for ((out, sums), last) in out.iter_mut().zip(&sums).zip(&last) {
-            *out = sums.iter().sum::<f64>() + last;
-        }
-        at += 4 * step;
     }
 }
 

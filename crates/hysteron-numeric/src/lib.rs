@@ -10,6 +10,7 @@ pub mod display;
 mod elementary;
 mod feedback_tangent;
 pub mod fft;
+mod filter;
 mod inner_product;
 mod least_squares;
 mod non_negative;
@@ -23,9 +24,9 @@ mod stop;
 mod triangular;
 
 pub use dispatch::{
-    InstructionSet, accumulate_power, accumulate_tangent, filter_every, half_turns, multiply,
+    InstructionSet, Pass, accumulate_power, accumulate_tangent, filter_every, half_turns, multiply,
     multiply_and_add, multiply_by, multiply_quotient, quotient_parts, quotient_tangent, rotate,
-    rotate_and_add, scale,
+    rotate_and_add, run_pass, scale,
 };
 pub use feedback_tangent::{FeedbackTangent, Forcing, LANES, Lanes, TangentState, Target};
 pub use inner_product::{dot, project_out, root_mean_square, subtract};

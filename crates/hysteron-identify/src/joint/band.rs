@@ -225,10 +225,11 @@ impl OutputUncertainty {
             self.bounds.clone(),
             String::new(),
         );
-        let std_dev = problem.linearise_at(&self.x, &self.coefficients).map_or_else(
-            || vec![f64::NAN; drive.len()],
-            |at| deviations(&[&at.linear, &at.searched], drive.len(), 0..drive.len(), &self.covariance),
-        );
+        let std_dev =
+            problem.linearise_at(&self.x, &self.coefficients, &mut problem.workspace()).map_or_else(
+                || vec![f64::NAN; drive.len()],
+                |at| deviations(&[&at.linear, &at.searched], drive.len(), 0..drive.len(), &self.covariance),
+            );
         Ok(PredictionBand { std_dev, noise: self.noise })
     }
 }

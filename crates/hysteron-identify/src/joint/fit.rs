@@ -103,7 +103,7 @@ pub(in super::super) fn identify(
     let smoothed = if certain { smoothed(&problem, &x) } else { None };
     let (linearisation, known_thinned) = rayon::join(
         || match &smoothed {
-            Some((coefficients, _)) => problem.linearise_at(&x, coefficients),
+            Some((coefficients, _)) => problem.linearise_at(&x, coefficients, &mut problem.workspace()),
             None if certain => problem.linearise(&x),
             None => None,
         },

@@ -192,7 +192,7 @@ impl WholeProblem<'_> {
 impl Fit for WholeProblem<'_> {
     fn linearise(&mut self, p: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
         let (x, coefficients) = self.split(p);
-        let linearisation = self.problem.linearise_at(x, &coefficients)?;
+        let linearisation = self.problem.linearise_at(x, &coefficients, &mut self.ws)?;
         let mut columns = linearisation.linear;
         columns.extend(linearisation.searched);
         Some((linearisation.residuals, columns))

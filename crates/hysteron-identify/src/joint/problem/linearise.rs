@@ -37,16 +37,15 @@ impl JointProblem {
         &self,
         x: &[f64],
         coefficients: &[f64],
+        ws: &mut JointWorkspace,
     ) -> Option<Linearisation> {
-        let mut ws = self.workspace();
         let is_free = |(index, role): &(usize, &Role)| match role {
             Role::Projected => true,
             Role::OneSided(_) => coefficients[*index] != 0.0,
             Role::Fixed(_) | Role::Searched(_) => false,
         };
         ws.eliminated = self.layout.linear().enumerate().filter(is_free).map(|(index, _)| index).collect();
-        self.deviate(x, coefficients, self.derivatives(), &mut ws)
-            .then(|| self.collect(coefficients.to_vec(), &mut ws))
+        self.deviate(x, coefficients, self.derivatives(), ws).then(|| self.collect(coefficients.to_vec(), ws))
     }
 
     /// Weighted residuals at `x` and any coefficients of u, u², … and weights; empty where it cannot be

@@ -1,6 +1,6 @@
 //! A density of plays: many plays, their weights tied by a broken line over their half-widths.
 
-use hysteron_rt::{Scalar, play};
+use hysteron_rt::Scalar;
 
 use super::super::columns::{ColumnKernel, simulate_with_sensitivities};
 use super::super::family::{
@@ -12,11 +12,9 @@ use super::super::pass::{Every, at_rest};
 use super::super::plays::{PlayStates, check_thresholds};
 use super::super::{DriveGrid, HysteresisError};
 use super::PrandtlIshlinskii;
+use super::density_bank::{DensityBank, STRETCH};
 use crate::record::range_of;
 use crate::start::Start;
-
-/// Samples between two checks of the stop.
-const LOOK: usize = 1 << 12;
 
 /// Columns of a density ρ(r) of plays that is a broken line over their half-widths, ρ(r) = Σⱼ ρⱼ hatⱼ(r) with
 /// corners at knots 0 < R₁ < … < R_K, constant below R₁ and 0 above R_K:
@@ -79,76 +77,38 @@ impl PlayDensity {
     }
 }
 
-/// Plays, with 1 for those that the drive has not yet moved away from a memory and 0 for the others.
-struct Plays {
-    states: Vec<f64>,
-    still: Vec<f64>,
-    are_some_still: bool,
-}
-
-impl Plays {
-    #[inline]
-    fn step(&mut self, thresholds: &[f64], u: f64) {
-        if self.are_some_still {
-            for ((state, still), &threshold) in self.states.iter().zip(&mut self.still).zip(thresholds) {
-                if play(threshold, *state, u) != *state {
-                    *still = 0.0;
-                }
-            }
-            self.are_some_still = self.still.contains(&1.0);
-        }
-        for (state, &threshold) in self.states.iter_mut().zip(thresholds) {
-            *state = play(threshold, *state, u);
-        }
-    }
-}
-
 impl PlayDensity {
     /// The plays before the first sample.
-    fn at_start(&self, start: Start<f64>, u: &[f64]) -> Result<Plays, HysteresisError> {
-        let count = self.thresholds.len();
-        let at = |voltage, still| Plays {
-            states: vec![voltage; count],
-            still: vec![f64::from(u8::from(still)); count],
-            are_some_still: still && count > 0,
+    fn at_start(&self, start: Start<f64>, u: &[f64]) -> Result<DensityBank, HysteresisError> {
+        let at = |voltage, is_memory| {
+            DensityBank::new(self.parts, (&self.thresholds, &self.shares), (voltage, is_memory))
         };
         let plays = match at_rest(start, u)? {
-            Some((rest, None)) => at(rest, false),
-            Some((rest, Some(memory))) => {
-                let mut plays = at(memory, true);
-                plays.step(&self.thresholds, rest);
+            Some((rest, memory)) => {
+                let mut plays = at(memory.unwrap_or(rest), memory.is_some());
+                plays.advance(&[rest], 1);
                 plays
             }
             None => {
                 // Exact after one period; plays that the drive never moves stay in the middle.
                 let (low, high) = range_of(u);
                 let mut plays = at(0.5 * low + 0.5 * high, false);
-                u.iter().for_each(|&u| plays.step(&self.thresholds, u));
+                plays.advance(u, u.len());
                 plays
             }
         };
-        match plays.states.iter().all(|state| state.is_finite()) {
-            true => Ok(plays),
-            false => Err(HysteresisError::Drive { index: 0 }),
-        }
+        if plays.is_finite() { Ok(plays) } else { Err(HysteresisError::Drive { index: 0 }) }
     }
 
     /// Sums of `plays` in every column.
-    #[inline]
     fn sum(&self, plays: &[f64], out: &mut [f64]) {
         out.fill(0.0);
-        let parts = self.parts;
-        let intervals = plays.chunks_exact(parts).zip(self.shares.chunks_exact(parts));
-        for (interval, (plays, shares)) in intervals.enumerate() {
-            let (mut below, mut above) = (0.0, 0.0);
-            for (play, [a, b]) in plays.iter().zip(shares) {
-                below += a * play;
-                above += b * play;
+        for (index, (play, [below, above])) in plays.iter().zip(&self.shares).enumerate() {
+            let interval = index / self.parts;
+            if let Some(column) = interval.checked_sub(1) {
+                out[column] += below * play;
             }
-            if let Some(first) = interval.checked_sub(1) {
-                out[first] += below;
-            }
-            out[interval] += above;
+            out[interval] += above * play;
         }
     }
 }
@@ -307,23 +267,24 @@ impl ColumnFamily for Density {
             return Err(HysteresisError::Drive { index });
         }
         let mut plays = density.at_start(start, u)?;
-        let (stop, mut row) = (out.stop.clone(), vec![0.0; knots.len()]);
+        let Columns { values, by_memory, rest, rest_by_memory, stop, .. } = out;
         if at_rest(start, u)?.is_some() {
-            density.sum(&plays.states, &mut out.rest);
-            density.sum(&plays.still, &mut out.rest_by_memory);
+            let of = |values: &mut dyn Iterator<Item = f64>| values.last().unwrap_or(0.0);
+            for column in 0..knots.len() {
+                rest[column] = of(&mut plays.values(column));
+                rest_by_memory[column] = of(&mut plays.by_memory(column));
+            }
         }
-        for (sample, moves) in u.chunks(grid.factor).enumerate() {
-            if sample.is_multiple_of(LOOK) {
-                outputs::look(stop.as_ref())?;
+        for (stretch, u) in u.chunks(STRETCH * grid.factor).enumerate() {
+            outputs::look(stop.as_ref())?;
+            plays.advance(u, grid.factor);
+            for (column, values) in values.iter_mut().enumerate() {
+                let here = &mut values[stretch * STRETCH..];
+                here.iter_mut().zip(plays.values(column)).for_each(|(here, value)| *here = value);
             }
-            plays.step(&density.thresholds, moves[0]);
-            density.sum(&plays.states, &mut row);
-            out.values.iter_mut().zip(&row).for_each(|(column, value)| column[sample] = *value);
-            if plays.are_some_still && wanted.is_some() {
-                density.sum(&plays.still, &mut row);
-                out.by_memory.iter_mut().zip(&row).for_each(|(column, value)| column.push(*value));
+            for (column, values) in by_memory.iter_mut().enumerate() {
+                values.extend(plays.by_memory(column));
             }
-            moves[1..].iter().for_each(|&u| plays.step(&density.thresholds, u));
         }
         Ok(())
     }
@@ -338,7 +299,7 @@ mod tests {
     const SPAN: DriveSpan = DriveSpan { stroke: 10.0, ends: [0.0, 10.0], reach: 10.0, ..DriveSpan::UNIT };
 
     fn drive() -> impl Strategy<Value = Vec<f64>> {
-        proptest::collection::vec(0.0..10.0_f64, 2..60)
+        proptest::collection::vec(0.0..10.0_f64, 2..3 * STRETCH)
     }
 
     fn start() -> impl Strategy<Value = Start<f64>> {

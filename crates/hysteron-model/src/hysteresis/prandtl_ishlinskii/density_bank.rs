@@ -1,0 +1,174 @@
+//! The plays of a density side by side, several columns abreast.
+
+use hysteron_numeric::{InstructionSet, Pass, run_pass};
+use hysteron_rt::play;
+
+/// Columns abreast.
+const ABREAST: usize = 8;
+type Abreast = [f64; ABREAST];
+/// Samples whose sums stay in the first-level cache before they are written column by column.
+pub(super) const STRETCH: usize = 64;
+
+/// The plays, in groups of [`ABREAST`] intervals between knots; within a group the first play of every
+/// interval, then the second, and so on. Places beyond the last interval have no share in any column.
+#[derive(Clone, Debug)]
+pub(super) struct DensityBank {
+    /// Plays in an interval between knots.
+    parts: usize,
+    columns: usize,
+    thresholds: Vec<Abreast>,
+    /// Shares in the columns of the knots below and above.
+    shares: [Vec<Abreast>; 2],
+    states: Vec<Abreast>,
+    /// 1 for plays that the drive has not yet moved away from the memory, 0 for the others.
+    still: Vec<Abreast>,
+    are_some_still: bool,
+    /// Sums over the last stretch: of the plays, and of those still at the memory.
+    sums: [Sums; 2],
+    set: InstructionSet,
+}
+
+/// Sums over a stretch: one row a sample, its groups one after the other.
+#[derive(Clone, Debug, Default)]
+struct Sums {
+    below: Vec<Abreast>,
+    above: Vec<Abreast>,
+}
+
+impl Sums {
+    /// Sums of one group.
+    #[inline(always)]
+    fn push(&mut self, values: &[Abreast], (below, above): (&[Abreast], &[Abreast])) {
+        let [mut of_below, mut of_above] = [[0.0; ABREAST]; 2];
+        for (values, (below, above)) in values.iter().zip(below.iter().zip(above)) {
+            for lane in 0..ABREAST {
+                of_below[lane] += below[lane] * values[lane];
+                of_above[lane] += above[lane] * values[lane];
+            }
+        }
+        self.below.push(of_below);
+        self.above.push(of_above);
+    }
+
+    fn clear(&mut self) {
+        self.below.clear();
+        self.above.clear();
+    }
+
+    /// Value of a column of several in every row.
+    fn of_column(&self, column: usize, columns: usize) -> impl Iterator<Item = f64> {
+        let groups = columns.div_ceil(ABREAST);
+        let place = |column: usize| (column / ABREAST, column % ABREAST);
+        let ((group, lane), (next_group, next_lane)) = (place(column), place(column + 1));
+        let rows = self.above.chunks_exact(groups).zip(self.below.chunks_exact(groups));
+        // The interval above the last knot is empty.
+        rows.map(move |(above, below)| {
+            above[group][lane] + below.get(next_group).map_or(0.0, |below| below[next_lane])
+        })
+    }
+}
+
+impl DensityBank {
+    /// Plays of `parts` to an interval, in ascending order, all at `voltage`: at a memory or virgin.
+    pub(super) fn new(
+        parts: usize,
+        (thresholds, shares): (&[f64], &[[f64; 2]]),
+        (voltage, is_memory): (f64, bool),
+    ) -> Self {
+        let columns = thresholds.len() / parts.max(1);
+        let arranged = |of: &dyn Fn(usize) -> f64| -> Vec<Abreast> {
+            let group = |group: usize| {
+                let lane = move |part: usize, lane: usize| {
+                    let interval = group * ABREAST + lane;
+                    if interval < columns { of(interval * parts + part) } else { 0.0 }
+                };
+                (0..parts).map(move |part| std::array::from_fn(|at| lane(part, at)))
+            };
+            (0..columns.div_ceil(ABREAST)).flat_map(group).collect()
+        };
+        let thresholds = arranged(&|play| thresholds[play]);
+        let shares = [0, 1].map(|side| arranged(&|play| shares[play][side]));
+        let states = vec![[voltage; ABREAST]; thresholds.len()];
+        let still = if is_memory { arranged(&|_| 1.0) } else { Vec::new() };
+        let set = InstructionSet::detected();
+        let sums = [Sums::default(), Sums::default()];
+        Self { parts, columns, thresholds, shares, states, still, are_some_still: is_memory, sums, set }
+    }
+
+    /// True if all states are finite.
+    pub(super) fn is_finite(&self) -> bool {
+        self.states.as_flattened().iter().all(|state| state.is_finite())
+    }
+
+    /// Moves the plays through `u`, with sums over at most [`STRETCH`] samples: every `factor`-th, the first
+    /// one first.
+    pub(super) fn advance(&mut self, u: &[f64], factor: usize) {
+        self.sums.iter_mut().for_each(Sums::clear);
+        run_pass(self.set, Moves { bank: self, u, factor });
+        self.are_some_still &= self.still.as_flattened().contains(&1.0);
+    }
+
+    /// Values of a column over the last stretch.
+    pub(super) fn values(&self, column: usize) -> impl Iterator<Item = f64> {
+        self.sums[0].of_column(column, self.columns)
+    }
+
+    /// Derivatives of a column with respect to the memory over the last stretch; none where no play was still
+    /// there.
+    pub(super) fn by_memory(&self, column: usize) -> impl Iterator<Item = f64> {
+        self.sums[1].of_column(column, self.columns)
+    }
+}
+
+/// Plays after a move to `u`.
+#[inline(always)]
+fn moved(thresholds: &Abreast, states: &Abreast, u: f64) -> Abreast {
+    // Copied, so that the compiler sees that nothing else writes to them.
+    let (thresholds, states) = (*thresholds, *states);
+    std::array::from_fn(|lane| play(thresholds[lane], states[lane], u))
+}
+
+/// Moves through `u`, with sums at every `factor`-th sample, the first one first.
+struct Moves<'a> {
+    bank: &'a mut DensityBank,
+    u: &'a [f64],
+    factor: usize,
+}
+
+impl Pass for Moves<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { bank, u, factor } = self;
+        let DensityBank { parts, thresholds, shares: [below, above], states, still, sums, .. } = bank;
+        let [sums, sums_of_still] = sums;
+        let parts = *parts;
+        for (index, &u) in u.iter().enumerate() {
+            let is_kept = index.is_multiple_of(factor);
+            for (group, (states, thresholds)) in
+                states.chunks_exact_mut(parts).zip(thresholds.chunks_exact(parts)).enumerate()
+            {
+                let of_group = group * parts..(group + 1) * parts;
+                let (below, above) = (&below[of_group.clone()], &above[of_group.clone()]);
+                if bank.are_some_still {
+                    let still = &mut still[of_group];
+                    for ((still, states), thresholds) in still.iter_mut().zip(&*states).zip(thresholds) {
+                        let (before, after) = (*states, moved(thresholds, states, u));
+                        let was_still = *still;
+                        *still = std::array::from_fn(|lane| {
+                            if after[lane] == before[lane] { was_still[lane] } else { 0.0 }
+                        });
+                    }
+                    if is_kept {
+                        sums_of_still.push(still, (below, above));
+                    }
+                }
+                for (states, thresholds) in states.iter_mut().zip(thresholds) {
+                    *states = moved(thresholds, states, u);
+                }
+                if is_kept {
+                    sums.push(states, (below, above));
+                }
+            }
+        }
+    }
+}
