@@ -149,6 +149,15 @@ impl Compared {
         for entry in &comparison.entries {
             lines.extend(entry.failures.iter().map(|why| format!("{} is unranked: {why}.", entry.candidate)));
         }
+        let hopeless = comparison.entries.iter().filter(|entry| entry.is_hopeless);
+        let hopeless: Vec<String> = hopeless.map(|entry| entry.candidate.to_string()).collect();
+        if !hopeless.is_empty() {
+            lines.push(format!(
+                "Not cross-validated, since already with all records in their fit their error is 1.2 times the \
+                 smallest held-out error or more: {}.",
+                hopeless.join(", ")
+            ));
+        }
         for (entry, cost) in comparison.entries.iter().zip(&self.costs) {
             if let Some(why) = &cost.why_not {
                 lines.push(format!("{} was not timed sample by sample: {why}.", entry.candidate));
@@ -331,6 +340,10 @@ pub struct CandidateSummary {
     pub fold_errors: Vec<Option<f64>>,
     /// Fits that failed, with the reason.
     pub failures: Vec<String>,
+    /// Its folds were omitted: already with all records in its fit, its error was 1.2 times the smallest
+    /// held-out error or more.
+    #[serde(default)]
+    pub hopeless: bool,
 }
 
 /// A black-box model of a comparison.
@@ -412,6 +425,7 @@ impl Compared {
                 invertible: costs.and_then(|c| c.inverse).map(|found| found.word().to_owned()),
                 fold_errors: entry.fold_rmse.clone(),
                 failures: entry.failures.clone(),
+                hopeless: entry.is_hopeless,
             }
         };
         let fold = |f: &Fold| FoldSummary {

@@ -29,10 +29,11 @@ use crate::result_flags::ResultFlags;
     Cross-validation: each record (or part of one, where there are fewer than three of different content) is \
     held out in turn, every candidate is fitted to the rest and simulated on the \
     held-out record. Records that repeat one experiment are refused, with what to measure instead.\n\n\
-    Without --candidates the structure is searched for: first the usual dynamic blocks (none, integer1 to \
-    integer4, arx, fractional ones), then variations of the best so far in creep, hysteresis family (those \
-    quick to fit), polynomial degree and free n, until none is better. --quick goes once through the \
-    commonest of each; --time-limit ends after so many seconds with what is finished by then. A candidate is \
+    Without --candidates the structure is searched for: from fractional dynamics with creep, variations of \
+    the preferred candidate so far in hysteresis family (those quick to fit), dynamic block (none, integer1 \
+    to integer4, fractional ones, arx), creep, polynomial degree and free n, until it stays. A candidate \
+    that, with all records in its fit, still has 1.2 times the smallest held-out error is not \
+    cross-validated. --quick goes once through the commonest of each; --time-limit ends after so many seconds with what is finished by then. A candidate is \
     BLOCK[+CREEP][+degreeN][+n-free][+FAMILY], BLOCK one of none, integer1 to integer12, modes4 to modes12 \
     (resonances in parallel), arx, oe, bj, srivc, fractional, fractional-free-lowest, two-fractional, CREEP \
     one of creep (fractional), log-creep, kelvin-voigt (two elements); the defaults are a cubic polynomial, \

@@ -130,7 +130,7 @@ fn highest_degree(setup: &JointSetup<'_>) -> usize {
 }
 
 /// A local fit with the memory held where this spares rerunning the operators, else with all free.
-pub(super) fn fit_with_its_memory(
+pub(in super::super) fn fit_with_its_memory(
     engine: &mut Engine<'_, '_>,
     step: &str,
     problem: &JointProblem,

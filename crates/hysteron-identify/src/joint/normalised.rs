@@ -270,7 +270,7 @@ pub(super) fn rough_fit(
 /// Local fits from the given starts, in normalised coefficients where these apply. If the best ends outside
 /// the ranges of natural frequency and damping, all are refitted within, from their nearest points there and
 /// from the starts.
-pub(super) fn local_fits(
+pub(in super::super) fn local_fits(
     engine: &mut Engine<'_, '_>,
     step: &str,
     problem: &JointProblem,

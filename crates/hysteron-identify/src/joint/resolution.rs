@@ -15,7 +15,7 @@ pub(super) const FINAL: f64 = 0.01;
 pub(super) const COARSE: f64 = 1e-5;
 
 /// Effective number of independent samples of the residuals at `x`.
-pub(super) fn information(problem: &JointProblem, x: &[f64]) -> f64 {
+pub(in super::super) fn information(problem: &JointProblem, x: &[f64]) -> f64 {
     let residual = problem.residuals_of(x).unwrap_or_else(|| vec![0.0; problem.residual_count()]);
     (0..problem.records().len())
         .map(|r| problem.records()[r].valid as f64 / correlation_time(&residual[problem.rows(r)]))

@@ -62,8 +62,8 @@ pub enum StructurePart {
 }
 
 impl StructurePart {
-    /// All, in the order in which a search goes through them.
-    pub const ALL: [Self; 4] = [Self::Block, Self::Creep, Self::Family, Self::Shape];
+    /// All, in the order in which a search goes through them: dynamics show only behind the right family.
+    pub const ALL: [Self; 4] = [Self::Family, Self::Block, Self::Creep, Self::Shape];
 }
 
 impl Block {

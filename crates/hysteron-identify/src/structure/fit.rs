@@ -2,21 +2,25 @@
 
 use std::ops::Range;
 
-use super::super::joint::{JointMember, JointProblem, JointSetup, assemble, form, memory_name, scheme};
+use super::super::engine::{Engine, rough};
+use super::super::joint::{
+    JointMember, JointProblem, JointSetup, assemble, fit_with_its_memory, form, local_fits, memory_name,
+    scheme,
+};
 use super::super::layout::Role;
 use super::super::options::{CampaignRecord, Choice, Options};
 use super::super::uncertainty::correlation_time;
+use super::super::watch::Plan;
 use super::super::{IdentifyError, RecordFacts, Watch, identify};
 use super::candidate::Candidate;
 use super::folds::Fold;
+use super::loose::without_what_is_loose;
 use hysteron_model::Start;
 use hysteron_model::dynamics::Dynamics;
 use hysteron_model::hammerstein::Model;
 use hysteron_model::record::InputOutput;
 use hysteron_model::validate::{Scoring, choose_start, score};
-use hysteron_optimize::{
-    Algorithm, LeastSquaresOptions, OptimizeError, Problem, Settings, Stop, StopReason, minimize,
-};
+use hysteron_optimize::{Algorithm, LeastSquaresOptions, OptimizeError, Problem, Settings, Stop};
 
 /// Starts polished for the whole campaign, and iterations of each; iterations of a fit to the training data
 /// of a fold.
@@ -24,11 +28,9 @@ const POLISHED: usize = 3;
 const ITERATIONS: usize = 30;
 const FOLD_ITERATIONS: usize = 15;
 /// Cost tolerance of these fits: structures differ by far more.
-const COST_TOLERANCE: f64 = 1e-5;
-/// A fold's fit starts at this share of the way from the whole campaign's optimum to the middle of the box:
-/// parameters that the training data do not determine must not keep values from the held-out data.
-const AWAY: f64 = 0.25;
-
+const COST_TOLERANCE: f64 = 1e-4;
+/// Rough fits agree if their costs are within this many times the lowest.
+const SAME: f64 = 1.005;
 /// Named values of the searched parameters.
 pub(super) type Named = Vec<(String, f64)>;
 
@@ -85,7 +87,7 @@ impl Campaign<'_> {
         ordered.sort_by(|a, b| a.0.total_cmp(&b.0));
         ordered.dedup_by(|a, b| a.1 == b.1);
         let starts = ordered.into_iter().take(POLISHED).map(|(_, x)| x).collect();
-        let (x, _) = self.minimise(&problem, starts, ITERATIONS)?;
+        let x = self.minimise(&problem, starts)?;
         let (model, starts) = self.solved(&problem, &x, &setup, self.members)?;
         let parameters = parameter_count(&problem, candidate.degree);
         let named = names(&problem).zip(x).collect();
@@ -99,6 +101,16 @@ impl Campaign<'_> {
         } else {
             self.joint_without(candidate, whole, fold)?
         };
+        self.error_of(&model, &starts, fold)
+    }
+
+    /// Error on `fold` of the fit to all records: a fit without the fold can hardly do better.
+    pub(super) fn error_within(&self, whole: &WholeFit, fold: &Fold) -> Result<f64, NoFit> {
+        let starts: Vec<(usize, Start)> = whole.starts.iter().copied().enumerate().collect();
+        self.error_of(&whole.model, &starts, fold)
+    }
+
+    fn error_of(&self, model: &Model, starts: &[(usize, Start)], fold: &Fold) -> Result<f64, NoFit> {
         let (mut square, mut samples) = (0.0, 0usize);
         for (record, ranges) in &fold.held {
             let facts = &self.facts[*record];
@@ -106,7 +118,7 @@ impl Campaign<'_> {
             // The start is chosen on the held-out data: the training data may not determine the memory.
             let fitted = starts.iter().find(|(r, _)| r == record).map(|(_, start)| *start);
             let preferred = fitted.unwrap_or_else(|| self.members[*record].fresh_start());
-            let (_, simulated) = choose_start(&model, &data, preferred, None, &Scoring::default())
+            let (_, simulated) = choose_start(model, &data, preferred, None, &Scoring::default())
                 .map_err(|e| NoFit::Failed(e.to_string()))?;
             let scores = score(&data, &simulated, &Scoring::default())?;
             square += scores.rmse * scores.rmse * scores.samples as f64;
@@ -141,30 +153,57 @@ impl Campaign<'_> {
         Ok(Training { rmse: (square / count).sqrt(), mean_square: weighted / count, information })
     }
 
+    /// The joint fit of the candidate as a problem.
+    #[cfg(test)]
+    pub(super) fn problem(&self, candidate: Candidate) -> Result<JointProblem, NoFit> {
+        let options = self.candidate_options(candidate, self.members);
+        Ok(JointSetup::new(self.members, form(&options), &options).problem(candidate.degree, true)?)
+    }
+
     fn candidate_options(&self, candidate: Candidate, members: &[JointMember<'_>]) -> Options {
         let options = candidate.options(self.options);
         Options { scheme: Choice::Given(scheme(&options, members)), ..options }
     }
 
-    fn minimise(
-        &self,
-        problem: &JointProblem,
-        starts: Vec<Vec<f64>>,
-        iterations: usize,
-    ) -> Result<(Vec<f64>, f64), NoFit> {
-        let algorithm = Algorithm::LeastSquares(LeastSquaresOptions {
-            starts: starts.len().max(1),
-            agreement: None,
-            iterations,
-            cost_tolerance: COST_TOLERANCE,
-            ..LeastSquaresOptions::default()
-        });
-        let settings = Settings { starts, seed: self.options.seed, ..Settings::default() };
-        let outcome = minimize(problem, &algorithm, &settings, &mut self.stop.clone(), None)?;
-        if outcome.stopped == StopReason::Cancelled {
-            return Err(NoFit::Stopped);
+    /// Rough fits from the starts until two agree; the best is continued.
+    fn minimise(&self, problem: &JointProblem, starts: Vec<Vec<f64>>) -> Result<Vec<f64>, NoFit> {
+        let mut found: Vec<(f64, Vec<f64>)> = Vec::new();
+        for start in starts {
+            found.push(self.rough_fit(problem, start)?);
+            found.sort_by(|a, b| a.0.total_cmp(&b.0));
+            if found.get(1).is_some_and(|(cost, _)| *cost <= SAME * found[0].0) {
+                break;
+            }
         }
-        Ok((outcome.best, outcome.cost))
+        self.continued(problem, found.into_iter().map(|(_, x)| x).next().unwrap_or_default(), ITERATIONS)
+    }
+
+    /// Cost and point of a rough fit.
+    fn rough_fit(&self, problem: &JointProblem, start: Vec<f64>) -> Result<(f64, Vec<f64>), NoFit> {
+        let watch = Watch::silent().stopped_by(self.stop);
+        let mut engine = self.engine(&watch);
+        let fit = fit_with_its_memory(&mut engine, "rough", problem, start, rough());
+        match engine.unless_stopped(fit)? {
+            Some(fit) if !engine.is_stopped() => Ok((fit.outcome.cost, fit.outcome.best)),
+            _ => Err(NoFit::Stopped),
+        }
+    }
+
+    fn continued(&self, problem: &JointProblem, x: Vec<f64>, iterations: usize) -> Result<Vec<f64>, NoFit> {
+        let watch = Watch::silent().stopped_by(self.stop);
+        let mut engine = self.engine(&watch);
+        let options =
+            LeastSquaresOptions { iterations, cost_tolerance: COST_TOLERANCE, ..Default::default() };
+        let fit = local_fits(&mut engine, "continued", problem, vec![x], options, None);
+        match engine.unless_stopped(fit)? {
+            Some(fit) if !engine.is_stopped() => Ok(fit.outcome.best),
+            _ => Err(NoFit::Stopped),
+        }
+    }
+
+    fn engine<'a, 'w>(&self, watch: &'a Watch<'w>) -> Engine<'a, 'w> {
+        let settings = Settings { seed: self.options.seed, ..Settings::default() };
+        Engine::new(None, settings, watch, Plan(&[]), None)
     }
 
     /// The model at `x` and the start of every member's record.
@@ -212,21 +251,12 @@ impl Campaign<'_> {
             .collect();
         let middle: Vec<f64> = problem.bounds().ranges.iter().map(|r| r.from_unit(0.5)).collect();
         let optimum = overlay(&problem, &middle, &renamed);
-        let moved: Vec<f64> = problem
-            .bounds()
-            .ranges
-            .iter()
-            .zip(&optimum)
-            .map(|(range, &x)| {
-                let t = range.to_unit(x);
-                range.from_unit(t + AWAY * (0.5 - t))
-            })
-            .collect();
         let known = problem.cost(&optimum, &mut problem.workspace());
-        let (mut x, cost) = self.minimise(&problem, vec![moved], FOLD_ITERATIONS)?;
-        if cost > known {
-            // The fit failed: the optimum of the whole campaign is the better start.
-            x = self.minimise(&problem, vec![optimum], FOLD_ITERATIONS)?.0;
+        let start = without_what_is_loose(&problem, &optimum);
+        let mut x = self.continued(&problem, start, FOLD_ITERATIONS)?;
+        if problem.cost(&x, &mut problem.workspace()) > known {
+            // It ended in another optimum.
+            x = self.continued(&problem, optimum, FOLD_ITERATIONS)?;
         }
         let (model, starts) = self.solved(&problem, &x, &setup, &members)?;
         Ok((model, rest.iter().map(|(record, _)| *record).zip(starts).collect()))

@@ -10,6 +10,7 @@ mod candidate;
 mod content;
 mod fit;
 mod folds;
+mod loose;
 mod neighbours;
 mod prospect;
 mod ranking;
@@ -28,10 +29,11 @@ pub use ranking::{Ranking, Standing, rank};
 use super::campaign::{of_runs, runs, usable};
 use super::engine::Engine;
 use super::joint::JointMember;
-use super::options::{CampaignRecord, Options};
+use super::options::{CampaignRecord, DynamicsChoice, Options};
 use super::watch::Plan;
 use super::{Event, IdentifyError, RecordFacts, Watch};
 use fit::{Campaign, Named, NoFit, Training, WholeFit};
+use hysteron_model::dynamics::Creep;
 use hysteron_model::hammerstein::Model;
 use hysteron_optimize::Settings;
 
@@ -41,6 +43,9 @@ const PASSES: usize = 3;
 const SECOND_PASS: usize = 15;
 /// Number of other candidates' fits used as starts.
 const LEND: usize = 2;
+/// A search omits the folds of a candidate whose error with all records in its fit is this many times the
+/// smallest held-out error.
+const HOPELESS: f64 = 1.2;
 
 /// A comparison of structures.
 #[derive(Clone, Debug)]
@@ -72,8 +77,8 @@ pub struct Comparison {
 pub enum Selection<'a> {
     /// These.
     Given(&'a [Candidate]),
-    /// A search through dynamic blocks, kinds of creep, families of hysteresis, polynomial degrees and n, one
-    /// [`StructurePart`] after the other from the best so far, until none is better.
+    /// A search through families of hysteresis, dynamic blocks, kinds of creep, polynomial degrees and n, one
+    /// [`StructurePart`] after the other from the preferred one so far, until it stays.
     Search,
     /// One pass of the search through the commonest of each part.
     QuickSearch,
@@ -100,6 +105,9 @@ pub struct Entry {
     pub fold_rmse: Vec<Option<f64>>,
     /// Why an error is missing.
     pub failures: Vec<String>,
+    /// The search omitted its folds: already with all records in its fit, its error was 1.2 times the
+    /// smallest held-out error or more.
+    pub is_hopeless: bool,
 }
 
 impl Entry {
@@ -155,6 +163,8 @@ pub fn compare(
         finished: Vec::new(),
         cut_short: false,
         preferred: None,
+        smallest: None,
+        is_search: !matches!(selection, Selection::Given(_)),
     };
     match selection {
         Selection::Given(candidates) => run.add(candidates),
@@ -180,6 +190,10 @@ struct RunningComparison<'a, 'w> {
     cut_short: bool,
     /// The preferred candidate so far, and its held-out error.
     preferred: Option<(Candidate, f64)>,
+    /// Smallest held-out error so far.
+    smallest: Option<f64>,
+    /// The candidates come from a search.
+    is_search: bool,
 }
 
 struct Finished {
@@ -189,14 +203,16 @@ struct Finished {
 }
 
 impl RunningComparison<'_, '_> {
-    /// Coordinate search over the parts of the structure, repeated until a pass changes nothing: the best
-    /// dynamics depend on the hysteresis before them, and vice versa.
+    /// Coordinate search over the parts of the structure from fractional dynamics with creep, each part from
+    /// the preferred candidate so far, repeated until a pass changes nothing: the best dynamics depend on the
+    /// hysteresis before them, and vice versa.
     fn search(&mut self, alternatives_of: fn(Candidate, StructurePart) -> Vec<Candidate>, passes: usize) {
-        let mut best = Candidate::of(Block::NONE);
+        let fractional = Candidate::of(Block::of(DynamicsChoice::Fractional));
+        let mut so_far = Candidate { creep: Creep::Fractional, ..fractional };
         for pass in 1..=passes {
-            let before = best;
+            let before = so_far;
             for (parts_left, part) in (0..StructurePart::ALL.len()).rev().zip(StructurePart::ALL) {
-                let alternatives = alternatives_of(best, part);
+                let alternatives = alternatives_of(so_far, part);
                 // Estimate: every remaining part has as many candidates as this one.
                 let of_next_pass = if pass == 1 && passes > 1 { SECOND_PASS } else { 0 };
                 let to_come = parts_left * alternatives.len() + of_next_pass;
@@ -205,7 +221,7 @@ impl RunningComparison<'_, '_> {
                 self.add(&alternatives);
                 match self.ranking() {
                     Some(ranking) if !self.watch.is_stopped() => {
-                        best = self.finished[ranking.best].entry.candidate;
+                        so_far = self.finished[ranking.preferred].entry.candidate;
                     }
                     _ => {
                         self.cut_short |= self.watch.is_stopped();
@@ -213,7 +229,7 @@ impl RunningComparison<'_, '_> {
                     }
                 }
             }
-            if best == before {
+            if so_far == before {
                 return;
             }
         }
@@ -227,15 +243,20 @@ impl RunningComparison<'_, '_> {
                 self.cut_short = true;
                 return;
             }
-            if self.finished.iter().any(|f| f.entry.candidate == candidate) {
+            if self.finished.iter().any(|f| f.entry.candidate == candidate)
+                || self.is_within_hopeless(candidate)
+            {
                 self.step(fits, candidate);
                 continue;
             }
             match self.fitted(candidate) {
                 Some(finished) => {
                     self.finished.push(finished);
-                    self.preferred = self.ranking().map(|ranking| {
-                        let error = ranking.standings[ranking.preferred].map_or(f64::NAN, |s| s.mean);
+                    let ranking = self.ranking();
+                    let error = |ranking: &Ranking, index: usize| ranking.standings[index].map(|s| s.mean);
+                    self.smallest = ranking.as_ref().and_then(|ranking| error(ranking, ranking.best));
+                    self.preferred = ranking.map(|ranking| {
+                        let error = error(&ranking, ranking.preferred).unwrap_or(f64::NAN);
                         (self.finished[ranking.preferred].entry.candidate, error)
                     });
                 }
@@ -270,6 +291,7 @@ impl RunningComparison<'_, '_> {
             bic: None,
             fold_rmse: vec![None; self.folds.len()],
             failures: Vec::new(),
+            is_hopeless: false,
         };
         let mut lenders: Vec<&Finished> = self.finished.iter().filter(|f| !f.named.is_empty()).collect();
         lenders.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
@@ -286,16 +308,21 @@ impl RunningComparison<'_, '_> {
             }
         };
         self.step(1, candidate);
-        // Records are processed in parallel too, but rarely enough of them have equal size.
-        let errors: Vec<Result<f64, NoFit>> =
-            self.folds.par_iter().map(|fold| self.on_fold(candidate, &whole, fold)).collect();
-        for (index, error) in errors.into_iter().enumerate() {
-            match error {
-                Ok(error) => entry.fold_rmse[index] = Some(error),
-                Err(NoFit::Stopped) => return None,
-                Err(NoFit::Failed(_)) if self.watch.is_stopped() => return None,
-                Err(NoFit::Failed(why)) => {
-                    entry.failures.push(format!("without {}: {why}", self.folds[index].label));
+        entry.is_hopeless = self.is_hopeless(&whole);
+        if entry.is_hopeless {
+            self.step(self.folds.len(), candidate);
+        } else {
+            // Records are processed in parallel too, but rarely enough of them have equal size.
+            let errors: Vec<Result<f64, NoFit>> =
+                self.folds.par_iter().map(|fold| self.on_fold(candidate, &whole, fold)).collect();
+            for (index, error) in errors.into_iter().enumerate() {
+                match error {
+                    Ok(error) => entry.fold_rmse[index] = Some(error),
+                    Err(NoFit::Stopped) => return None,
+                    Err(NoFit::Failed(_)) if self.watch.is_stopped() => return None,
+                    Err(NoFit::Failed(why)) => {
+                        entry.failures.push(format!("without {}: {why}", self.folds[index].label));
+                    }
                 }
             }
         }
@@ -304,6 +331,22 @@ impl RunningComparison<'_, '_> {
         entry.training_rmse = training.map(|t| t.rmse);
         entry.model = Some(whole.model);
         Some(Finished { entry, named: whole.named, training })
+    }
+
+    /// True if a higher degree of the same structure was hopeless: its fit is no worse.
+    fn is_within_hopeless(&self, candidate: Candidate) -> bool {
+        let hopeless = self.finished.iter().map(|finished| &finished.entry).filter(|entry| entry.is_hopeless);
+        let mut degrees = hopeless.map(|entry| (entry.candidate.degree, entry.candidate));
+        degrees.any(|(degree, of)| degree > candidate.degree && Candidate { degree, ..candidate } == of)
+    }
+
+    /// True if the folds of a search are omitted for this fit.
+    fn is_hopeless(&self, whole: &WholeFit) -> bool {
+        let Some(smallest) = self.smallest.filter(|_| self.is_search) else { return false };
+        let errors = self.folds.par_iter().map(|fold| self.campaign.error_within(whole, fold));
+        // In order, independently of the threads.
+        let errors: Result<Vec<f64>, NoFit> = errors.collect::<Vec<_>>().into_iter().collect();
+        errors.is_ok_and(|errors| errors.iter().sum::<f64>() / errors.len() as f64 > HOPELESS * smallest)
     }
 
     fn on_fold(&self, candidate: Candidate, whole: &WholeFit, fold: &Fold) -> Result<f64, NoFit> {

@@ -1,5 +1,6 @@
 //! A campaign made with a known structure.
 
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -10,6 +11,7 @@ use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme, TransferFunction};
 use hysteron_model::hysteresis::{ArticleOperator, Hysteresis};
 use hysteron_model::record::{InputOutput, InterSample, TimeBase};
+use hysteron_optimize::{Problem, Range};
 
 const RATE_HZ: f64 = 1000.0;
 const NOISE: f64 = 0.004;
@@ -145,6 +147,54 @@ fn a_quick_search_is_one_of_the_commonest_structures() {
     let preferred = found.entries[found.ranking.unwrap().preferred].candidate;
     assert_eq!(preferred.block, Block::integer(2), "{preferred}");
     assert!(found.entries.len() <= 12 && !found.out_of_time, "{} candidates", found.entries.len());
+    let names = |is_hopeless: bool| {
+        let entries = found.entries.iter().filter(move |entry| entry.is_hopeless == is_hopeless);
+        entries.map(|entry| entry.candidate.to_string()).collect::<Vec<_>>()
+    };
+    assert!(names(true).contains(&"none+creep".to_owned()), "{:?}", names(true));
+    assert!(found.entries.iter().all(|entry| entry.complete().is_none() == entry.is_hopeless));
+}
+
+#[test]
+fn folds_of_given_candidates_are_never_omitted() {
+    let list = candidates(&["integer2", "none"]);
+    let found = compare(&campaign(), Selection::Given(&list), &Options::default(), &Watch::silent()).unwrap();
+    let errors: Vec<f64> = found.entries.iter().map(|entry| entry.training_rmse.unwrap()).collect();
+    assert!(errors[1] > 3.0 * errors[0] && found.entries.iter().all(|entry| entry.complete().is_some()));
+}
+
+#[test]
+fn what_a_record_does_not_determine_is_moved_before_its_fit() {
+    let campaign = campaign();
+    let options = Options::default();
+    let facts = usable(&campaign).unwrap();
+    let watch = Watch::silent();
+    let mut engine = Engine::new(None, Settings::default(), &watch, Plan(&[]), None);
+    let members: Vec<JointMember<'_>> =
+        facts.iter().map(|f| JointMember::new(f, &options, &mut engine).unwrap()).collect();
+    let stop = watch.stop();
+    let whole = Campaign { facts: &facts, members: &members, options: &options, stop };
+    let candidate: Candidate = "integer2".parse().unwrap();
+    let named = whole.fit(candidate, &[]).unwrap().named;
+    let moved = |records: usize| {
+        let own =
+            Campaign { facts: &facts[..records], members: &members[..records], options: &options, stop };
+        let problem = own.problem(candidate).unwrap();
+        let ranges = &problem.bounds().ranges;
+        let at = |range: &Range| named.iter().find(|(name, _)| *name == range.name).unwrap().1;
+        let x: Vec<f64> = ranges.iter().map(at).collect();
+        let apart = loose::without_what_is_loose(&problem, &x);
+        let by = |(range, (x, apart)): (&Range, (&f64, &f64))| {
+            (range.name.clone(), (range.to_unit(*apart) - range.to_unit(*x)).abs())
+        };
+        ranges.iter().zip(x.iter().zip(&apart)).map(by).collect::<BTreeMap<_, _>>()
+    };
+    // The loop of 1 Hz determines the hysteresis, not a resonance at 60 Hz.
+    let by_loop = moved(1);
+    assert!(by_loop["natural_frequency"] + by_loop["damping"] > 0.02, "{by_loop:?}");
+    assert!(by_loop["beta"] < 1e-3, "{by_loop:?}");
+    let by_all = moved(4);
+    assert!(by_all.values().all(|by| *by < 1e-9), "{by_all:?}");
 }
 
 #[test]
@@ -170,7 +220,7 @@ fn an_arx_candidate_is_compared_beside_the_others() {
 
 #[test]
 fn a_stopped_joint_fit_is_resumed_to_the_same_bits_wherever_it_was_stopped() {
-    let options = Options { dynamics: crate::DynamicsChoice::Integer, ..Options::default() };
+    let options = Options { dynamics: DynamicsChoice::Integer, ..Options::default() };
     let campaign = campaign();
     let mut events = 0;
     let count = Watch::new(|event: &Event<'_>| {
@@ -198,11 +248,8 @@ fn a_stopped_joint_fit_is_resumed_to_the_same_bits_wherever_it_was_stopped() {
 
 #[test]
 fn the_neighbours_of_what_was_identified_are_told_apart() {
-    let options = Options {
-        dynamics: crate::DynamicsChoice::Integer,
-        degree: crate::Choice::Given(2),
-        ..Options::default()
-    };
+    let options =
+        Options { dynamics: DynamicsChoice::Integer, degree: crate::Choice::Given(2), ..Options::default() };
     let campaign = campaign();
     let found = crate::identify(&campaign, &options, &Watch::silent(), None).unwrap();
     let list = neighbours(&campaign, &options, &found, &Watch::silent()).unwrap();

@@ -1,7 +1,10 @@
 //! A transfer function with the derivatives of its coefficients and orders.
 
+use std::sync::OnceLock;
+
 use hysteron_rt::{Dual, Scalar};
 
+use super::stability::{Stability, stability};
 use super::{DynamicsError, Term, TransferFunction};
 
 /// Derivative of one term b s^β in one direction: d(b s^β) = (db + b dβ ln s) s^β.
@@ -31,13 +34,21 @@ pub struct Linearised {
     /// Term by term, all parameters of a term together.
     numerator: Vec<TermTangent>,
     denominator: Vec<TermTangent>,
+    /// Found once for all records: of many terms, it takes as long as a simulation.
+    stability: OnceLock<Stability>,
 }
 
 impl Linearised {
     /// Empty buffers, no transfer function yet.
     pub fn new() -> Self {
         let transfer_function = TransferFunction { numerator: Vec::new(), denominator: Vec::new() };
-        Self { transfer_function, parameters: 0, numerator: Vec::new(), denominator: Vec::new() }
+        let (numerator, denominator) = (Vec::new(), Vec::new());
+        Self { transfer_function, parameters: 0, numerator, denominator, stability: OnceLock::new() }
+    }
+
+    /// Stability of the transfer function.
+    pub(super) fn stability(&self) -> Stability {
+        *self.stability.get_or_init(|| stability(&self.transfer_function))
     }
 
     /// Number of parameters.
@@ -71,6 +82,7 @@ impl Linearised {
         parameters: usize,
     ) -> Result<(), DynamicsError> {
         self.parameters = parameters;
+        self.stability = OnceLock::new();
         numerator.store(&mut self.transfer_function.numerator, |merged, term| {
             gather(&mut self.numerator, merged, term, parameters);
         });

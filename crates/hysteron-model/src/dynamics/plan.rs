@@ -249,7 +249,7 @@ impl SimulationPlan {
         check_length("output", output.len(), self.samples)?;
         check_length("input spectrum", input.bins.len(), self.bins())?;
         self.check_workspace(workspace)?;
-        self.check_candidate(tf)?;
+        self.check_candidate(tf, || stability(tf))?;
         let offset = if input.level == 0.0 { 0.0 } else { tf.dc_gain() * input.level };
         self.multiply(tf, input, &mut workspace.spectrum);
         self.invert(workspace, offset, output)
@@ -287,7 +287,11 @@ impl SimulationPlan {
     }
 
     /// Checks of a candidate that need no frequency response.
-    pub(super) fn check_candidate(&self, tf: &TransferFunction) -> Result<(), DynamicsError> {
+    pub(super) fn check_candidate(
+        &self,
+        tf: &TransferFunction,
+        stability: impl FnOnce() -> Stability,
+    ) -> Result<(), DynamicsError> {
         tf.validate()?;
         // Squares of the polynomials must stay in range, or a quotient would quietly become zero.
         let (top, bottom, shift) = (self.frequencies.top, self.bottom(), sums::shift(tf));
@@ -303,7 +307,7 @@ impl SimulationPlan {
         if self.initial != Start::ZERO && tf.dc_gain().is_infinite() {
             return Err(tf.infinite_dc_gain());
         }
-        match stability(tf) {
+        match stability() {
             Stability::Marginal { frequency_hz } if periodic => Err(DynamicsError::Undamped { frequency_hz }),
             Stability::Stable | Stability::Integrating { .. } | Stability::Marginal { .. } => Ok(()),
             Stability::Unstable { poles } if periodic || !self.scheme.may_damp() => {

@@ -3,6 +3,7 @@
 use super::blocks::BLOCK;
 use super::images::{ImageWeights, Images, SUMS};
 use super::shift::InputFactor;
+use super::stability::stability;
 use super::sums::{Block, Candidate, Polynomials};
 use super::{DynamicsError, Linearised, Response, Sampling, SimulationPlan, TransferFunction};
 use crate::dynamics_error::check_length;
@@ -48,7 +49,7 @@ impl SimulationPlan {
         response: &mut Response,
     ) -> Result<(), DynamicsError> {
         check_length("response", response.values.len(), self.bins())?;
-        self.check_candidate(tf)?;
+        self.check_candidate(tf, || linearised.map_or_else(|| stability(tf), Linearised::stability))?;
         let factor = InputFactor::new(self, delay_s, sampling)?;
         response.differentiated = false;
         let candidate = Candidate { tf, linearised, set: self.set };

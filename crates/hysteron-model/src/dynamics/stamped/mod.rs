@@ -139,7 +139,7 @@ impl StampedPlan {
             let allowed = "a finite number ≥ 0";
             return Err(DynamicsError::Parameter { name: "delay", value: delay_s, allowed });
         }
-        match stability(tf) {
+        match linearised.map_or_else(|| stability(tf), Linearised::stability) {
             Stability::Unstable { poles } => return Err(DynamicsError::Unstable { poles }),
             Stability::Marginal { .. } | Stability::Integrating { .. } | Stability::Stable => {}
         }
