@@ -153,8 +153,8 @@ impl Compared {
         let hopeless: Vec<String> = hopeless.map(|entry| entry.candidate.to_string()).collect();
         if !hopeless.is_empty() {
             lines.push(format!(
-                "Not cross-validated, since already with all records in their fit their error is 1.2 times the \
-                 smallest held-out error or more: {}.",
+                "Not cross-validated, since already with all records in their fit their error is more than 1.2 \
+                 times the smallest held-out error: {}.",
                 hopeless.join(", ")
             ));
         }
@@ -340,8 +340,8 @@ pub struct CandidateSummary {
     pub fold_errors: Vec<Option<f64>>,
     /// Fits that failed, with the reason.
     pub failures: Vec<String>,
-    /// Its folds were omitted: already with all records in its fit, its error was 1.2 times the smallest
-    /// held-out error or more.
+    /// Its folds were omitted: already with all records in its fit, its error was more than 1.2 times the
+    /// smallest held-out error.
     #[serde(default)]
     pub hopeless: bool,
 }

@@ -29,7 +29,7 @@ pub(super) fn with_reach<'a>(
     }
     let mut best: Option<(f64, JointSetup<'a>)> = None;
     for share in REACHES {
-        // Plays up to half of the range are moved by its loop, and their place is not a polynomial's.
+        // Not below half of the range: its loop moves these plays, and a polynomial would stand in for them.
         let Some(shorter) = setup.with_reach(share) else { break };
         let problem = shorter.problem(problem.degree(), reduced)?;
         let cost = problem.cost(&search.outcome.best, &mut problem.workspace());

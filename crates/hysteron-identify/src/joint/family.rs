@@ -67,8 +67,8 @@ impl JointSetup<'_> {
         }
     }
 
-    /// Largest half-width of a play that the drives may move: the way from the first voltage of a record, where
-    /// it may be virgin, to the farther end of its range; half of the range for a steady state.
+    /// Largest half-width of a play that the drives move in a device demagnetised at its first voltage: the way
+    /// from there to the farther end of the range; half of the range for a steady state.
     pub(super) fn farthest(&self) -> f64 {
         let of_member = |member: &JointMember<'_>| {
             let u = &member.facts.data.u;

@@ -25,10 +25,11 @@ impl Places {
         let of = |names: Vec<String>, held: &[f64]| {
             names.into_iter().zip(held).map(|(name, &held)| place(name, held)).collect()
         };
-        Self {
-            weights: of(family.weight_names(), solution.hysteresis.weights()),
-            shape: of(family.shape_names(), &solution.shape),
-        }
+        // The weights of a density are not those of its plays; without an estimate they are 0.
+        let own_weights = solution.hysteresis.weights();
+        let is_own = solution.hysteresis.form() == family;
+        let held = if is_own { own_weights.to_vec() } else { vec![0.0; family.weight_names().len()] };
+        Self { weights: of(family.weight_names(), &held), shape: of(family.shape_names(), &solution.shape) }
     }
 
     fn weights_at(&self, values: &[f64]) -> Vec<f64> {

@@ -22,15 +22,17 @@ use hysteron_model::record::InputOutput;
 use hysteron_model::validate::{Scoring, choose_start, score};
 use hysteron_optimize::{Algorithm, LeastSquaresOptions, OptimizeError, Problem, Settings, Stop};
 
-/// Starts polished for the whole campaign, and iterations of each; iterations of a fit to the training data
-/// of a fold.
+/// Starts of rough fits to the whole campaign, and iterations of the best of these from there on; iterations
+/// of a fit to the training data of a fold.
 const POLISHED: usize = 3;
 const ITERATIONS: usize = 30;
 const FOLD_ITERATIONS: usize = 15;
 /// Cost tolerance of these fits: structures differ by far more.
 const COST_TOLERANCE: f64 = 1e-4;
-/// Rough fits agree if their costs are within this many times the lowest.
+/// Rough fits agree if their costs are within this many times the lowest, and their starts at least this
+/// share of a range apart.
 const SAME: f64 = 1.005;
+const APART: f64 = 0.05;
 /// Named values of the searched parameters.
 pub(super) type Named = Vec<(String, f64)>;
 
@@ -51,6 +53,23 @@ pub(super) struct Campaign<'a> {
     pub(super) options: &'a Options,
     /// Stops the current fit.
     pub(super) stop: &'a Stop,
+}
+
+/// A rough fit.
+struct Rough {
+    start: Vec<f64>,
+    x: Vec<f64>,
+    cost: f64,
+}
+
+impl Rough {
+    /// True if this fit, from elsewhere, is as good as the `best`.
+    fn agrees_with(&self, best: &Self, problem: &JointProblem) -> bool {
+        let starts = self.start.iter().zip(&best.start);
+        let mut apart = problem.bounds().ranges.iter().zip(starts);
+        self.cost <= SAME * best.cost
+            && apart.any(|(range, (a, b))| (range.to_unit(*a) - range.to_unit(*b)).abs() >= APART)
+    }
 }
 
 /// Reason for a missing fit.
@@ -167,24 +186,37 @@ impl Campaign<'_> {
 
     /// Rough fits from the starts until two agree; the best is continued.
     fn minimise(&self, problem: &JointProblem, starts: Vec<Vec<f64>>) -> Result<Vec<f64>, NoFit> {
-        let mut found: Vec<(f64, Vec<f64>)> = Vec::new();
+        let mut found: Vec<Rough> = Vec::new();
+        let mut failed = None;
         for start in starts {
-            found.push(self.rough_fit(problem, start)?);
-            found.sort_by(|a, b| a.0.total_cmp(&b.0));
-            if found.get(1).is_some_and(|(cost, _)| *cost <= SAME * found[0].0) {
+            match self.rough_fit(problem, start) {
+                Ok(fit) => found.push(fit),
+                Err(NoFit::Stopped) => return Err(NoFit::Stopped),
+                // It cannot be simulated; others can.
+                Err(why) => failed = Some(why),
+            }
+            found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+            if let [best, others @ ..] = &found[..]
+                && others.iter().any(|other| other.agrees_with(best, problem))
+            {
                 break;
             }
         }
-        self.continued(problem, found.into_iter().map(|(_, x)| x).next().unwrap_or_default(), ITERATIONS)
+        match (found.into_iter().next(), failed) {
+            (Some(best), _) => self.continued(problem, best.x, ITERATIONS),
+            (None, Some(why)) => Err(why),
+            (None, None) => Err(OptimizeError::NoFeasiblePoint { evaluations: 0 }.into()),
+        }
     }
 
-    /// Cost and point of a rough fit.
-    fn rough_fit(&self, problem: &JointProblem, start: Vec<f64>) -> Result<(f64, Vec<f64>), NoFit> {
+    fn rough_fit(&self, problem: &JointProblem, start: Vec<f64>) -> Result<Rough, NoFit> {
         let watch = Watch::silent().stopped_by(self.stop);
         let mut engine = self.engine(&watch);
-        let fit = fit_with_its_memory(&mut engine, "rough", problem, start, rough());
+        let fit = fit_with_its_memory(&mut engine, "rough", problem, start.clone(), rough());
         match engine.unless_stopped(fit)? {
-            Some(fit) if !engine.is_stopped() => Ok((fit.outcome.cost, fit.outcome.best)),
+            Some(fit) if !engine.is_stopped() => {
+                Ok(Rough { start, x: fit.outcome.best, cost: fit.outcome.cost })
+            }
             _ => Err(NoFit::Stopped),
         }
     }
@@ -253,11 +285,12 @@ impl Campaign<'_> {
         let optimum = overlay(&problem, &middle, &renamed);
         let known = problem.cost(&optimum, &mut problem.workspace());
         let start = without_what_is_loose(&problem, &optimum);
-        let mut x = self.continued(&problem, start, FOLD_ITERATIONS)?;
-        if problem.cost(&x, &mut problem.workspace()) > known {
-            // It ended in another optimum.
-            x = self.continued(&problem, optimum, FOLD_ITERATIONS)?;
-        }
+        let x = match self.continued(&problem, start, FOLD_ITERATIONS) {
+            Err(NoFit::Stopped) => return Err(NoFit::Stopped),
+            Ok(x) if problem.cost(&x, &mut problem.workspace()) <= known => x,
+            // It ended in another optimum, or the start cannot be simulated.
+            _ => self.continued(&problem, optimum, FOLD_ITERATIONS)?,
+        };
         let (model, starts) = self.solved(&problem, &x, &setup, &members)?;
         Ok((model, rest.iter().map(|(record, _)| *record).zip(starts).collect()))
     }

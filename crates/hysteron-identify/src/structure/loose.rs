@@ -20,6 +20,9 @@ const STEP: f64 = 1e-6;
 /// The directions are the eigenvectors of s⁻² Jᵀ J/ρ in shares of the ranges, with s² the mean square of the
 /// residuals and ρ the samples to an independent one.
 pub(super) fn without_what_is_loose(problem: &JointProblem, x: &[f64]) -> Vec<f64> {
+    if x.is_empty() {
+        return Vec::new();
+    }
     let ranges = &problem.bounds().ranges;
     let at: Vec<f64> = ranges.iter().zip(x).map(|(range, &x)| range.to_unit(x)).collect();
     let moved = |apart: &DVector<f64>| -> Vec<f64> {

@@ -43,8 +43,8 @@ const PASSES: usize = 3;
 const SECOND_PASS: usize = 15;
 /// Number of other candidates' fits used as starts.
 const LEND: usize = 2;
-/// A search omits the folds of a candidate whose error with all records in its fit is this many times the
-/// smallest held-out error.
+/// A search omits the folds of a candidate whose error with all records in its fit is more than this many
+/// times the smallest held-out error, and greater by more than the standard error of the difference.
 const HOPELESS: f64 = 1.2;
 
 /// A comparison of structures.
@@ -105,8 +105,8 @@ pub struct Entry {
     pub fold_rmse: Vec<Option<f64>>,
     /// Why an error is missing.
     pub failures: Vec<String>,
-    /// The search omitted its folds: already with all records in its fit, its error was 1.2 times the
-    /// smallest held-out error or more.
+    /// The search omitted its folds: already with all records in its fit, its error was more than 1.2 times
+    /// the smallest held-out error.
     pub is_hopeless: bool,
 }
 
@@ -163,7 +163,7 @@ pub fn compare(
         finished: Vec::new(),
         cut_short: false,
         preferred: None,
-        smallest: None,
+        of_best: None,
         is_search: !matches!(selection, Selection::Given(_)),
     };
     match selection {
@@ -190,8 +190,8 @@ struct RunningComparison<'a, 'w> {
     cut_short: bool,
     /// The preferred candidate so far, and its held-out error.
     preferred: Option<(Candidate, f64)>,
-    /// Smallest held-out error so far.
-    smallest: Option<f64>,
+    /// Held-out errors of the best candidate so far.
+    of_best: Option<Vec<f64>>,
     /// The candidates come from a search.
     is_search: bool,
 }
@@ -219,14 +219,12 @@ impl RunningComparison<'_, '_> {
                 self.planned = self.done.load(Ordering::Relaxed)
                     + (alternatives.len() + to_come) * (self.folds.len() + 1);
                 self.add(&alternatives);
-                match self.ranking() {
-                    Some(ranking) if !self.watch.is_stopped() => {
-                        so_far = self.finished[ranking.preferred].entry.candidate;
-                    }
-                    _ => {
-                        self.cut_short |= self.watch.is_stopped();
-                        return;
-                    }
+                if self.watch.is_stopped() {
+                    self.cut_short = true;
+                    return;
+                }
+                if let Some(ranking) = self.ranking() {
+                    so_far = self.finished[ranking.preferred].entry.candidate;
                 }
             }
             if so_far == before {
@@ -254,7 +252,8 @@ impl RunningComparison<'_, '_> {
                     self.finished.push(finished);
                     let ranking = self.ranking();
                     let error = |ranking: &Ranking, index: usize| ranking.standings[index].map(|s| s.mean);
-                    self.smallest = ranking.as_ref().and_then(|ranking| error(ranking, ranking.best));
+                    let best = ranking.as_ref().map(|ranking| &self.finished[ranking.best].entry);
+                    self.of_best = best.and_then(Entry::complete);
                     self.preferred = ranking.map(|ranking| {
                         let error = error(&ranking, ranking.preferred).unwrap_or(f64::NAN);
                         (self.finished[ranking.preferred].entry.candidate, error)
@@ -333,7 +332,7 @@ impl RunningComparison<'_, '_> {
         Some(Finished { entry, named: whole.named, training })
     }
 
-    /// True if a higher degree of the same structure was hopeless: its fit is no worse.
+    /// True if the same structure of a higher degree was hopeless, which is fitted no worse than this one.
     fn is_within_hopeless(&self, candidate: Candidate) -> bool {
         let hopeless = self.finished.iter().map(|finished| &finished.entry).filter(|entry| entry.is_hopeless);
         let mut degrees = hopeless.map(|entry| (entry.candidate.degree, entry.candidate));
@@ -342,11 +341,15 @@ impl RunningComparison<'_, '_> {
 
     /// True if the folds of a search are omitted for this fit.
     fn is_hopeless(&self, whole: &WholeFit) -> bool {
-        let Some(smallest) = self.smallest.filter(|_| self.is_search) else { return false };
+        let Some(of_best) = self.of_best.as_ref().filter(|_| self.is_search) else { return false };
         let errors = self.folds.par_iter().map(|fold| self.campaign.error_within(whole, fold));
         // In order, independently of the threads.
         let errors: Result<Vec<f64>, NoFit> = errors.collect::<Vec<_>>().into_iter().collect();
-        errors.is_ok_and(|errors| errors.iter().sum::<f64>() / errors.len() as f64 > HOPELESS * smallest)
+        let Ok(errors) = errors else { return false };
+        let standing = |ranking: Ranking| ranking.standings.into_iter().flatten().next();
+        rank(&[Some(errors), Some(of_best.clone())], &[0, 0])
+            .and_then(standing)
+            .is_some_and(|own| own.mean > HOPELESS * (own.mean - own.difference) && !own.as_good_as_best)
     }
 
     fn on_fold(&self, candidate: Candidate, whole: &WholeFit, fold: &Fold) -> Result<f64, NoFit> {

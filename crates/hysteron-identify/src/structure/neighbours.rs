@@ -118,7 +118,8 @@ pub fn neighbours(
 
 /// The structure that was identified.
 fn identified(options: &Options, found: &Identification) -> Candidate {
-    let hysteresis = found.model.hysteresis.form();
+    // Not the form of the model, which holds the many plays of a fitted density.
+    let hysteresis = options.family();
     Candidate {
         block: Block::of_options(options),
         creep: found.structure.creep,

@@ -9,7 +9,7 @@ use std::time::Duration;
 use super::*;
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme, TransferFunction};
-use hysteron_model::hysteresis::{ArticleOperator, Hysteresis};
+use hysteron_model::hysteresis::{ArticleOperator, Hysteresis, HysteresisForm};
 use hysteron_model::record::{InputOutput, InterSample, TimeBase};
 use hysteron_optimize::{Problem, Range};
 
@@ -269,6 +269,22 @@ fn the_neighbours_of_what_was_identified_are_told_apart() {
         neighbours(&once, &options, &found, &Watch::silent()),
         Err(IdentifyError::CannotRank { .. })
     ));
+}
+
+#[test]
+fn the_neighbour_of_a_density_of_plays_is_that_density() {
+    let hysteresis = HysteresisForm::plays(12);
+    let options = Options {
+        hysteresis: crate::Choice::Given(hysteresis),
+        dynamics: DynamicsChoice::None,
+        degree: crate::Choice::Given(1),
+        ..Options::default()
+    };
+    let campaign = &campaign()[..2];
+    let found = crate::identify(campaign, &options, &Watch::silent(), None).unwrap();
+    assert!(found.model.hysteresis.weights().len() > 12);
+    let own = neighbours(campaign, &options, &found, &Watch::silent()).unwrap().entries.swap_remove(0);
+    assert_eq!((own.candidate.hysteresis, own.parameters), (hysteresis, 1 + 12 + 1));
 }
 
 #[test]

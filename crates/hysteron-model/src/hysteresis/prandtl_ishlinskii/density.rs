@@ -164,7 +164,9 @@ pub(in crate::hysteresis) struct Density;
 
 /// Knots at distances that grow, up to the largest half-width that the drives may move.
 fn knots(count: usize, span: &DriveSpan) -> impl Iterator<Item = f64> {
-    let reach = span.reach;
+    // A last column of one play must move.
+    let is_one_play = count > MOST_ELEMENTS / 2;
+    let reach = if is_one_play { span.reach * count as f64 / (count + 1) as f64 } else { span.reach };
     (1..=count).map(move |index| index as f64 / count as f64).map(move |x| reach * x * (0.35 + 0.65 * x))
 }
 
@@ -358,6 +360,18 @@ mod tests {
             for (k, (v, u)) in v.iter().zip(&u).enumerate() {
                 let sum: f64 = weights.iter().zip(&columns.values).map(|(w, column)| w * column[k]).sum();
                 prop_assert!((v - (0.7 * u + 0.02 * u * u + sum)).abs() <= 1e-11);
+            }
+        }
+    }
+
+    #[test]
+    fn every_column_moves() {
+        let u: Vec<f64> = (0..200).map(|k| 5.0 - 5.0 * (0.1 * f64::from(k)).cos()).collect();
+        for count in [1, 12, 30, 31, 60] {
+            let out = columns(count, &u, Start::Rest { voltage_v: 0.0 }, 1, false);
+            for column in &out.values {
+                let (low, high) = range_of(column);
+                assert!(high - low > 0.05, "{count} columns: {low} to {high}");
             }
         }
     }
