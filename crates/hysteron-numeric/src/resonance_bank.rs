@@ -213,7 +213,8 @@ fn at_end(state: &State, by: &Propagator, inputs: &Parabolas, row: usize, deriva
     let [m, a, b, e, m_moved, a_moved, b_moved, e_moved] = by;
     let State { x: [re, im], moved: [moved_re, moved_im] } = state;
     let (slope, bend, level) = (&inputs.slope[row], &inputs.bend[row], &inputs.level[row]);
-    let from: Abreast = std::array::from_fn(|i| inputs.from[row][i] + level[i]);
+    let mut from = inputs.from[row];
+    from.iter_mut().zip(level).for_each(|(from, level)| *from += level);
     let mut end = *state;
     for i in 0..ABREAST {
         end.x[0][i] = re[i] + ((m.re * re[i] - m.im * im[i]) + (a.re * from[i] + b.re * slope[i]));

@@ -227,9 +227,10 @@ impl JointRecord {
             return true;
         }
         let Operators { columns, inputs, of, derived } = &mut lent.operators;
-        *of = None;
+        let differ_in_memory = of.take().is_some_and(|(of_shape, _)| of_shape == shape);
+        let run = if differ_in_memory { HysteresisForm::run_with_other_memory } else { HysteresisForm::run };
         let grid = DriveGrid { paces: self.paces.as_deref(), ..self.grid };
-        if form.run(shape, grid, &self.drive, self.origin(memory), derivatives, columns).is_err() {
+        if run(form, shape, grid, &self.drive, self.origin(memory), derivatives, columns).is_err() {
             return false;
         }
         // Filled one by one: allocating dozens at once would delay a stop.

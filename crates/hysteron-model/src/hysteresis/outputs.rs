@@ -22,6 +22,10 @@ pub struct Columns {
     pub rest_by_memory: Vec<f64>,
     /// Ends a long pass early.
     pub stop: Option<Stop>,
+    /// Leading samples that depend on the memory, where the family knows them.
+    pub(in crate::hysteresis) remembering: Option<usize>,
+    /// The contents are those of another memory, all else equal.
+    pub(in crate::hysteresis) differ_in_memory: bool,
     pub(in crate::hysteresis) sensitivities: Sensitivities,
     pub(in crate::hysteresis) scratch: ColumnSensitivities,
 }

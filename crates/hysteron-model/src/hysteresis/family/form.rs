@@ -233,6 +233,26 @@ impl HysteresisForm {
         self.family.run(structure, grid, u, start, wanted, out)
     }
 
+    /// [`Self::run`] where `out` is that of another memory, all else equal: families that know from which
+    /// sample on the memory is wiped out keep the outputs from there.
+    ///
+    /// # Errors
+    /// Those of [`Self::run`].
+    pub fn run_with_other_memory<'a>(
+        self,
+        shape: &[f64],
+        grid: impl Into<DriveGrid<'a>>,
+        u: &[f64],
+        start: Start<f64>,
+        wanted: Option<&[bool]>,
+        out: &mut Columns,
+    ) -> Result<(), HysteresisError> {
+        out.differ_in_memory = true;
+        let done = self.run(shape, grid, u, start, wanted, out);
+        out.differ_in_memory = false;
+        done
+    }
+
     /// The operator with these numbers, `shape` being that of the columns.
     ///
     /// # Errors

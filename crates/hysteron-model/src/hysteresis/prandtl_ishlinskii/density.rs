@@ -55,7 +55,7 @@ impl PlayDensity {
         }
         let mut density = Self { knots: knots.to_vec(), parts, thresholds, shares };
         let mut totals = vec![0.0; knots.len()];
-        density.sum(&vec![1.0; density.thresholds.len()], &mut totals);
+        density.sum::<f64>(&vec![1.0; density.thresholds.len()], &mut totals);
         for (interval, shares) in density.shares.chunks_exact_mut(parts).enumerate() {
             for [below, above] in shares {
                 *below = interval.checked_sub(1).map_or(0.0, |column| *below / totals[column]);
@@ -101,14 +101,14 @@ impl PlayDensity {
     }
 
     /// Sums of `plays` in every column.
-    fn sum(&self, plays: &[f64], out: &mut [f64]) {
-        out.fill(0.0);
+    fn sum<S: Scalar<Real = f64>>(&self, plays: &[S], out: &mut [S]) {
+        out.fill(S::constant(0.0));
         for (index, (play, [below, above])) in plays.iter().zip(&self.shares).enumerate() {
             let interval = index / self.parts;
             if let Some(column) = interval.checked_sub(1) {
-                out[column] += below * play;
+                out[column] = out[column] + play.scale(*below);
             }
-            out[interval] += above * play;
+            out[interval] = out[interval] + play.scale(*above);
         }
     }
 }
@@ -145,16 +145,7 @@ impl ColumnKernel for PlayDensity {
     }
 
     fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &PlayStates<S>, out: &mut [S]) {
-        out.fill(S::constant(0.0));
-        for (index, (play, [below, above])) in state.plays.iter().zip(&self.shares).enumerate() {
-            let interval = index / self.parts;
-            if let Some(out) = interval.checked_sub(1).and_then(|column| out.get_mut(column)) {
-                *out = *out + play.scale(*below);
-            }
-            if let Some(out) = out.get_mut(interval) {
-                *out = *out + play.scale(*above);
-            }
-        }
+        self.sum(&state.plays, out);
     }
 }
 
@@ -259,6 +250,7 @@ impl ColumnFamily for Density {
         out: &mut Columns,
     ) -> Result<(), HysteresisError> {
         Every::new(grid.factor)?;
+        let kept_from = out.remembering.take().filter(|_| out.differ_in_memory);
         let density = PlayDensity::new(knots);
         out.resize(knots.len(), u.len().div_ceil(grid.factor), &[], false)?;
         if wanted.is_some() {
@@ -269,7 +261,7 @@ impl ColumnFamily for Density {
             return Err(HysteresisError::Drive { index });
         }
         let mut plays = density.at_start(start, u)?;
-        let Columns { values, by_memory, rest, rest_by_memory, stop, .. } = out;
+        let Columns { values, by_memory, rest, rest_by_memory, remembering, stop, .. } = out;
         if at_rest(start, u)?.is_some() {
             let of = |values: &mut dyn Iterator<Item = f64>| values.last().unwrap_or(0.0);
             for column in 0..knots.len() {
@@ -277,8 +269,14 @@ impl ColumnFamily for Density {
                 rest_by_memory[column] = of(&mut plays.by_memory(column));
             }
         }
+        let mut are_remembering = 0;
         for (stretch, u) in u.chunks(STRETCH * grid.factor).enumerate() {
             outputs::look(stop.as_ref())?;
+            if plays.are_some_still() {
+                are_remembering = (stretch + 1) * STRETCH;
+            } else if kept_from.is_some_and(|from| from <= stretch * STRETCH) {
+                break;
+            }
             plays.advance(u, grid.factor);
             for (column, values) in values.iter_mut().enumerate() {
                 let here = &mut values[stretch * STRETCH..];
@@ -288,6 +286,7 @@ impl ColumnFamily for Density {
                 values.extend(plays.by_memory(column));
             }
         }
+        *remembering = Some(are_remembering);
         Ok(())
     }
 }
@@ -346,6 +345,22 @@ mod tests {
             }
         }
 
+        /// A run that keeps what does not depend on the memory is a run anew.
+        #[test]
+        fn another_memory_changes_what_depends_on_it(
+            u in drive(), memories in [0.0..10.0_f64, 0.0..10.0_f64], count in 1..20_usize, factor in 1..3_usize,
+        ) {
+            let form = HysteresisForm::plays(count).searched();
+            let [first, start] = memories.map(|memory| Start::Remembering { voltage_v: u[0], memory });
+            let mut out = columns(count, &u, first, factor, true);
+            let wanted: &[bool] = &[];
+            let shape = form.example(&SPAN);
+            form.run_with_other_memory(&shape, factor, &u, start, Some(wanted), &mut out).unwrap();
+            let anew = columns(count, &u, start, factor, true);
+            prop_assert_eq!((out.values, out.by_memory), (anew.values, anew.by_memory));
+            prop_assert_eq!((out.rest, out.rest_by_memory), (anew.rest, anew.rest_by_memory));
+        }
+
         /// Its models are plays with the same output.
         #[test]
         fn models_are_the_same_plays(
@@ -383,7 +398,7 @@ mod tests {
         let density = PlayDensity::new(&[1.0, 3.0]);
         assert_eq!(density.thresholds.len(), 60);
         assert!((density.thresholds[29] - 1.0).abs() < 1e-15 && (density.thresholds[59] - 3.0).abs() < 1e-15);
-        let mut sums = [0.0; 2];
+        let mut sums = [0.0_f64; 2];
         density.sum(&[1.0; 60], &mut sums);
         assert!(sums.iter().all(|sum| (sum - 1.0).abs() < 1e-14));
         // From 0 to 4 V, a play r stands at 4 − r: the mean of the second hat, r = 1 + 2x with density 2x, is

@@ -100,6 +100,11 @@ impl DensityBank {
         self.states.as_flattened().iter().all(|state| state.is_finite())
     }
 
+    /// True if the drive has not yet moved some of the plays away from the memory.
+    pub(super) fn are_some_still(&self) -> bool {
+        self.are_some_still
+    }
+
     /// Moves the plays through `u`, with sums over at most [`STRETCH`] samples: every `factor`-th, the first
     /// one first.
     pub(super) fn advance(&mut self, u: &[f64], factor: usize) {
@@ -123,9 +128,13 @@ impl DensityBank {
 /// Plays after a move to `u`.
 #[inline(always)]
 fn moved(thresholds: &Abreast, states: &Abreast, u: f64) -> Abreast {
-    // Copied, so that the compiler sees that nothing else writes to them.
-    let (thresholds, states) = (*thresholds, *states);
-    std::array::from_fn(|lane| play(thresholds[lane], states[lane], u))
+    // Copied, so that the compiler sees that nothing else writes to them; by a loop, since a closure would be
+    // compiled without the instructions of the pass.
+    let (thresholds, mut states) = (*thresholds, *states);
+    for lane in 0..ABREAST {
+        states[lane] = play(thresholds[lane], states[lane], u);
+    }
+    states
 }
 
 /// Moves through `u`, with sums at every `factor`-th sample, the first one first.
@@ -153,10 +162,9 @@ impl Pass for Moves<'_> {
                     let still = &mut still[of_group];
                     for ((still, states), thresholds) in still.iter_mut().zip(&*states).zip(thresholds) {
                         let (before, after) = (*states, moved(thresholds, states, u));
-                        let was_still = *still;
-                        *still = std::array::from_fn(|lane| {
-                            if after[lane] == before[lane] { was_still[lane] } else { 0.0 }
-                        });
+                        for lane in 0..ABREAST {
+                            still[lane] = if after[lane] == before[lane] { still[lane] } else { 0.0 };
+                        }
                     }
                     if is_kept {
                         sums_of_still.push(still, (below, above));
