@@ -1,12 +1,13 @@
 //! Structure of the static part that the records choose: reach of the plays, and degree of the polynomial.
 
-use super::super::engine::{Engine, Search};
+use super::super::engine::{Engine, Search, rough};
 use super::super::facts::amplitudes;
 use super::super::static_step::{BIC_FALL, HIGHEST_AUTOMATIC_DEGREE};
 use super::super::{HIGHEST_DEGREE, IdentifyError};
 use super::normalised::{local_fits, resolved_fit};
 use super::problem::JointProblem;
 use super::resolution;
+use super::search::NEAR;
 use super::setup::{JointSetup, memory_name};
 use hysteron_model::model_file::polynomial_name;
 use hysteron_optimize::{LeastSquaresOptions, OptimizeError, Problem};
@@ -66,19 +67,23 @@ pub(super) fn choose_degree(
     for degree in 1..=highest {
         let problem = setup.problem(degree, reduced)?;
         let parameters = problem.bounds().dimension() + problem.layout().linear().count();
-        let mut starts = vec![found.outcome.best.clone()];
-        if setup.hysteresis.description().is_written_as_plays() {
-            starts.push(with_settled_memory(setup, &problem, &found.outcome.best));
-        }
-        let mut ends = Vec::new();
-        if degree == DEGREE_OF_STARTS {
-            ends.push((found.outcome.cost, starts.remove(0)));
-        }
-        for start in starts {
-            let step = format!("degree {degree}");
+        let step = format!("degree {degree}");
+        let mut fitted = |start: Vec<f64>, options: &LeastSquaresOptions| -> Result<_, IdentifyError> {
             let fit = fit_with_its_memory(engine, &step, &problem, start, options.clone());
             let fit = engine.unless_stopped(fit)?.filter(|_| !engine.is_stopped());
-            ends.extend(fit.map(|fit| (fit.outcome.cost, fit.outcome.best)));
+            Ok(fit.map(|fit| (fit.outcome.cost, fit.outcome.best)))
+        };
+        let own = found.outcome.best.clone();
+        let mut ends: Vec<(f64, Vec<f64>)> = if degree == DEGREE_OF_STARTS {
+            vec![(found.outcome.cost, own)]
+        } else {
+            fitted(own, &options)?.into_iter().collect()
+        };
+        if setup.hysteresis.description().is_written_as_plays() {
+            let settled = with_settled_memory(setup, &problem, &found.outcome.best);
+            let near = ends.first().map_or(f64::INFINITY, |(cost, _)| cost * NEAR);
+            let rough = fitted(settled, &rough())?.filter(|(cost, _)| *cost < near);
+            ends.extend(rough.map(|(_, x)| fitted(x, &options)).transpose()?.flatten());
         }
         let best = ends.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
         let Some((cost, best)) = best.filter(|_| !engine.is_stopped()) else { break };

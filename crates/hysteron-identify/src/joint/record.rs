@@ -300,7 +300,8 @@ impl JointRecord {
                 let at_rest = if index < degree {
                     rest_v.powi(index as i32 + 1)
                 } else {
-                    sign * hysteresis.columns.rest[index - degree]
+                    let Columns { rest, standing, .. } = &hysteresis.columns;
+                    sign * (rest[index - degree] + standing[index - degree])
                 };
                 column.iter_mut().zip(unit).for_each(|(c, unit)| *c += at_rest * unit);
             }

@@ -20,7 +20,7 @@ const WHITE: f64 = 0.5;
 /// A rough fit whose cost is within this many times the best leads to the same optimum …
 const SAME: f64 = 1.001;
 /// … and one within this many times may lead to a better one.
-const NEAR: f64 = 1.1;
+pub(super) const NEAR: f64 = 1.1;
 /// Evidence for creep beyond doubt, relative to very strong evidence, and the least ratio of the costs.
 const EVIDENT: f64 = 10.0;
 const EVIDENT_RATIO: f64 = 1.5;

@@ -20,14 +20,28 @@ pub struct Columns {
     pub rest: Vec<f64>,
     /// ∂(H_j before the first sample)/∂memory.
     pub rest_by_memory: Vec<f64>,
+    /// Part of every value, and of `rest`, that is in neither: of operators that no sample moves. 0 for most
+    /// families.
+    pub standing: Vec<f64>,
+    /// ∂standing/∂memory.
+    pub standing_by_memory: Vec<f64>,
     /// Ends a long pass early.
     pub stop: Option<Stop>,
-    /// Leading samples that depend on the memory, where the family knows them.
-    pub(in crate::hysteresis) remembering: Option<usize>,
+    /// From where on the memory is forgotten, for families that keep it.
+    pub(in crate::hysteresis) checkpoints: Option<Checkpoints>,
     /// The contents are those of another memory, all else equal.
     pub(in crate::hysteresis) differ_in_memory: bool,
     pub(in crate::hysteresis) sensitivities: Sensitivities,
     pub(in crate::hysteresis) scratch: ColumnSensitivities,
+}
+
+/// States of the operators along a run: a run from another memory is the same from where its states are.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(in crate::hysteresis) struct Checkpoints {
+    /// Operators that no sample moves.
+    pub(in crate::hysteresis) standing: Vec<bool>,
+    /// States of the others at growing distances from the first sample.
+    pub(in crate::hysteresis) states: Vec<Vec<f64>>,
 }
 
 /// Derivative of one column with respect to one shape number.
@@ -67,10 +81,11 @@ impl Columns {
             look(stop.as_ref())?;
             buffer.resize(samples, 0.0);
         }
-        self.rest.clear();
-        self.rest.resize(columns, 0.0);
-        self.rest_by_memory.clear();
-        self.rest_by_memory.resize(columns, 0.0);
+        let Self { rest, rest_by_memory, standing, standing_by_memory, .. } = self;
+        for constants in [rest, rest_by_memory, standing, standing_by_memory] {
+            constants.clear();
+            constants.resize(columns, 0.0);
+        }
         Ok(())
     }
 }

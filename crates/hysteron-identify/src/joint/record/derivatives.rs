@@ -132,9 +132,11 @@ impl JointRecord {
                     self.input_of_sum(parts, driven, lane)
                 }
                 Some(Direction::Memory) => {
-                    let Columns { by_memory, rest_by_memory, .. } = known.hysteresis;
+                    let Columns { by_memory, rest_by_memory, standing_by_memory, .. } = known.hysteresis;
                     let parts = weights.iter().zip(by_memory).zip(rest_by_memory);
-                    self.input_of_sum(parts.map(|((&w, values), &rest)| (w, &values[..], rest)), driven, lane)
+                    let parts = parts.map(|((&w, values), &rest)| (w, &values[..], rest));
+                    let standing: f64 = weights.iter().zip(standing_by_memory).map(|(w, by)| w * by).sum();
+                    self.input_of_sum(parts, driven, lane).map(|rest| rest + standing)
                 }
                 None => None,
             };

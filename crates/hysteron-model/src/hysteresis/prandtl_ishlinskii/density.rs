@@ -7,7 +7,7 @@ use super::super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, NumberUnit, RuntimeOperator, Search,
     ShapeNumber, WHOLE_SHAPE,
 };
-use super::super::outputs::{self, Columns};
+use super::super::outputs::{self, Checkpoints, Columns};
 use super::super::pass::{Every, at_rest};
 use super::super::plays::{PlayStates, check_thresholds};
 use super::super::{DriveGrid, HysteresisError};
@@ -229,6 +229,9 @@ impl FamilyDescription for Density {
     }
 }
 
+/// Checkpoints of a run are apart by this part of their distance from its beginning.
+const APART: usize = 4;
+
 impl ColumnFamily for Density {
     type Kernel = PlayDensity;
 
@@ -250,7 +253,7 @@ impl ColumnFamily for Density {
         out: &mut Columns,
     ) -> Result<(), HysteresisError> {
         Every::new(grid.factor)?;
-        let kept_from = out.remembering.take().filter(|_| out.differ_in_memory);
+        let before = out.checkpoints.take().filter(|_| out.differ_in_memory);
         let density = PlayDensity::new(knots);
         out.resize(knots.len(), u.len().div_ceil(grid.factor), &[], false)?;
         if wanted.is_some() {
@@ -261,7 +264,13 @@ impl ColumnFamily for Density {
             return Err(HysteresisError::Drive { index });
         }
         let mut plays = density.at_start(start, u)?;
-        let Columns { values, by_memory, rest, rest_by_memory, remembering, stop, .. } = out;
+        let mut checkpoints = Checkpoints::default();
+        if let Some((voltage, _)) = at_rest(start, u)? {
+            (checkpoints.standing, [out.standing, out.standing_by_memory]) = plays.without_standing(range_of(u));
+            plays.advance(&[voltage], 1);
+        }
+        let before = before.filter(|before| before.standing == checkpoints.standing);
+        let Columns { values, by_memory, rest, rest_by_memory, stop, .. } = out;
         if at_rest(start, u)?.is_some() {
             let of = |values: &mut dyn Iterator<Item = f64>| values.last().unwrap_or(0.0);
             for column in 0..knots.len() {
@@ -269,13 +278,22 @@ impl ColumnFamily for Density {
                 rest_by_memory[column] = of(&mut plays.by_memory(column));
             }
         }
-        let mut are_remembering = 0;
+        let mut next = 1;
         for (stretch, u) in u.chunks(STRETCH * grid.factor).enumerate() {
             outputs::look(stop.as_ref())?;
-            if plays.are_some_still() {
-                are_remembering = (stretch + 1) * STRETCH;
-            } else if kept_from.is_some_and(|from| from <= stretch * STRETCH) {
-                break;
+            if stretch == next {
+                let place = checkpoints.states.len();
+                checkpoints.states.push(plays.states().to_vec());
+                let other = before.as_ref().and_then(|before| before.states.get(place..));
+                // From here on the values are those of the other memory.
+                if let Some([same, after @ ..]) = other
+                    && same == plays.states()
+                    && !plays.are_some_still()
+                {
+                    checkpoints.states.extend_from_slice(after);
+                    break;
+                }
+                next = (next + 1).max(next + next / APART);
             }
             plays.advance(u, grid.factor);
             for (column, values) in values.iter_mut().enumerate() {
@@ -286,7 +304,7 @@ impl ColumnFamily for Density {
                 values.extend(plays.by_memory(column));
             }
         }
-        *remembering = Some(are_remembering);
+        out.checkpoints = Some(checkpoints);
         Ok(())
     }
 }
@@ -332,15 +350,16 @@ mod tests {
             let out = columns(count, &u, start, factor, true);
             let close = |a: f64, b: f64| (a - b).abs() <= 1e-12;
             for j in 0..count {
-                prop_assert!(out.values[j].iter().zip(&exact.columns[j]).all(|(a, b)| close(*a, *b)));
-                prop_assert!(close(out.rest[j], exact.rest[j]));
+                let [of_value, of_slope] = [out.standing[j], out.standing_by_memory[j]];
+                prop_assert!(out.values[j].iter().zip(&exact.columns[j]).all(|(a, b)| close(a + of_value, *b)));
+                prop_assert!(close(out.rest[j] + of_value, exact.rest[j]));
                 if let Start::Remembering { .. } = start {
                     let at = |of: &[f64], k: usize| of.get(k).copied().unwrap_or(0.0);
                     for k in 0..out.values[j].len() {
-                        let [a, b] = [at(&out.by_memory[j], k), at(&exact.d_start[j], k)];
+                        let [a, b] = [at(&out.by_memory[j], k) + of_slope, at(&exact.d_start[j], k)];
                         prop_assert!(close(a, b), "{a} {b}");
                     }
-                    prop_assert!(close(out.rest_by_memory[j], exact.d_start_rest[j]));
+                    prop_assert!(close(out.rest_by_memory[j] + of_slope, exact.d_start_rest[j]));
                 }
             }
         }
@@ -358,7 +377,9 @@ mod tests {
             form.run_with_other_memory(&shape, factor, &u, start, Some(wanted), &mut out).unwrap();
             let anew = columns(count, &u, start, factor, true);
             prop_assert_eq!((out.values, out.by_memory), (anew.values, anew.by_memory));
+            prop_assert_eq!(out.checkpoints, anew.checkpoints);
             prop_assert_eq!((out.rest, out.rest_by_memory), (anew.rest, anew.rest_by_memory));
+            prop_assert_eq!((out.standing, out.standing_by_memory), (anew.standing, anew.standing_by_memory));
         }
 
         /// Its models are plays with the same output.
@@ -373,7 +394,8 @@ mod tests {
             model.simulate(&u, start, &mut v).unwrap();
             let columns = columns(weights.len(), &u, start, 1, false);
             for (k, (v, u)) in v.iter().zip(&u).enumerate() {
-                let sum: f64 = weights.iter().zip(&columns.values).map(|(w, column)| w * column[k]).sum();
+                let values = columns.values.iter().zip(&columns.standing).map(|(column, rest)| column[k] + rest);
+                let sum: f64 = weights.iter().zip(values).map(|(w, value)| w * value).sum();
                 prop_assert!((v - (0.7 * u + 0.02 * u * u + sum)).abs() <= 1e-11);
             }
         }

@@ -100,6 +100,40 @@ impl DensityBank {
         self.states.as_flattened().iter().all(|state| state.is_finite())
     }
 
+    /// Takes the plays at a memory that no drive between `low` and `high` moves out of the sums; which these
+    /// are, in the order of the plays, and their sums in every column with the derivatives with respect to
+    /// the memory.
+    pub(super) fn without_standing(&mut self, (low, high): (f64, f64)) -> (Vec<bool>, [Vec<f64>; 2]) {
+        let stands = |threshold: f64, state: f64| state + threshold >= high && state - threshold <= low;
+        let (mut standing, mut sums) = (Vec::new(), [0, 1].map(|_| vec![0.0; self.columns]));
+        for interval in 0..if self.still.is_empty() { 0 } else { self.columns } {
+            let (group, lane) = (interval / ABREAST, interval % ABREAST);
+            for place in group * self.parts..(group + 1) * self.parts {
+                let state = self.states[place][lane];
+                standing.push(stands(self.thresholds[place][lane], state));
+                if !standing.last().is_some_and(|stands| *stands) {
+                    continue;
+                }
+                // Without a share in any column; wherever it goes, it is the same for every memory.
+                self.states[place][lane] = low;
+                let still = std::mem::take(&mut self.still[place][lane]);
+                let shares = self.shares.each_mut().map(|shares| std::mem::take(&mut shares[place][lane]));
+                for (column, share) in [interval.checked_sub(1), Some(interval)].into_iter().zip(shares) {
+                    if let Some(column) = column {
+                        sums[0][column] += share * state;
+                        sums[1][column] += share * still;
+                    }
+                }
+            }
+        }
+        (standing, sums)
+    }
+
+    /// States of the plays.
+    pub(super) fn states(&self) -> &[f64] {
+        self.states.as_flattened()
+    }
+
     /// True if the drive has not yet moved some of the plays away from the memory.
     pub(super) fn are_some_still(&self) -> bool {
         self.are_some_still
