@@ -227,18 +227,19 @@ impl JointRecord {
             return true;
         }
         let Operators { columns, inputs, of, derived } = &mut lent.operators;
-        let differ_in_memory = of.take().is_some_and(|(of_shape, _)| of_shape == shape);
-        let run = if differ_in_memory { HysteresisForm::run_with_other_memory } else { HysteresisForm::run };
+        let run = if of.take().is_some() { HysteresisForm::run_again } else { HysteresisForm::run };
         let grid = DriveGrid { paces: self.paces.as_deref(), ..self.grid };
         if run(form, shape, grid, &self.drive, self.origin(memory), derivatives, columns).is_err() {
             return false;
         }
         // Filled one by one: allocating dozens at once would delay a stop.
         inputs.resize_with(columns.values.len(), PlanInput::none);
-        let share = inputs.len().div_ceil(lanes.len().max(1)).max(1);
-        let done = inputs
+        let changed = columns.kept..inputs.len();
+        let share = changed.len().div_ceil(lanes.len().max(1)).max(1);
+        let (values, rest) = (&columns.values[changed.clone()], &columns.rest[changed.clone()]);
+        let done = inputs[changed]
             .par_chunks_mut(share)
-            .zip(columns.values.par_chunks(share).zip(columns.rest.par_chunks(share)))
+            .zip(values.par_chunks(share).zip(rest.par_chunks(share)))
             .zip(lanes)
             .map(|((inputs, (values, rests)), lane)| {
                 let mut done = true;

@@ -5,13 +5,19 @@
 
 use hysteron_rt::{Scalar, Sides, each_band};
 
-use super::HysteresisError;
 use super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
 use super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, GRID_ENDS, MOST_ELEMENTS, MeanLine, NumberUnit,
     RuntimeOperator, Search, ShapeNumber, ends, in_a_row,
 };
+use super::outputs::Columns;
+use super::pass::{Every, at_rest};
+use super::play_sums::PlaySums;
 use super::plays::PlayStates;
+use super::{DriveGrid, HysteresisError};
+use crate::start::Start;
+
+mod pass;
 
 /// Bands that divide the mean output of the plays.
 pub(super) const BANDS: usize = 6;
@@ -228,4 +234,30 @@ impl ColumnFamily for Entry {
     fn kernel(&self, plays: usize, shape: &[f64], _: f64) -> DeadZonePlays {
         DeadZonePlays::regular(ends(shape), plays)
     }
+
+    fn run_columns(
+        &self,
+        (plays, shape, _): (usize, &[f64], f64),
+        grid: DriveGrid<'_>,
+        u: &[f64],
+        start: Start<f64>,
+        wanted: Option<&[bool]>,
+        out: &mut Columns,
+    ) -> Result<(), HysteresisError> {
+        Every::new(grid.factor)?;
+        let kernel = self.kernel(plays, shape, 1.0);
+        let is_wanted = |shape: &usize| wanted.is_some_and(|wanted| wanted.get(*shape) == Some(&true));
+        let bands = plays..plays + BANDS;
+        let pairs: Vec<(usize, usize)> = (GRID_ENDS..shape.len())
+            .filter(is_wanted)
+            .flat_map(|shape| bands.clone().map(move |column| (shape, column)))
+            .collect();
+        out.resize_with_memory(bands.end, u.len().div_ceil(grid.factor), &pairs)?;
+        PlaySums::single(&kernel.thresholds).run(grid.factor, u, start, wanted.is_some(), out)?;
+        let rest = at_rest(start, u)?.map(|(rest, _)| rest);
+        kernel.bands_of_mean(shape.get(GRID_ENDS..).unwrap_or_default(), (u, grid.factor), rest, out)
+    }
 }
+
+#[cfg(test)]
+mod tests;

@@ -33,6 +33,7 @@ mod one_sided_plays;
 mod outputs;
 mod parallel_bouc_wen;
 mod pass;
+mod play_sums;
 mod plays;
 mod polynomial;
 mod prandtl_ishlinskii;

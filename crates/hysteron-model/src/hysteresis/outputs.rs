@@ -5,6 +5,7 @@ use hysteron_numeric::Stop;
 use super::HysteresisError;
 use super::Sensitivities;
 use super::columns::ColumnSensitivities;
+use super::play_sums::PlayCourse;
 
 /// Columns H_j of a family over a record, and their derivatives. The buffers are kept between calls.
 #[derive(Clone, Debug, Default)]
@@ -13,8 +14,7 @@ pub struct Columns {
     pub values: Vec<Vec<f64>>,
     /// ∂H_j/∂θ_p, where it is not zero and was requested.
     pub partials: Vec<Partial>,
-    /// ∂H_j/∂memory of [`crate::Start::Remembering`], 0 beyond its end; empty unless derivatives were asked
-    /// for and there is such a memory.
+    /// ∂H_j/∂memory of [`crate::Start::Remembering`], 0 beyond its end; of a run with derivatives.
     pub by_memory: Vec<Vec<f64>>,
     /// H_j before the first sample; 0 for a steady state, which has none.
     pub rest: Vec<f64>,
@@ -27,21 +27,16 @@ pub struct Columns {
     pub standing_by_memory: Vec<f64>,
     /// Ends a long pass early.
     pub stop: Option<Stop>,
-    /// From where on the memory is forgotten, for families that keep it.
-    pub(in crate::hysteresis) checkpoints: Option<Checkpoints>,
-    /// The contents are those of another memory, all else equal.
-    pub(in crate::hysteresis) differ_in_memory: bool,
+    /// Leading columns that the run left as they were ([`HysteresisForm::run_again`]).
+    ///
+    /// [`HysteresisForm::run_again`]: super::HysteresisForm::run_again
+    pub kept: usize,
+    /// The course of the run, for families that keep what does not change.
+    pub(in crate::hysteresis) course: Option<PlayCourse>,
+    /// The contents are those of an earlier run over the same drive.
+    pub(in crate::hysteresis) is_again: bool,
     pub(in crate::hysteresis) sensitivities: Sensitivities,
     pub(in crate::hysteresis) scratch: ColumnSensitivities,
-}
-
-/// States of the operators along a run: a run from another memory is the same from where its states are.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(in crate::hysteresis) struct Checkpoints {
-    /// Operators that no sample moves.
-    pub(in crate::hysteresis) standing: Vec<bool>,
-    /// States of the others at growing distances from the first sample.
-    pub(in crate::hysteresis) states: Vec<Vec<f64>>,
 }
 
 /// Derivative of one column with respect to one shape number.
@@ -87,6 +82,20 @@ impl Columns {
             constants.resize(columns, 0.0);
         }
         Ok(())
+    }
+
+    /// [`Self::resize`] that keeps the derivatives with respect to the memory.
+    pub(in crate::hysteresis) fn resize_with_memory(
+        &mut self,
+        columns: usize,
+        samples: usize,
+        pairs: &[(usize, usize)],
+    ) -> Result<(), HysteresisError> {
+        let mut by_memory = std::mem::take(&mut self.by_memory);
+        by_memory.resize_with(columns, Vec::new);
+        let done = self.resize(columns, samples, pairs, false);
+        self.by_memory = by_memory;
+        done
     }
 }
 

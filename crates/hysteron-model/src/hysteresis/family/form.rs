@@ -230,15 +230,16 @@ impl HysteresisForm {
         let grid = grid.into();
         self.check(shape)?;
         let structure = (self.elements, shape, self.interval_of(grid)?);
+        out.kept = 0;
         self.family.run(structure, grid, u, start, wanted, out)
     }
 
-    /// [`Self::run`] where `out` is that of another memory, all else equal: families that know from which
-    /// sample on the memory is wiped out keep the outputs from there.
+    /// [`Self::run`] where `out` is of an earlier run over the same drive, from the same start but for its
+    /// memory: families may keep what does not change.
     ///
     /// # Errors
     /// Those of [`Self::run`].
-    pub fn run_with_other_memory<'a>(
+    pub fn run_again<'a>(
         self,
         shape: &[f64],
         grid: impl Into<DriveGrid<'a>>,
@@ -247,9 +248,9 @@ impl HysteresisForm {
         wanted: Option<&[bool]>,
         out: &mut Columns,
     ) -> Result<(), HysteresisError> {
-        out.differ_in_memory = true;
+        out.is_again = true;
         let done = self.run(shape, grid, u, start, wanted, out);
-        out.differ_in_memory = false;
+        out.is_again = false;
         done
     }
 

@@ -7,13 +7,12 @@ use super::super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, NumberUnit, RuntimeOperator, Search,
     ShapeNumber, WHOLE_SHAPE,
 };
-use super::super::outputs::{self, Checkpoints, Columns};
-use super::super::pass::{Every, at_rest};
+use super::super::outputs::Columns;
+use super::super::pass::Every;
+use super::super::play_sums::PlaySums;
 use super::super::plays::{PlayStates, check_thresholds};
 use super::super::{DriveGrid, HysteresisError};
 use super::PrandtlIshlinskii;
-use super::density_bank::{DensityBank, STRETCH};
-use crate::record::range_of;
 use crate::start::Start;
 
 /// Columns of a density ρ(r) of plays that is a broken line over their half-widths, ρ(r) = Σⱼ ρⱼ hatⱼ(r) with
@@ -28,11 +27,7 @@ use crate::start::Start;
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::hysteresis) struct PlayDensity {
     knots: Vec<f64>,
-    /// Plays in an interval between knots.
-    parts: usize,
-    thresholds: Vec<f64>,
-    /// Tᵢⱼ of each play, in the columns of the knots below and above it.
-    shares: Vec<[f64; 2]>,
+    plays: PlaySums,
 }
 
 impl PlayDensity {
@@ -53,16 +48,16 @@ impl PlayDensity {
             shares.iter_mut().for_each(|share| *share *= 0.5 * (after - before));
             before = thresholds[i];
         }
-        let mut density = Self { knots: knots.to_vec(), parts, thresholds, shares };
+        let mut plays = PlaySums { parts, thresholds, shares };
         let mut totals = vec![0.0; knots.len()];
-        density.sum::<f64>(&vec![1.0; density.thresholds.len()], &mut totals);
-        for (interval, shares) in density.shares.chunks_exact_mut(parts).enumerate() {
+        plays.sum::<f64>(&vec![1.0; plays.thresholds.len()], &mut totals);
+        for (interval, shares) in plays.shares.chunks_exact_mut(parts).enumerate() {
             for [below, above] in shares {
                 *below = interval.checked_sub(1).map_or(0.0, |column| *below / totals[column]);
                 *above /= totals[interval];
             }
         }
-        density
+        Self { knots: knots.to_vec(), plays }
     }
 
     /// Weights of the plays, from those of the columns.
@@ -73,43 +68,7 @@ impl PlayDensity {
             let [below, above] = [weight(interval.checked_sub(1)), weight(Some(interval))];
             shares.iter().map(move |[a, b]| a * below + b * above).collect::<Vec<f64>>()
         };
-        self.shares.chunks_exact(self.parts).enumerate().flat_map(of).collect()
-    }
-}
-
-impl PlayDensity {
-    /// The plays before the first sample.
-    fn at_start(&self, start: Start<f64>, u: &[f64]) -> Result<DensityBank, HysteresisError> {
-        let at = |voltage, is_memory| {
-            DensityBank::new(self.parts, (&self.thresholds, &self.shares), (voltage, is_memory))
-        };
-        let plays = match at_rest(start, u)? {
-            Some((rest, memory)) => {
-                let mut plays = at(memory.unwrap_or(rest), memory.is_some());
-                plays.advance(&[rest], 1);
-                plays
-            }
-            None => {
-                // Exact after one period; plays that the drive never moves stay in the middle.
-                let (low, high) = range_of(u);
-                let mut plays = at(0.5 * low + 0.5 * high, false);
-                plays.advance(u, u.len());
-                plays
-            }
-        };
-        if plays.is_finite() { Ok(plays) } else { Err(HysteresisError::Drive { index: 0 }) }
-    }
-
-    /// Sums of `plays` in every column.
-    fn sum<S: Scalar<Real = f64>>(&self, plays: &[S], out: &mut [S]) {
-        out.fill(S::constant(0.0));
-        for (index, (play, [below, above])) in plays.iter().zip(&self.shares).enumerate() {
-            let interval = index / self.parts;
-            if let Some(column) = interval.checked_sub(1) {
-                out[column] = out[column] + play.scale(*below);
-            }
-            out[interval] = out[interval] + play.scale(*above);
-        }
+        self.plays.shares.chunks_exact(self.plays.parts).enumerate().flat_map(of).collect()
     }
 }
 
@@ -131,7 +90,7 @@ impl ColumnKernel for PlayDensity {
     }
 
     fn virgin<S: Scalar<Real = f64>>(&self, _: &[S], u: S) -> PlayStates<S> {
-        PlayStates::at(self.thresholds.len(), u)
+        PlayStates::at(self.plays.thresholds.len(), u)
     }
 
     fn advance<S: Scalar<Real = f64>>(
@@ -140,12 +99,12 @@ impl ColumnKernel for PlayDensity {
         state: &mut PlayStates<S>,
         u: f64,
     ) -> Result<(), HysteresisError> {
-        state.advance(self.thresholds.iter().map(|&threshold| S::constant(threshold)), u);
+        state.advance(self.plays.thresholds.iter().map(|&threshold| S::constant(threshold)), u);
         Ok(())
     }
 
     fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &PlayStates<S>, out: &mut [S]) {
-        self.sum(&state.plays, out);
+        self.plays.sum(&state.plays, out);
     }
 }
 
@@ -219,18 +178,19 @@ impl FamilyDescription for Density {
     ) -> Option<PrandtlIshlinskii> {
         let density = PlayDensity::new(shape);
         let weights = density.play_weights(weights);
-        Some(PrandtlIshlinskii { polynomial: polynomial.to_vec(), thresholds: density.thresholds, weights })
+        Some(PrandtlIshlinskii {
+            polynomial: polynomial.to_vec(),
+            thresholds: density.plays.thresholds,
+            weights,
+        })
     }
 
     fn runtime(&self, _: usize, _: &mut [f64], shape: &[f64], weights: &[f64], _: f64) -> RuntimeOperator {
         let density = PlayDensity::new(shape);
         let weights = density.play_weights(weights);
-        RuntimeOperator::Plays { thresholds: density.thresholds, weights }
+        RuntimeOperator::Plays { thresholds: density.plays.thresholds, weights }
     }
 }
-
-/// Checkpoints of a run are apart by this part of their distance from its beginning.
-const APART: usize = 4;
 
 impl ColumnFamily for Density {
     type Kernel = PlayDensity;
@@ -241,8 +201,6 @@ impl ColumnFamily for Density {
         PlayDensity::new(shape)
     }
 
-    /// In plain numbers: the derivative of a play with respect to the memory is 1 until the drive moves it, 0
-    /// from then on.
     fn run_columns(
         &self,
         (_, knots, _): (usize, &[f64], f64),
@@ -253,59 +211,8 @@ impl ColumnFamily for Density {
         out: &mut Columns,
     ) -> Result<(), HysteresisError> {
         Every::new(grid.factor)?;
-        let before = out.checkpoints.take().filter(|_| out.differ_in_memory);
-        let density = PlayDensity::new(knots);
-        out.resize(knots.len(), u.len().div_ceil(grid.factor), &[], false)?;
-        if wanted.is_some() {
-            out.by_memory.resize_with(knots.len(), Vec::new);
-            out.by_memory.iter_mut().for_each(Vec::clear);
-        }
-        if let Some(index) = u.iter().position(|u| !u.is_finite()) {
-            return Err(HysteresisError::Drive { index });
-        }
-        let mut plays = density.at_start(start, u)?;
-        let mut checkpoints = Checkpoints::default();
-        if let Some((voltage, _)) = at_rest(start, u)? {
-            (checkpoints.standing, [out.standing, out.standing_by_memory]) = plays.without_standing(range_of(u));
-            plays.advance(&[voltage], 1);
-        }
-        let before = before.filter(|before| before.standing == checkpoints.standing);
-        let Columns { values, by_memory, rest, rest_by_memory, stop, .. } = out;
-        if at_rest(start, u)?.is_some() {
-            let of = |values: &mut dyn Iterator<Item = f64>| values.last().unwrap_or(0.0);
-            for column in 0..knots.len() {
-                rest[column] = of(&mut plays.values(column));
-                rest_by_memory[column] = of(&mut plays.by_memory(column));
-            }
-        }
-        let mut next = 1;
-        for (stretch, u) in u.chunks(STRETCH * grid.factor).enumerate() {
-            outputs::look(stop.as_ref())?;
-            if stretch == next {
-                let place = checkpoints.states.len();
-                checkpoints.states.push(plays.states().to_vec());
-                let other = before.as_ref().and_then(|before| before.states.get(place..));
-                // From here on the values are those of the other memory.
-                if let Some([same, after @ ..]) = other
-                    && same == plays.states()
-                    && !plays.are_some_still()
-                {
-                    checkpoints.states.extend_from_slice(after);
-                    break;
-                }
-                next = (next + 1).max(next + next / APART);
-            }
-            plays.advance(u, grid.factor);
-            for (column, values) in values.iter_mut().enumerate() {
-                let here = &mut values[stretch * STRETCH..];
-                here.iter_mut().zip(plays.values(column)).for_each(|(here, value)| *here = value);
-            }
-            for (column, values) in by_memory.iter_mut().enumerate() {
-                values.extend(plays.by_memory(column));
-            }
-        }
-        out.checkpoints = Some(checkpoints);
-        Ok(())
+        out.resize_with_memory(knots.len(), u.len().div_ceil(grid.factor), &[])?;
+        PlayDensity::new(knots).plays.run(grid.factor, u, start, wanted.is_some(), out)
     }
 }
 
@@ -313,6 +220,8 @@ impl ColumnFamily for Density {
 mod tests {
     use super::*;
     use crate::hysteresis::HysteresisForm;
+    use crate::hysteresis::play_sums::STRETCH;
+    use crate::record::range_of;
     use proptest::prelude::*;
 
     const SPAN: DriveSpan = DriveSpan { stroke: 10.0, ends: [0.0, 10.0], reach: 10.0, ..DriveSpan::UNIT };
@@ -374,10 +283,10 @@ mod tests {
             let mut out = columns(count, &u, first, factor, true);
             let wanted: &[bool] = &[];
             let shape = form.example(&SPAN);
-            form.run_with_other_memory(&shape, factor, &u, start, Some(wanted), &mut out).unwrap();
+            form.run_again(&shape, factor, &u, start, Some(wanted), &mut out).unwrap();
             let anew = columns(count, &u, start, factor, true);
             prop_assert_eq!((out.values, out.by_memory), (anew.values, anew.by_memory));
-            prop_assert_eq!(out.checkpoints, anew.checkpoints);
+            prop_assert_eq!(out.course, anew.course);
             prop_assert_eq!((out.rest, out.rest_by_memory), (anew.rest, anew.rest_by_memory));
             prop_assert_eq!((out.standing, out.standing_by_memory), (anew.standing, anew.standing_by_memory));
         }
@@ -418,15 +327,18 @@ mod tests {
         // Two knots at 1 and 3 V, 30 plays in each interval: ρ = 1/1.95 and 0 … from the second column alone,
         // whose hat rises from 1 to 3 V.
         let density = PlayDensity::new(&[1.0, 3.0]);
-        assert_eq!(density.thresholds.len(), 60);
-        assert!((density.thresholds[29] - 1.0).abs() < 1e-15 && (density.thresholds[59] - 3.0).abs() < 1e-15);
+        assert_eq!(density.plays.thresholds.len(), 60);
+        assert!(
+            (density.plays.thresholds[29] - 1.0).abs() < 1e-15
+                && (density.plays.thresholds[59] - 3.0).abs() < 1e-15
+        );
         let mut sums = [0.0_f64; 2];
-        density.sum(&[1.0; 60], &mut sums);
+        density.plays.sum(&[1.0; 60], &mut sums);
         assert!(sums.iter().all(|sum| (sum - 1.0).abs() < 1e-14));
         // From 0 to 4 V, a play r stands at 4 − r: the mean of the second hat, r = 1 + 2x with density 2x, is
         // 4 − 7/3 to the square of the distance of the plays.
-        let plays: Vec<f64> = density.thresholds.iter().map(|r| 4.0 - r).collect();
-        density.sum(&plays, &mut sums);
+        let plays: Vec<f64> = density.plays.thresholds.iter().map(|r| 4.0 - r).collect();
+        density.plays.sum(&plays, &mut sums);
         assert!((sums[1] - (4.0 - 7.0 / 3.0)).abs() < 2e-3, "{sums:?}");
         // The weights of the plays are a broken line over r.
         let weights = density.play_weights(&[0.0, 1.0]);

@@ -6,7 +6,6 @@
 
 mod columns;
 pub(in crate::hysteresis) mod density;
-mod density_bank;
 mod inverse;
 
 pub use inverse::StepInverse;

@@ -1,4 +1,4 @@
-//! The plays of a density side by side, several columns abreast.
+//! Plays side by side, several columns of their sums abreast.
 
 use hysteron_numeric::{InstructionSet, Pass, run_pass};
 use hysteron_rt::play;
@@ -7,12 +7,12 @@ use hysteron_rt::play;
 const ABREAST: usize = 8;
 type Abreast = [f64; ABREAST];
 /// Samples whose sums stay in the first-level cache before they are written column by column.
-pub(super) const STRETCH: usize = 64;
+pub(in crate::hysteresis) const STRETCH: usize = 64;
 
 /// The plays, in groups of [`ABREAST`] intervals between knots; within a group the first play of every
 /// interval, then the second, and so on. Places beyond the last interval have no share in any column.
 #[derive(Clone, Debug)]
-pub(super) struct DensityBank {
+pub(super) struct PlayBank {
     /// Plays in an interval between knots.
     parts: usize,
     columns: usize,
@@ -68,7 +68,7 @@ impl Sums {
     }
 }
 
-impl DensityBank {
+impl PlayBank {
     /// Plays of `parts` to an interval, in ascending order, all at `voltage`: at a memory or virgin.
     pub(super) fn new(
         parts: usize,
@@ -173,7 +173,7 @@ fn moved(thresholds: &Abreast, states: &Abreast, u: f64) -> Abreast {
 
 /// Moves through `u`, with sums at every `factor`-th sample, the first one first.
 struct Moves<'a> {
-    bank: &'a mut DensityBank,
+    bank: &'a mut PlayBank,
     u: &'a [f64],
     factor: usize,
 }
@@ -182,7 +182,7 @@ impl Pass for Moves<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { bank, u, factor } = self;
-        let DensityBank { parts, thresholds, shares: [below, above], states, still, sums, .. } = bank;
+        let PlayBank { parts, thresholds, shares: [below, above], states, still, sums, .. } = bank;
         let [sums, sums_of_still] = sums;
         let parts = *parts;
         for (index, &u) in u.iter().enumerate() {

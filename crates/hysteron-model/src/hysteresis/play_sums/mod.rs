@@ -1,0 +1,157 @@
+//! Columns that are sums of plays, over a record.
+
+mod bank;
+
+use hysteron_rt::Scalar;
+
+use super::HysteresisError;
+use super::outputs::{self, Columns};
+use super::pass::at_rest;
+use crate::record::range_of;
+use crate::start::Start;
+use bank::PlayBank;
+
+pub(in crate::hysteresis) use bank::STRETCH;
+
+/// Checkpoints of a run are apart by this part of their distance from its beginning.
+const APART: usize = 4;
+
+/// Columns Hⱼ = Σᵢ Tᵢⱼ F_rᵢ\[u\] of plays in intervals: those of interval j have shares in columns j − 1 and j.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct PlaySums {
+    /// Plays in an interval.
+    pub(super) parts: usize,
+    pub(super) thresholds: Vec<f64>,
+    /// Tᵢⱼ of each play, in the columns below and above it.
+    pub(super) shares: Vec<[f64; 2]>,
+}
+
+/// The course of a run: a run from another memory is the same from where the states of its plays are.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct PlayCourse {
+    thresholds: Vec<f64>,
+    start: Start<f64>,
+    /// Derivatives with respect to the memory were computed.
+    is_derived: bool,
+    /// Plays that no sample moves.
+    standing: Vec<bool>,
+    /// States of the others at growing distances from the first sample.
+    states: Vec<Vec<f64>>,
+}
+
+impl PlaySums {
+    /// Columns of one play each.
+    pub(super) fn single(thresholds: &[f64]) -> Self {
+        Self { parts: 1, thresholds: thresholds.to_vec(), shares: vec![[0.0, 1.0]; thresholds.len()] }
+    }
+
+    fn columns(&self) -> usize {
+        self.thresholds.len() / self.parts.max(1)
+    }
+
+    /// Sums of `plays` in every column.
+    pub(super) fn sum<S: Scalar<Real = f64>>(&self, plays: &[S], out: &mut [S]) {
+        out.fill(S::constant(0.0));
+        for (index, (play, [below, above])) in plays.iter().zip(&self.shares).enumerate() {
+            let interval = index / self.parts;
+            if let Some(column) = interval.checked_sub(1) {
+                out[column] = out[column] + play.scale(*below);
+            }
+            out[interval] = out[interval] + play.scale(*above);
+        }
+    }
+
+    /// The plays before the first sample.
+    fn at_start(&self, start: Start<f64>, u: &[f64]) -> Result<PlayBank, HysteresisError> {
+        let at = |voltage, is_memory| {
+            PlayBank::new(self.parts, (&self.thresholds, &self.shares), (voltage, is_memory))
+        };
+        let plays = match at_rest(start, u)? {
+            Some((rest, memory)) => {
+                let mut plays = at(memory.unwrap_or(rest), memory.is_some());
+                plays.advance(&[rest], 1);
+                plays
+            }
+            None => {
+                // Exact after one period; plays that the drive never moves stay in the middle.
+                let (low, high) = range_of(u);
+                let mut plays = at(0.5 * low + 0.5 * high, false);
+                plays.advance(u, u.len());
+                plays
+            }
+        };
+        if plays.is_finite() { Ok(plays) } else { Err(HysteresisError::Drive { index: 0 }) }
+    }
+
+    /// Runs the plays into the leading columns of `out`, which has the size of the record. In plain numbers:
+    /// the derivative of a play with respect to the memory is 1 until the drive moves it, 0 from then on.
+    pub(super) fn run(
+        &self,
+        factor: usize,
+        u: &[f64],
+        start: Start<f64>,
+        derivatives: bool,
+        out: &mut Columns,
+    ) -> Result<(), HysteresisError> {
+        let is_again = out.is_again;
+        let before = out.course.take().filter(|before| is_again && before.thresholds == self.thresholds);
+        if let Some(index) = u.iter().position(|u| !u.is_finite()) {
+            return Err(HysteresisError::Drive { index });
+        }
+        let count = self.columns();
+        let mut plays = self.at_start(start, u)?;
+        let (mut standing, is_at_rest) = (Vec::new(), at_rest(start, u)?);
+        if let Some((voltage, _)) = is_at_rest {
+            let constant;
+            (standing, constant) = plays.without_standing(range_of(u));
+            plays.advance(&[voltage], 1);
+            let of = |values: &mut dyn Iterator<Item = f64>| values.last().unwrap_or(0.0);
+            for column in 0..count {
+                [out.standing[column], out.standing_by_memory[column]] =
+                    [0, 1].map(|of| constant[of][column]);
+                out.rest[column] = of(&mut plays.values(column));
+                out.rest_by_memory[column] = of(&mut plays.by_memory(column));
+            }
+        }
+        let is_known = |before: &PlayCourse| before.start == start && (before.is_derived || !derivatives);
+        if let Some(before) = before.as_ref().filter(|before| is_known(before)) {
+            (out.course, out.kept) = (Some(before.clone()), count);
+            return Ok(());
+        }
+        let before = before.filter(|before| before.standing == standing);
+        let mut states: Vec<Vec<f64>> = Vec::new();
+        let Columns { values, by_memory, stop, .. } = out;
+        let (values, by_memory) = (&mut values[..count], &mut by_memory[..count]);
+        by_memory.iter_mut().for_each(Vec::clear);
+        let mut next = 1;
+        for (stretch, u) in u.chunks(STRETCH * factor).enumerate() {
+            outputs::look(stop.as_ref())?;
+            if stretch == next {
+                let other = before.as_ref().and_then(|before| before.states.get(states.len()..));
+                // From here on the values are those of the other memory.
+                if let Some(rest @ [same, ..]) = other
+                    && same == plays.states()
+                    && !plays.are_some_still()
+                {
+                    states.extend_from_slice(rest);
+                    break;
+                }
+                states.push(plays.states().to_vec());
+                next = (next + 1).max(next + next / APART);
+            }
+            plays.advance(u, factor);
+            for (column, values) in values.iter_mut().enumerate() {
+                let here = &mut values[stretch * STRETCH..];
+                here.iter_mut().zip(plays.values(column)).for_each(|(here, value)| *here = value);
+            }
+            if derivatives {
+                for (column, values) in by_memory.iter_mut().enumerate() {
+                    values.extend(plays.by_memory(column));
+                }
+            }
+        }
+        let thresholds = self.thresholds.clone();
+        out.course = Some(PlayCourse { thresholds, start, is_derived: derivatives, standing, states });
+        Ok(())
+    }
+}
