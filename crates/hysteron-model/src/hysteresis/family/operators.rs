@@ -46,6 +46,21 @@ pub(in crate::hysteresis) trait ColumnFamily: FamilyDescription {
         let kernel = self.kernel(elements, shape, interval_s);
         run::run(&kernel, (shape, Self::FIXED), grid, u, start, wanted, out)
     }
+
+    /// [`ColumnOperators::add_hysteresis`].
+    fn add_columns(
+        &self,
+        model: &Hysteresis,
+        interval_s: f64,
+        grid: DriveGrid<'_>,
+        u: &[f64],
+        start: Start<f64>,
+        out: &mut [f64],
+    ) -> Result<(), HysteresisError> {
+        let kernel = self.kernel(model.form().elements(), model.own_shape(), interval_s);
+        let add = |rows: &Rows<f64>| rows.add_weighted(model.weights(), out);
+        simulate(&kernel, own::<Self>(model.own_shape()), grid, u, start, None, add).map(|_| ())
+    }
 }
 
 /// The two ends of the kernel's grid are structure of it.
@@ -155,7 +170,7 @@ pub(in crate::hysteresis) trait ColumnOperators: FamilyDescription {
     }
 }
 
-fn own<F: ColumnFamily>(shape: &[f64]) -> &[f64] {
+fn own<F: ColumnFamily + ?Sized>(shape: &[f64]) -> &[f64] {
     shape.get(F::FIXED..).unwrap_or_default()
 }
 
@@ -206,9 +221,7 @@ impl<F: ColumnFamily> ColumnOperators for F {
         start: Start<f64>,
         out: &mut [f64],
     ) -> Result<(), HysteresisError> {
-        let kernel = self.kernel(model.form().elements(), model.own_shape(), interval_s);
-        let add = |rows: &Rows<f64>| rows.add_weighted(model.weights(), out);
-        simulate(&kernel, own::<F>(model.own_shape()), grid, u, start, None, add).map(|_| ())
+        self.add_columns(model, interval_s, grid, u, start, out)
     }
 
     fn follow(

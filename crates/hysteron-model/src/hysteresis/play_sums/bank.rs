@@ -12,7 +12,7 @@ pub(in crate::hysteresis) const STRETCH: usize = 64;
 /// The plays, in groups of [`ABREAST`] intervals between knots; within a group the first play of every
 /// interval, then the second, and so on. Places beyond the last interval have no share in any column.
 #[derive(Clone, Debug)]
-pub(super) struct PlayBank {
+pub(super) struct PlaysAbreast {
     /// Plays in an interval between knots.
     parts: usize,
     columns: usize,
@@ -68,7 +68,7 @@ impl Sums {
     }
 }
 
-impl PlayBank {
+impl PlaysAbreast {
     /// Plays of `parts` to an interval, in ascending order, all at `voltage`: at a memory or virgin.
     pub(super) fn new(
         parts: usize,
@@ -173,7 +173,7 @@ fn moved(thresholds: &Abreast, states: &Abreast, u: f64) -> Abreast {
 
 /// Moves through `u`, with sums at every `factor`-th sample, the first one first.
 struct Moves<'a> {
-    bank: &'a mut PlayBank,
+    bank: &'a mut PlaysAbreast,
     u: &'a [f64],
     factor: usize,
 }
@@ -182,7 +182,7 @@ impl Pass for Moves<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { bank, u, factor } = self;
-        let PlayBank { parts, thresholds, shares: [below, above], states, still, sums, .. } = bank;
+        let PlaysAbreast { parts, thresholds, shares: [below, above], states, still, sums, .. } = bank;
         let [sums, sums_of_still] = sums;
         let parts = *parts;
         for (index, &u) in u.iter().enumerate() {

@@ -6,10 +6,10 @@ use hysteron_rt::Scalar;
 
 use super::HysteresisError;
 use super::outputs::{self, Columns};
-use super::pass::at_rest;
+use super::pass::{Every, at_rest};
 use crate::record::range_of;
 use crate::start::Start;
-use bank::PlayBank;
+use bank::PlaysAbreast;
 
 pub(in crate::hysteresis) use bank::STRETCH;
 
@@ -62,9 +62,9 @@ impl PlaySums {
     }
 
     /// The plays before the first sample.
-    fn at_start(&self, start: Start<f64>, u: &[f64]) -> Result<PlayBank, HysteresisError> {
+    fn at_start(&self, start: Start<f64>, u: &[f64]) -> Result<PlaysAbreast, HysteresisError> {
         let at = |voltage, is_memory| {
-            PlayBank::new(self.parts, (&self.thresholds, &self.shares), (voltage, is_memory))
+            PlaysAbreast::new(self.parts, (&self.thresholds, &self.shares), (voltage, is_memory))
         };
         let plays = match at_rest(start, u)? {
             Some((rest, memory)) => {
@@ -154,4 +154,45 @@ impl PlaySums {
         out.course = Some(PlayCourse { thresholds, start, is_derived: derivatives, standing, states });
         Ok(())
     }
+}
+
+/// Columns that share the plays of a weighted sum, which the bank moves abreast.
+const SHARING: usize = 8;
+
+/// Adds the weighted sum of plays at every `factor`-th sample of the drive to `out`.
+pub(super) fn add_weighted(
+    (thresholds, weights): (&[f64], &[f64]),
+    factor: usize,
+    u: &[f64],
+    start: Start<f64>,
+    out: &mut [f64],
+) -> Result<(), HysteresisError> {
+    Every::new(factor)?;
+    let expected = u.len().div_ceil(factor);
+    if out.len() != expected {
+        return Err(HysteresisError::Lengths { expected, found: out.len() });
+    }
+    if let Some(index) = u.iter().position(|u| !u.is_finite()) {
+        return Err(HysteresisError::Drive { index });
+    }
+    // Filled up with plays of no weight.
+    let parts = thresholds.len().div_ceil(SHARING).max(1);
+    let of = |numbers: &[f64], play: usize| numbers.get(play).copied().unwrap_or(0.0);
+    let all = 0..parts * SHARING;
+    let sums = PlaySums {
+        parts,
+        thresholds: all.clone().map(|play| of(thresholds, play)).collect(),
+        shares: all.map(|play| [0.0, of(weights, play)]).collect(),
+    };
+    let mut plays = sums.at_start(start, u)?;
+    for ((out, u), stretch) in out.chunks_mut(STRETCH).zip(u.chunks(STRETCH * factor)).zip(0..) {
+        plays.advance(u, factor);
+        for column in 0..SHARING {
+            out.iter_mut().zip(plays.values(column)).for_each(|(out, value)| *out += value);
+        }
+        if let Some(index) = out.iter().position(|out| !out.is_finite()) {
+            return Err(HysteresisError::Overflow { index: (stretch * STRETCH + index) * factor });
+        }
+    }
+    Ok(())
 }

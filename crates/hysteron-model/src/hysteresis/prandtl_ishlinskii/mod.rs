@@ -20,6 +20,7 @@ use super::family::{
 };
 use super::outputs::Columns;
 use super::pass::{Every, at_rest};
+use super::play_sums;
 use super::{DriveGrid, Hysteresis, HysteresisError, HysteresisForm, polynomial};
 use crate::start::Start;
 
@@ -311,6 +312,18 @@ impl ColumnFamily for Entry {
         out: &mut Columns,
     ) -> Result<(), HysteresisError> {
         columns::run(shape, grid.factor, u, start, wanted, out)
+    }
+
+    fn add_columns(
+        &self,
+        model: &Hysteresis,
+        _: f64,
+        grid: DriveGrid<'_>,
+        u: &[f64],
+        start: Start<f64>,
+        out: &mut [f64],
+    ) -> Result<(), HysteresisError> {
+        play_sums::add_weighted((model.own_shape(), model.weights()), grid.factor, u, start, out)
     }
 }
 
