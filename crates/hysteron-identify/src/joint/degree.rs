@@ -6,8 +6,7 @@ use super::super::static_step::{BIC_FALL, HIGHEST_AUTOMATIC_DEGREE};
 use super::super::{HIGHEST_DEGREE, IdentifyError};
 use super::normalised::{local_fits, resolved_fit};
 use super::problem::JointProblem;
-use super::resolution;
-use super::search::NEAR;
+use super::resolution::{self, COARSE, NEAR, resolved};
 use super::setup::{JointSetup, memory_name};
 use hysteron_model::model_file::polynomial_name;
 use hysteron_optimize::{LeastSquaresOptions, OptimizeError, Problem};
@@ -16,6 +15,9 @@ use hysteron_optimize::{LeastSquaresOptions, OptimizeError, Problem};
 pub(super) const DEGREE_OF_STARTS: usize = 3;
 /// Reaches of the plays that are tried, in shares of the largest half-width that the drives may move.
 const REACHES: [f64; 5] = [0.9, 0.8, 0.7, 0.6, 0.5];
+
+/// Degrees within this many times [`BIC_FALL`] of the best may be chosen.
+const CLOSE: f64 = 10.0;
 
 /// The search continued with the reach of the plays that fits the records best, where a density of plays is
 /// searched: its corners are then where the device has plays.
@@ -58,49 +60,55 @@ pub(super) fn choose_degree(
         .filter(|&d| setup.options.demands.names().any(|n| n == polynomial_name(d)))
         .max()
         .unwrap_or(1);
-    let mut fits = Vec::new();
-    let mut information = 2.0;
+    let mut fits: Vec<DegreeFit> = Vec::new();
     // At a stop the residuals are unknown; nothing is fitted then.
-    let own = setup.problem(DEGREE_OF_STARTS, reduced)?;
-    let options = resolution::resolved(resolution::resolution(&own, &found.outcome.best));
+    let searched = setup.problem(DEGREE_OF_STARTS, reduced)?;
+    let fine = resolution::resolution(&searched, &found.outcome.best);
     let highest = highest_degree(setup).max(demanded);
+    let mut information = 2.0;
     for degree in 1..=highest {
         let problem = setup.problem(degree, reduced)?;
         let parameters = problem.bounds().dimension() + problem.layout().linear().count();
-        let step = format!("degree {degree}");
-        let mut fitted = |start: Vec<f64>, options: &LeastSquaresOptions| -> Result<_, IdentifyError> {
-            let fit = fit_with_its_memory(engine, &step, &problem, start, options.clone());
-            let fit = engine.unless_stopped(fit)?.filter(|_| !engine.is_stopped());
-            Ok(fit.map(|fit| (fit.outcome.cost, fit.outcome.best)))
-        };
-        let own = found.outcome.best.clone();
+        let start = found.outcome.best.clone();
         let mut ends: Vec<(f64, Vec<f64>)> = if degree == DEGREE_OF_STARTS {
-            vec![(found.outcome.cost, own)]
+            vec![(found.outcome.cost, start)]
         } else {
-            fitted(own, &options)?.into_iter().collect()
+            fitted(engine, &problem, start, resolved(COARSE))?.into_iter().collect()
         };
         if setup.hysteresis.description().is_written_as_plays() {
             let settled = with_settled_memory(setup, &problem, &found.outcome.best);
             let near = ends.first().map_or(f64::INFINITY, |(cost, _)| cost * NEAR);
-            let rough = fitted(settled, &rough())?.filter(|(cost, _)| *cost < near);
-            ends.extend(rough.map(|(_, x)| fitted(x, &options)).transpose()?.flatten());
+            let rough = fitted(engine, &problem, settled, rough())?.filter(|(cost, _)| *cost < near);
+            let fit = rough.map(|(_, x)| fitted(engine, &problem, x, resolved(COARSE)));
+            ends.extend(fit.transpose()?.flatten());
         }
         let best = ends.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((cost, best)) = best.filter(|_| !engine.is_stopped()) else { break };
+        let Some((cost, x)) = best.filter(|_| !engine.is_stopped()) else { break };
         if degree == highest {
             // That of the richest fit is used: its residual is the least structured.
-            information = resolution::information(&problem, &best);
+            information = resolution::information(&problem, &x);
         }
-        fits.push((degree, cost, parameters, best));
+        fits.push(DegreeFit { degree, cost, parameters, x });
+    }
+    // Those that may be chosen are fitted to the end.
+    let lowest = fits.iter().map(|fit| fit.bic(information)).fold(f64::INFINITY, f64::min);
+    for fit in fits.iter_mut().filter(|_| fine < COARSE) {
+        let is_near = fit.bic(information) < lowest + CLOSE * BIC_FALL;
+        if !is_near || fit.degree == DEGREE_OF_STARTS && fit.x == found.outcome.best || engine.is_stopped() {
+            continue;
+        }
+        let problem = setup.problem(fit.degree, reduced)?;
+        if let Some((cost, x)) = fitted(engine, &problem, fit.x.clone(), resolved(fine))? {
+            (fit.cost, fit.x) = (cost, x);
+        }
     }
     let mut chosen: Option<(usize, f64, Vec<f64>)> = None;
-    for (degree, cost, parameters, best) in fits {
-        let bic =
-            information * (cost * cost).max(f64::MIN_POSITIVE).ln() + parameters as f64 * information.ln();
-        tried.push((degree, cost, bic));
+    for fit in fits {
+        let (degree, bic) = (fit.degree, fit.bic(information));
+        tried.push((degree, fit.cost, bic));
         let better = chosen.as_ref().is_none_or(|(_, before, _)| bic < before - BIC_FALL);
         if better || degree <= demanded {
-            chosen = Some((degree, bic, best));
+            chosen = Some((degree, bic, fit.x));
         }
     }
     let Some((degree, _, mut best)) = chosen else { return Ok((demanded, found.outcome.best.clone())) };
@@ -111,6 +119,34 @@ pub(super) fn choose_degree(
         best = engine.unless_stopped(fit)?.map_or(best, |fit| fit.outcome.best);
     }
     Ok((degree, best))
+}
+
+/// The best fit of one degree.
+struct DegreeFit {
+    degree: usize,
+    cost: f64,
+    parameters: usize,
+    x: Vec<f64>,
+}
+
+impl DegreeFit {
+    fn bic(&self, information: f64) -> f64 {
+        let square = (self.cost * self.cost).max(f64::MIN_POSITIVE);
+        information * square.ln() + self.parameters as f64 * information.ln()
+    }
+}
+
+/// Cost and end of a fit of one degree; `None` after a stop.
+fn fitted(
+    engine: &mut Engine<'_, '_>,
+    problem: &JointProblem,
+    start: Vec<f64>,
+    options: LeastSquaresOptions,
+) -> Result<Option<(f64, Vec<f64>)>, IdentifyError> {
+    let step = format!("degree {}", problem.degree());
+    let fit = fit_with_its_memory(engine, &step, problem, start, options);
+    let fit = engine.unless_stopped(fit)?.filter(|_| !engine.is_stopped());
+    Ok(fit.map(|fit| (fit.outcome.cost, fit.outcome.best)))
 }
 
 /// The point `x` with the memory of every record that of a loop which has settled: with a polynomial in the

@@ -14,6 +14,9 @@ pub(super) const FINAL: f64 = 0.01;
 /// and a better one has more.
 pub(super) const COARSE: f64 = 1e-5;
 
+/// A rough fit whose cost is within this many times the best may lead to a better optimum.
+pub(super) const NEAR: f64 = 1.1;
+
 /// Effective number of independent samples of the residuals at `x`.
 pub(in super::super) fn information(problem: &JointProblem, x: &[f64]) -> f64 {
     let residual = problem.residuals_of(x).unwrap_or_else(|| vec![0.0; problem.residual_count()]);

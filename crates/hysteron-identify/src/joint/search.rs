@@ -9,7 +9,7 @@ use super::degree::{DEGREE_OF_STARTS, choose_degree, fit_with_its_memory, with_r
 use super::model::shown;
 use super::normalised::{local_fits, resolved_fit};
 use super::problem::JointProblem;
-use super::resolution::{COARSE, information, resolved};
+use super::resolution::{COARSE, NEAR, information, resolved};
 use super::setup::JointSetup;
 use super::starts::{Places, Starts};
 use hysteron_model::dynamics::{Creep, DynamicForm};
@@ -17,10 +17,8 @@ use hysteron_optimize::{Algorithm, DeAbcOptions, LeastSquaresOptions, LocalStatu
 
 /// Residuals with an effective sample size below this share of their samples are far from white.
 const WHITE: f64 = 0.5;
-/// A rough fit whose cost is within this many times the best leads to the same optimum …
+/// A rough fit whose cost is within this many times the best leads to the same optimum.
 const SAME: f64 = 1.001;
-/// … and one within this many times may lead to a better one.
-pub(super) const NEAR: f64 = 1.1;
 /// Evidence for creep beyond doubt, relative to very strong evidence, and the least ratio of the costs.
 const EVIDENT: f64 = 10.0;
 const EVIDENT_RATIO: f64 = 1.5;

@@ -3,7 +3,7 @@
 //! Source: K. Kuhnen, "Modeling, identification and compensation of complex hysteretic nonlinearities: a
 //! modified Prandtl–Ishlinskii approach", *Eur. J. Control* 9 (2003) 407–418, doi:10.3166/ejc.9.407-418.
 
-use hysteron_rt::{Scalar, Sides, each_band};
+use hysteron_rt::{Dual, Scalar, Sides, each_band};
 
 use super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
 use super::family::{
@@ -255,7 +255,9 @@ impl ColumnFamily for Entry {
         out.resize_with_memory(bands.end, u.len().div_ceil(grid.factor), &pairs)?;
         PlaySums::single(&kernel.thresholds).run(grid.factor, u, start, wanted.is_some(), out)?;
         let rest = at_rest(start, u)?.map(|(rest, _)| rest);
-        kernel.bands_of_mean(shape.get(GRID_ENDS..).unwrap_or_default(), (u, grid.factor), rest, out)
+        let own = shape.get(GRID_ENDS..).unwrap_or_default();
+        let shares = kernel.shares(&[0, 1].map(|index| Dual::variable(parameter(own, index), index)));
+        pass::bands_of_mean((&shares, &kernel.corners()), (u, grid.factor), rest, out)
     }
 }
 

@@ -5,7 +5,7 @@ use hysteron_numeric::Stop;
 use super::HysteresisError;
 use super::Sensitivities;
 use super::columns::ColumnSensitivities;
-use super::play_sums::PlayCourse;
+use crate::start::Start;
 
 /// Columns H_j of a family over a record, and their derivatives. The buffers are kept between calls.
 #[derive(Clone, Debug, Default)]
@@ -37,6 +37,19 @@ pub struct Columns {
     pub(in crate::hysteresis) is_again: bool,
     pub(in crate::hysteresis) sensitivities: Sensitivities,
     pub(in crate::hysteresis) scratch: ColumnSensitivities,
+}
+
+/// The course of a run of plays: one from another memory is the same from where the states of its plays are.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::hysteresis) struct PlayCourse {
+    pub(in crate::hysteresis) thresholds: Vec<f64>,
+    pub(in crate::hysteresis) start: Start<f64>,
+    /// Derivatives with respect to the memory were computed.
+    pub(in crate::hysteresis) is_derived: bool,
+    /// Plays that no sample moves.
+    pub(in crate::hysteresis) standing: Vec<bool>,
+    /// States of the others at growing distances from the first sample.
+    pub(in crate::hysteresis) states: Vec<Vec<f64>>,
 }
 
 /// Derivative of one column with respect to one shape number.

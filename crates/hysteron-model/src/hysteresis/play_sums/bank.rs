@@ -1,7 +1,6 @@
 //! Plays side by side, several columns of their sums abreast.
 
 use hysteron_numeric::{InstructionSet, Pass, run_pass};
-use hysteron_rt::play;
 
 /// Columns abreast.
 const ABREAST: usize = 8;
@@ -159,16 +158,13 @@ impl PlaysAbreast {
     }
 }
 
-/// Plays after a move to `u`.
+/// State of a play after a move to `u`: max(u − r, min(u + r, F)), by comparisons: the largest of two numbers is
+/// more than one instruction.
 #[inline(always)]
-fn moved(thresholds: &Abreast, states: &Abreast, u: f64) -> Abreast {
-    // Copied, so that the compiler sees that nothing else writes to them; by a loop, since a closure would be
-    // compiled without the instructions of the pass.
-    let (thresholds, mut states) = (*thresholds, *states);
-    for lane in 0..ABREAST {
-        states[lane] = play(thresholds[lane], states[lane], u);
-    }
-    states
+fn moved(threshold: f64, state: f64, u: f64) -> f64 {
+    let [low, high] = [u - threshold, u + threshold];
+    let below = if state > high { high } else { state };
+    if below < low { low } else { below }
 }
 
 /// Moves through `u`, with sums at every `factor`-th sample, the first one first.
@@ -184,28 +180,25 @@ impl Pass for Moves<'_> {
         let Self { bank, u, factor } = self;
         let PlaysAbreast { parts, thresholds, shares: [below, above], states, still, sums, .. } = bank;
         let [sums, sums_of_still] = sums;
-        let parts = *parts;
         for (index, &u) in u.iter().enumerate() {
             let is_kept = index.is_multiple_of(factor);
-            for (group, (states, thresholds)) in
-                states.chunks_exact_mut(parts).zip(thresholds.chunks_exact(parts)).enumerate()
-            {
-                let of_group = group * parts..(group + 1) * parts;
+            let groups = states.chunks_exact_mut(*parts).zip(thresholds.chunks_exact(*parts));
+            for (group, (states, thresholds)) in groups.enumerate() {
+                let of_group = group * *parts..(group + 1) * *parts;
                 let (below, above) = (&below[of_group.clone()], &above[of_group.clone()]);
                 if bank.are_some_still {
                     let still = &mut still[of_group];
-                    for ((still, states), thresholds) in still.iter_mut().zip(&*states).zip(thresholds) {
-                        let (before, after) = (*states, moved(thresholds, states, u));
-                        for lane in 0..ABREAST {
-                            still[lane] = if after[lane] == before[lane] { still[lane] } else { 0.0 };
-                        }
+                    let plays = states.as_flattened().iter().zip(thresholds.as_flattened());
+                    for (still, (&state, &threshold)) in still.as_flattened_mut().iter_mut().zip(plays) {
+                        *still = if moved(threshold, state, u) == state { *still } else { 0.0 };
                     }
                     if is_kept {
                         sums_of_still.push(still, (below, above));
                     }
                 }
-                for (states, thresholds) in states.iter_mut().zip(thresholds) {
-                    *states = moved(thresholds, states, u);
+                let plays = states.as_flattened_mut().iter_mut().zip(thresholds.as_flattened());
+                for (state, &threshold) in plays {
+                    *state = moved(threshold, *state, u);
                 }
                 if is_kept {
                     sums.push(states, (below, above));

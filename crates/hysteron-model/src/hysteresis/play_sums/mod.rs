@@ -5,7 +5,7 @@ mod bank;
 use hysteron_rt::Scalar;
 
 use super::HysteresisError;
-use super::outputs::{self, Columns};
+use super::outputs::{self, Columns, PlayCourse};
 use super::pass::{Every, at_rest};
 use crate::record::range_of;
 use crate::start::Start;
@@ -24,19 +24,6 @@ pub(super) struct PlaySums {
     pub(super) thresholds: Vec<f64>,
     /// Tᵢⱼ of each play, in the columns below and above it.
     pub(super) shares: Vec<[f64; 2]>,
-}
-
-/// The course of a run: a run from another memory is the same from where the states of its plays are.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct PlayCourse {
-    thresholds: Vec<f64>,
-    start: Start<f64>,
-    /// Derivatives with respect to the memory were computed.
-    is_derived: bool,
-    /// Plays that no sample moves.
-    standing: Vec<bool>,
-    /// States of the others at growing distances from the first sample.
-    states: Vec<Vec<f64>>,
 }
 
 impl PlaySums {
@@ -61,14 +48,19 @@ impl PlaySums {
         }
     }
 
-    /// The plays before the first sample.
-    fn at_start(&self, start: Start<f64>, u: &[f64]) -> Result<PlaysAbreast, HysteresisError> {
+    /// The plays before the first sample; `are_followed`: it is known which of them are still at a memory.
+    fn at_start(
+        &self,
+        start: Start<f64>,
+        u: &[f64],
+        are_followed: bool,
+    ) -> Result<PlaysAbreast, HysteresisError> {
         let at = |voltage, is_memory| {
             PlaysAbreast::new(self.parts, (&self.thresholds, &self.shares), (voltage, is_memory))
         };
         let plays = match at_rest(start, u)? {
             Some((rest, memory)) => {
-                let mut plays = at(memory.unwrap_or(rest), memory.is_some());
+                let mut plays = at(memory.unwrap_or(rest), are_followed && memory.is_some());
                 plays.advance(&[rest], 1);
                 plays
             }
@@ -99,16 +91,16 @@ impl PlaySums {
             return Err(HysteresisError::Drive { index });
         }
         let count = self.columns();
-        let mut plays = self.at_start(start, u)?;
-        let (mut standing, is_at_rest) = (Vec::new(), at_rest(start, u)?);
-        if let Some((voltage, _)) = is_at_rest {
-            let constant;
-            (standing, constant) = plays.without_standing(range_of(u));
+        let mut plays = self.at_start(start, u, true)?;
+        let mut standing = Vec::new();
+        if let Some((voltage, _)) = at_rest(start, u)? {
+            let constants;
+            (standing, constants) = plays.without_standing(range_of(u));
             plays.advance(&[voltage], 1);
+            out.standing[..count].copy_from_slice(&constants[0]);
+            out.standing_by_memory[..count].copy_from_slice(&constants[1]);
             let of = |values: &mut dyn Iterator<Item = f64>| values.last().unwrap_or(0.0);
             for column in 0..count {
-                [out.standing[column], out.standing_by_memory[column]] =
-                    [0, 1].map(|of| constant[of][column]);
                 out.rest[column] = of(&mut plays.values(column));
                 out.rest_by_memory[column] = of(&mut plays.by_memory(column));
             }
@@ -184,7 +176,7 @@ pub(super) fn add_weighted(
         thresholds: all.clone().map(|play| of(thresholds, play)).collect(),
         shares: all.map(|play| [0.0, of(weights, play)]).collect(),
     };
-    let mut plays = sums.at_start(start, u)?;
+    let mut plays = sums.at_start(start, u, false)?;
     for ((out, u), stretch) in out.chunks_mut(STRETCH).zip(u.chunks(STRETCH * factor)).zip(0..) {
         plays.advance(u, factor);
         for column in 0..SHARING {
