@@ -9,6 +9,7 @@ mod device;
 mod information;
 mod optimum;
 mod parameters;
+mod plays;
 mod rates;
 mod seeds;
 mod stamps;
@@ -30,7 +31,7 @@ struct Study {
     run: fn(usize) -> Outcome<()>,
 }
 
-const STUDIES: [Study; 11] = [
+const STUDIES: [Study; 12] = [
     Study { name: "optimum", counts: "random devices", usual: 200, least: 1, run: optimum::study },
     Study { name: "full-size", counts: "random devices", usual: 5, least: 1, run: optimum::full_size },
     Study { name: "seeds", counts: "seeds of the search", usual: 200, least: 1, run: seeds::study },
@@ -41,6 +42,7 @@ const STUDIES: [Study; 11] = [
     Study { name: "coverage", counts: "campaigns", usual: 1000, least: 2, run: coverage::study },
     Study { name: "information", counts: "benches", usual: 200, least: 3, run: information::study },
     Study { name: "afm", counts: "cycles left out in turn", usual: 8, least: 1, run: afm::study },
+    Study { name: "plays", counts: "benches", usual: 20, least: 1, run: plays::study },
     Study { name: "stamps", counts: "repetitions", usual: 7, least: 1, run: stamps::study },
 ];
 
