@@ -78,7 +78,7 @@ proptest! {
         }
     }
 
-    /// What a run keeps of the one before is what it would be anew.
+    /// A second run over a drive gives the same bits as a first one.
     #[test]
     fn a_run_again_is_a_run(
         u in drive(), shapes in [shape(), shape()], memories in [0.0..10.0_f64, 0.0..10.0_f64],
