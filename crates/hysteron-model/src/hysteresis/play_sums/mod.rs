@@ -106,8 +106,8 @@ impl PlaySums {
             }
         }
         let is_known = |before: &PlayCourse| before.start == start && (before.is_derived || !derivatives);
-        if let Some(before) = before.as_ref().filter(|before| is_known(before)) {
-            (out.course, out.kept) = (Some(before.clone()), count);
+        if before.as_ref().is_some_and(is_known) {
+            (out.course, out.kept) = (before, count);
             return Ok(());
         }
         let before = before.filter(|before| before.standing == standing);
