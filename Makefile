@@ -114,7 +114,7 @@ bench-python: python-tools ## what Python costs over the library
 	VIRTUAL_ENV=$(abspath $(PYTHON)) $(PYTHON)/bin/maturin develop --release --locked --quiet
 	$(PYTHON)/bin/python bench/python_overhead.py
 
-STUDIES := optimum full-size seeds parameters rates blocks track coverage information afm plays stamps
+STUDIES := optimum full-size seeds parameters rates blocks track coverage information afm plays families stamps
 study: ## what the joint identification promises, measured on simulated devices (QUICK=1: a rehearsal)
 study: check-toolchain
 	cargo build --release --locked -p hysteron-bench --bin hysteron-study

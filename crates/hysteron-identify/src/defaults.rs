@@ -12,7 +12,7 @@ use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::record::span;
 
 use super::facts::RecordFacts;
-use super::options::{Choice, DynamicsChoice, Method, Options};
+use super::options::{Choice, DynamicsChoice, FamilyChoice, Method, Options};
 
 /// Oscillations of less than this share of the range of the drive are small.
 const SMALL: f64 = 0.1;
@@ -33,8 +33,8 @@ pub(super) fn beside_wide_moves(facts: &[RecordFacts]) -> Option<(f64, f64)> {
 
 /// The options with open choices resolved.
 pub(super) fn resolved(facts: &[RecordFacts], options: &Options) -> Options {
-    let given = matches!(options.hysteresis, Choice::Given(_)) || options.start.is_some();
-    let family = |form| Options { hysteresis: Choice::Given(form), ..options.clone() };
+    let given = matches!(options.hysteresis, FamilyChoice::Given(_)) || options.start.is_some();
+    let family = |form| Options { hysteresis: FamilyChoice::Given(form), ..options.clone() };
     if given || options.method != Method::Joint || beside_wide_moves(facts).is_none() {
         return family(options.family());
     }

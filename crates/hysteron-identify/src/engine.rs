@@ -106,6 +106,18 @@ impl<'a, 'w> Engine<'a, 'w> {
         }
     }
 
+    /// [`Self::unless_stopped`] of a search beside others: `None` also where none of its starts can be
+    /// simulated.
+    pub(super) fn where_feasible(
+        &mut self,
+        search: Result<Search, OptimizeError>,
+    ) -> Result<Option<Search>, OptimizeError> {
+        match search {
+            Err(OptimizeError::NoFeasiblePoint { .. }) => Ok(None),
+            search => self.unless_stopped(search),
+        }
+    }
+
     /// Reports the beginning of a stage other than a search; false after a stop.
     pub(super) fn enter(&mut self, stage: &str) -> bool {
         self.fraction = self.plan.fraction(stage, 0.0).unwrap_or(self.fraction);

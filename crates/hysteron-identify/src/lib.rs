@@ -64,7 +64,8 @@ pub use joint::{
 };
 pub use layout::Demands;
 pub use options::{
-    CampaignRecord, Choice, DynamicsChoice, HIGHEST_DEGREE, Initial, Method, Options, RecordRole,
+    CampaignRecord, Choice, DynamicsChoice, FamilyChoice, HIGHEST_DEGREE, Initial, Method, Options,
+    RecordRole,
 };
 pub use parameter::{Equation13, LinearPart, Parameter, ParameterRole};
 pub use result::{Correlation, Identification, RecordFit, Reduction, StructureChoice};
@@ -82,6 +83,9 @@ use hysteron_optimize::Settings;
 pub use hysteron_optimize::Stop;
 use static_step::OFFSET;
 
+/// Share of the progress of an identification that the choice of the family takes.
+const OF_FAMILIES: f64 = 0.6;
+
 /// Identifies a Hammerstein model from a campaign: by one joint fit, or by the article's two-step procedure
 /// ([`Options::method`]), which also takes the sampled dynamics (ARX, OE, BJ) and SRIVC.
 ///
@@ -94,6 +98,16 @@ pub fn identify(
     watch: &Watch<'_>,
     resume: Option<Searches>,
 ) -> Result<Identification, IdentifyError> {
+    if options.hysteresis == FamilyChoice::Auto {
+        options.validate()?;
+        let selection = structure::choose_family(records, options, &watch.part(0.0, OF_FAMILIES))?;
+        let rest = watch.part(OF_FAMILIES, 1.0);
+        let mut found = identify(records, &selection.applied(options), &rest, resume)?;
+        let finding = Finding::new(FindingKind::Verdict, "hysteresis", selection.verdict.clone());
+        found.findings.insert(0, finding);
+        found.structure.family = Some(selection);
+        return Ok(found);
+    }
     let identify = |records: &[CampaignRecord]| {
         identify_records(records, options, watch, resume).map_err(|e| match e {
             // A search had not evaluated any point.

@@ -220,16 +220,36 @@ pub enum Choice<T> {
     Given(T),
 }
 
+/// Family of the hysteresis block of a Hammerstein model.
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FamilyChoice {
+    /// The default family; plays with activated edges where a non-uniformly sampled record holds small
+    /// oscillations beside large moves, then with [`DynamicsChoice::Auto`] and [`Creep::None`] fractional
+    /// dynamics without creep.
+    #[default]
+    Usual,
+    /// The family with the smallest held-out error ([`FamilySelection`](super::FamilySelection)), of those
+    /// that describe most stacks; the usual one where the records cannot discriminate.
+    Auto,
+    /// This one.
+    Given(HysteresisForm),
+}
+
+impl From<HysteresisForm> for FamilyChoice {
+    fn from(form: HysteresisForm) -> Self {
+        Self::Given(form)
+    }
+}
+
 /// Options of an identification; the defaults are meant to be right.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
     /// Joint fit or two steps.
     pub method: Method,
-    /// Family of the hysteresis block; any but the default needs the joint fit. `Auto`: the default; plays
-    /// with activated edges where a non-uniformly sampled record holds small oscillations beside large moves,
-    /// then with [`DynamicsChoice::Auto`] and [`Creep::None`] fractional dynamics without creep.
-    pub hysteresis: Choice<HysteresisForm>,
+    /// Family of the hysteresis block; any but the default needs the joint fit.
+    pub hysteresis: FamilyChoice,
     /// Dynamic block.
     pub dynamics: DynamicsChoice,
     /// Poles of [`DynamicsChoice::Integer`] in a joint fit, 1 to 12, or of [`DynamicsChoice::Modes`], 2 to
@@ -279,7 +299,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             method: Method::Joint,
-            hysteresis: Choice::Auto,
+            hysteresis: FamilyChoice::Usual,
             dynamics: DynamicsChoice::Auto,
             order: 2,
             creep: Creep::None,
@@ -326,8 +346,8 @@ impl Options {
     /// The family given, else the default.
     pub fn family(&self) -> HysteresisForm {
         match self.hysteresis {
-            Choice::Given(form) => form,
-            Choice::Auto => HysteresisForm::default(),
+            FamilyChoice::Given(form) => form,
+            FamilyChoice::Usual | FamilyChoice::Auto => HysteresisForm::default(),
         }
     }
 
@@ -409,7 +429,7 @@ mod tests {
             sample_rate_hz: None,
         };
         let options = Options {
-            hysteresis: Choice::Given(HysteresisForm::plays(9)),
+            hysteresis: FamilyChoice::Given(HysteresisForm::plays(9)),
             dynamics: DynamicsChoice::TwoFractional,
             creep: Creep::KelvinVoigt { elements: 3 },
             degree: Choice::Given(4),

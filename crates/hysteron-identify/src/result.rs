@@ -6,6 +6,7 @@ use super::options::{Method, RecordRole};
 use super::parameter::Parameter;
 use super::searches::Searches;
 use super::sines::SineResponse;
+use super::structure::FamilySelection;
 use hysteron_model::Finding;
 use hysteron_model::Start;
 use hysteron_model::dynamics::Creep;
@@ -187,4 +188,6 @@ pub struct StructureChoice {
     pub smoothing: Option<Smoothing>,
     /// Choice of the inter-sample rule, where the records discriminate.
     pub between: Option<InterSampleChoice>,
+    /// Choice of the hysteresis family, where it was asked for.
+    pub family: Option<FamilySelection>,
 }

@@ -102,6 +102,7 @@ pub(super) fn identify(
     let structure = StructureChoice {
         smoothing: None,
         between: None,
+        family: None,
         degrees: step1.degrees.clone(),
         degree: step1.solution.hysteresis.polynomial.len(),
         creep: Creep::None,

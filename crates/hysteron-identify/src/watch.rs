@@ -105,6 +105,15 @@ impl<'a> Watch<'a> {
         Watch { unlimited, ..Watch::new(told).stopped_by(&stop) }
     }
 
+    /// A watch that reports to this one, as the part of the whole work from share `from` to share `to`, and is
+    /// stopped with it.
+    pub(crate) fn part(&self, from: f64, to: f64) -> Watch<'_> {
+        let told = move |event: &Event<'_>| {
+            self.tell(Event { fraction: from + (to - from) * event.fraction, ..*event })
+        };
+        Watch { unlimited: self.unlimited.clone(), ..Watch::new(told).stopped_by(&self.stop) }
+    }
+
     /// True if a stop is requested, other than by a time limit ([`Self::within`]).
     pub fn is_interrupted(&self) -> bool {
         self.unlimited.as_ref().unwrap_or(&self.stop).is_requested()
@@ -174,6 +183,25 @@ mod tests {
         }
         drop(watch);
         assert_eq!(told, [0.1, 0.5, 0.5, 1.0]);
+    }
+
+    #[test]
+    fn a_part_reports_its_share_and_stops_with_the_whole() {
+        let mut told = Vec::new();
+        let watch = Watch::new(|event: &Event<'_>| {
+            told.push(event.fraction);
+            ControlFlow::Continue(())
+        });
+        for (from, to) in [(0.0, 0.6), (0.6, 1.0)] {
+            let part = watch.part(from, to);
+            for fraction in [0.0, 0.5, 1.0] {
+                assert!(part.tell(Event::new("stage", fraction, None)).is_continue());
+            }
+        }
+        watch.stop().request();
+        assert!(watch.part(0.6, 1.0).is_stopped());
+        drop(watch);
+        assert_eq!(told, [0.0, 0.3, 0.6, 0.6, 0.8, 1.0]);
     }
 
     #[test]

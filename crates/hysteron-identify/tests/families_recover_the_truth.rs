@@ -4,7 +4,8 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may fail
 
 use hysteron_identify::{
-    CampaignRecord, Choice, DynamicsChoice, Identification, Options, RecordRole, Watch, identify,
+    CampaignRecord, Choice, DynamicsChoice, FamilyChoice, Identification, Options, RecordRole, Watch,
+    identify,
 };
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
@@ -82,7 +83,7 @@ fn fitted(truth: &Model, noise_um: f64) -> Identification {
         })
         .collect();
     let options = Options {
-        hysteresis: Choice::Given(truth.hysteresis.form()),
+        hysteresis: FamilyChoice::Given(truth.hysteresis.form()),
         dynamics: DynamicsChoice::Integer,
         degree: Choice::Given(truth.hysteresis.polynomial().len()),
         ..Options::default()
@@ -153,7 +154,7 @@ fn plays_that_widen_with_the_rate_come_back_from_uneven_stamps() {
     };
     let campaign = [record("slow", 3.0, 1.0, 0.0, 1), record("fast", 60.0, 0.8, 0.113, 2)];
     let options = Options {
-        hysteresis: Choice::Given(truth.hysteresis.form()),
+        hysteresis: FamilyChoice::Given(truth.hysteresis.form()),
         dynamics: DynamicsChoice::Integer,
         degree: Choice::Given(1),
         ..Options::default()
@@ -205,7 +206,7 @@ fn every_family_follows_a_device_made_of_it() {
         let truth = small(form);
         let data = record(&truth, "loops", loops(0.13), 0.005, 1);
         let options = Options {
-            hysteresis: Choice::Given(form),
+            hysteresis: FamilyChoice::Given(form),
             dynamics: DynamicsChoice::None,
             degree: Choice::Given(1),
             ..Options::default()
@@ -253,7 +254,7 @@ fn on_the_bench(truth: &Truth, hysteresis: HysteresisForm) -> Vec<f64> {
         .collect();
     let dynamics = DynamicsChoice::Integer;
     let options = Options {
-        hysteresis: Choice::Given(hysteresis),
+        hysteresis: FamilyChoice::Given(hysteresis),
         dynamics,
         degree: Choice::Given(3),
         ..Options::default()

@@ -4,8 +4,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may fail
 use hysteron_identify::{
-    CampaignRecord, Choice, Demands, DynamicsChoice, Identification, JointObjective, Options, PredictionBand,
-    RecordRole, Watch, identify,
+    CampaignRecord, Choice, Demands, DynamicsChoice, FamilyChoice, Identification, JointObjective, Options,
+    PredictionBand, RecordRole, Watch, identify,
 };
 use hysteron_model::Start;
 use hysteron_model::hysteresis::HysteresisForm;
@@ -320,7 +320,7 @@ fn weights_of_plays_come_back_within_three_standard_errors() {
         .map(|r| CampaignRecord { data: data(r), role: None })
         .collect();
     let options = Options {
-        hysteresis: Choice::Given(HysteresisForm::plays(4)),
+        hysteresis: FamilyChoice::Given(HysteresisForm::plays(4)),
         dynamics: DynamicsChoice::Integer,
         degree: Choice::Given(1),
         // Single plays, not a density of them.
@@ -480,7 +480,7 @@ fn a_density_of_plays_predicts_loops_of_other_amplitudes() {
     let campaign: Vec<CampaignRecord> = training.map(|data| CampaignRecord { data, role: None }).collect();
     let unseen = of_role(|role| matches!(role, Role::Tracking)).next().unwrap();
     let error = |demands: Demands| {
-        let hysteresis = Choice::Given(HysteresisForm::plays(12));
+        let hysteresis = FamilyChoice::Given(HysteresisForm::plays(12));
         let options = Options { hysteresis, demands, ..Options::default() };
         let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();
         let start = found.records[0].start;
@@ -520,8 +520,11 @@ fn plays_meet_the_default_bench_to_a_thousandth_of_its_stroke() {
         .collect();
     assert_eq!(campaign.len(), 2);
     let hysteresis = HysteresisForm::plays(20);
-    let options =
-        Options { hysteresis: Choice::Given(hysteresis), degree: Choice::Given(5), ..Options::default() };
+    let options = Options {
+        hysteresis: FamilyChoice::Given(hysteresis),
+        degree: Choice::Given(5),
+        ..Options::default()
+    };
     let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();
     let mut seen = 0;
     for run in runs.iter().filter(|r| matches!(r.role, Role::Tracking | Role::Validation { .. })) {

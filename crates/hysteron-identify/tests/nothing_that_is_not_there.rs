@@ -1,7 +1,7 @@
 //! What the band of the records cannot carry is not put into the model.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use hysteron_identify::{CampaignRecord, Choice, Identification, Options, Watch, identify};
+use hysteron_identify::{CampaignRecord, Choice, FamilyChoice, Identification, Options, Watch, identify};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme};
 use hysteron_model::hammerstein::Model;
@@ -63,7 +63,7 @@ fn a_device_without_dynamics_gets_no_resonance_and_no_delay() {
 fn a_delay_that_slow_drive_does_not_tell_is_in_the_errors() {
     let loops = |t: f64| 5.0 * (1.0 - (TAU * 0.2 * t).cos()) * (1.0 - 0.02 * t);
     let truth = [("linear", 0.4), ("quadratic", 0.004), ("alpha", 0.08), ("beta", 0.3), ("gamma", 0.1)];
-    let of = |hysteresis: Choice<HysteresisForm>, delay_s: f64| {
+    let of = |hysteresis: FamilyChoice, delay_s: f64| {
         let options =
             Options { n: Choice::Given(1.0), degree: Choice::Given(2), hysteresis, ..Options::default() };
         identify(&[late("loops", loops, 20.0, delay_s)], &options, &Watch::silent(), None).unwrap()
@@ -72,7 +72,7 @@ fn a_delay_that_slow_drive_does_not_tell_is_in_the_errors() {
         let p = found.parameters.iter().find(|p| p.name == name).unwrap();
         (p.value, p.std_error)
     };
-    let bouc_wen = Choice::Given(HysteresisForm::bouc_wen());
+    let bouc_wen = FamilyChoice::Given(HysteresisForm::bouc_wen());
     let (late, prompt) = (of(bouc_wen, 1.5e-3), of(bouc_wen, 0.0));
     assert_eq!(number(&late, "delay"), (0.0, None));
     let mut moved = 0.0f64;
@@ -85,7 +85,7 @@ fn a_delay_that_slow_drive_does_not_tell_is_in_the_errors() {
     assert!(moved > 2.0, "the delay must matter: {moved}");
 
     // Plays, fitted jointly, by the same rule.
-    let plays = Choice::Given(HysteresisForm::plays(4));
+    let plays = FamilyChoice::Given(HysteresisForm::plays(4));
     let (late, prompt) = (of(plays, 1.5e-3), of(plays, 0.0));
     assert_eq!(number(&late, "delay"), (0.0, None));
     let ((value, error), (without, _)) = (number(&late, "linear"), number(&prompt, "linear"));

@@ -1,7 +1,7 @@
 //! Search ranges come from every segment of a record, not from its widest or slowest move.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use hysteron_identify::{CampaignRecord, Choice, DynamicsChoice, Options, Watch, identify};
+use hysteron_identify::{CampaignRecord, Choice, DynamicsChoice, FamilyChoice, Options, Watch, identify};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
 use hysteron_model::hammerstein::Model;
@@ -54,7 +54,7 @@ fn record() -> CampaignRecord {
 fn ranges_are_those_of_the_small_fast_sine_too() {
     let options = Options {
         // Enough that a density of them has corners near both plays of the device.
-        hysteresis: Choice::Given(HysteresisForm::plays(12)),
+        hysteresis: FamilyChoice::Given(HysteresisForm::plays(12)),
         dynamics: DynamicsChoice::Integer,
         order: 1,
         degree: Choice::Given(1),

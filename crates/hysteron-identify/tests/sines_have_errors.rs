@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use hysteron_identify::{
-    CampaignRecord, Choice, DynamicsChoice, Identification, Initial, Options, SineResponse, Watch, identify,
+    CampaignRecord, Choice, DynamicsChoice, FamilyChoice, Identification, Initial, Options, SineResponse,
+    Watch, identify,
 };
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
@@ -69,7 +70,7 @@ fn record() -> InputOutput {
 
 fn identified() -> Identification {
     let options = Options {
-        hysteresis: Choice::Given(HysteresisForm::bouc_wen()),
+        hysteresis: FamilyChoice::Given(HysteresisForm::bouc_wen()),
         dynamics: DynamicsChoice::Integer,
         degree: Choice::Given(1),
         initial: Initial::Zero,

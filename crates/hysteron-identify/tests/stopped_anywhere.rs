@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 
 use hysteron_identify::{
-    CampaignRecord, Choice, DynamicsChoice, Event, Identification, IdentifyError, Method, Options,
+    CampaignRecord, DynamicsChoice, Event, FamilyChoice, Identification, IdentifyError, Method, Options,
     RecordRole, Stop, Watch, identify,
 };
 use hysteron_model::Start;
@@ -104,7 +104,7 @@ fn keeps_its_model(stops: usize, options: &Options) {
 fn family(name: &str, elements: usize) -> Options {
     let form = name.parse::<HysteresisForm>().unwrap();
     Options {
-        hysteresis: Choice::Given(form.with_elements(elements).unwrap()),
+        hysteresis: FamilyChoice::Given(form.with_elements(elements).unwrap()),
         dynamics: DynamicsChoice::Integer,
         ..Options::default()
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use hysteron_identify::{
-    Choice, Demands, DynamicsChoice, Initial, Method, Options, Task, coupled, modes, oscillator,
+    Choice, Demands, DynamicsChoice, FamilyChoice, Initial, Method, Options, Task, coupled, modes, oscillator,
 };
 use hysteron_model::UnknownName;
 use hysteron_model::dynamics::{Creep, Scheme};
@@ -69,11 +69,15 @@ fn hammerstein(asked: HammersteinOptions) -> PyResult<Options> {
     fn of(name: &Option<String>) -> Option<&str> {
         name.as_deref().filter(|name| *name != "auto")
     }
-    let hysteresis = match (of(&asked.hysteresis), asked.elements) {
-        (None, None) => Choice::Auto,
+    let hysteresis = match (asked.hysteresis.as_deref(), asked.elements) {
+        (None, None) => FamilyChoice::Usual,
+        (Some("auto"), None) => FamilyChoice::Auto,
+        (Some("auto"), Some(_)) => {
+            return Err(option("elements goes with a family given by name, not with hysteresis=\"auto\""));
+        }
         (name, elements) => {
             let form = name.map_or(Ok(HysteresisForm::default()), |name| name.parse().map_err(raised))?;
-            Choice::Given(elements.map_or(Ok(form), |count| form.with_elements(count).map_err(option))?)
+            elements.map_or(Ok(form), |count| form.with_elements(count).map_err(option))?.into()
         }
     };
     let creep = match asked.creep.as_deref() {

@@ -5,12 +5,11 @@ use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use hysteron_identify::{
-    CampaignRecord, Choice, DynamicsChoice, Event, Finding, Fit as Found, FitParameter, FitRecords, Options,
-    Searches, Stop, Task, Watch, fit_on,
+    CampaignRecord, DynamicsChoice, Event, FamilyChoice, Finding, Fit as Found, FitParameter, FitRecords,
+    Options, Searches, Stop, Task, Watch, fit_on,
 };
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::dynamics::Creep;
-use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::model::Score;
 use hysteron_model::model_file::{Kind, Maker, timestamp};
 use hysteron_model::record::{ChannelChoice, InputOutput, Record};
@@ -90,10 +89,11 @@ impl<'a> Identify<'a> {
         self
     }
 
-    /// Family of the hysteresis block of a Hammerstein model; default: chosen from the records.
+    /// Family of the hysteresis block of a Hammerstein model, or [`FamilyChoice::Auto`], the one with the
+    /// smallest held-out error; default: the usual one.
     #[must_use]
-    pub fn hysteresis(mut self, family: HysteresisForm) -> Self {
-        self.options.hysteresis = Choice::Given(family);
+    pub fn hysteresis(mut self, family: impl Into<FamilyChoice>) -> Self {
+        self.options.hysteresis = family.into();
         self
     }
 

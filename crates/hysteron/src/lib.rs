@@ -117,8 +117,8 @@ pub use report::Report;
 pub use hysteron_export::Precision;
 #[doc(inline)]
 pub use hysteron_identify::{
-    DynamicsChoice, Event, Finding, FindingKind, FitParameter, Method, RecordRole, Searches, Stop, Task,
-    Watch, structure::Candidate,
+    DynamicsChoice, Event, FamilyChoice, Finding, FindingKind, FitParameter, Method, RecordRole, Searches,
+    Stop, Task, Watch, structure::Candidate,
 };
 #[doc(inline)]
 pub use hysteron_io::{Content, ReadOptions, Rename};

@@ -28,7 +28,7 @@
 pub use std::ops::ControlFlow;
 
 pub use crate::{
-    Channel, Controller, Creep, Cut, DynamicsChoice, Error, Event, Export, Finding, Fit, HysteresisForm,
-    Identify, InterSample, Kind, Limits, Model, Precision, Prepare, ReadOptions, Record, Report, Score,
-    Scoring, Signal, Start, Stop, Target, TimeBase, Unit, Unsupported,
+    Channel, Controller, Creep, Cut, DynamicsChoice, Error, Event, Export, FamilyChoice, Finding, Fit,
+    HysteresisForm, Identify, InterSample, Kind, Limits, Model, Precision, Prepare, ReadOptions, Record,
+    Report, Score, Scoring, Signal, Start, Stop, Target, TimeBase, Unit, Unsupported,
 };

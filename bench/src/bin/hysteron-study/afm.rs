@@ -7,7 +7,9 @@ use std::env;
 use std::io::{Write, stdout};
 use std::path::PathBuf;
 
-use hysteron_identify::{CampaignRecord, Choice, DynamicsChoice, FitRecords, Options, Task, Watch, fit};
+use hysteron_identify::{
+    CampaignRecord, Choice, DynamicsChoice, FamilyChoice, FitRecords, Options, Task, Watch, fit,
+};
 use hysteron_io::{ReadOptions, read_record};
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hysteresis::HysteresisForm;
@@ -122,7 +124,7 @@ pub fn study(number: usize) -> Outcome<()> {
         let form = named(name).ok_or("no such family")?;
         // Of the plays with activated edges as by default, a cubic of the others.
         let degree = Choice::Given(if name == "activated-plays" { 2 } else { 3 });
-        let hysteresis = Choice::Given(form);
+        let hysteresis = FamilyChoice::Given(form);
         let options = Options { hysteresis, creep, dynamics, order, degree, ..usual.clone() };
         let scored = identified(&cycles[..6], &options).and_then(|model| free_run(&model, &cycles[6..]));
         let [rms, max] = match scored {
@@ -139,7 +141,7 @@ pub fn study(number: usize) -> Outcome<()> {
     )?;
     let usual_answers = left_out_in_turn(&cycles, number, &usual, true)?;
     let lag = Options {
-        hysteresis: Choice::Given(HysteresisForm::activated_plays()),
+        hysteresis: FamilyChoice::Given(HysteresisForm::activated_plays()),
         degree: Choice::Given(2),
         dynamics: DynamicsChoice::Integer,
         order: 1,

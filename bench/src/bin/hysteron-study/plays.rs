@@ -3,7 +3,7 @@
 //! density of plays, which is what `--hysteresis prandtl-ishlinskii` fits, against single plays at equal
 //! distances.
 
-use hysteron_identify::{CampaignRecord, Choice, Demands, Options, Watch, identify};
+use hysteron_identify::{CampaignRecord, Demands, FamilyChoice, Options, Watch, identify};
 use hysteron_model::Start;
 use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::record::ChannelChoice;
@@ -21,16 +21,16 @@ use crate::table;
 
 const RATE_HZ: f64 = 10_000.0;
 /// Standard deviation of the noise \[µm\].
-const NOISE_UM: f64 = 0.004;
+pub const NOISE_UM: f64 = 0.004;
 /// Plays that are fitted.
 const PLAYS: usize = 12;
 /// Seconds at rest between the exercise and the record.
 const PAUSE_S: f64 = 1.0;
 
-/// A stack, and the voltages to which it was exercised before every record.
-struct Bench {
-    truth: Truth,
-    exercise_v: Option<f64>,
+/// A device, and the voltage to which it was exercised before every record.
+pub struct Bench {
+    pub truth: Truth,
+    pub exercise_v: Option<f64>,
 }
 
 struct Draw(Xoshiro256PlusPlus);
@@ -42,7 +42,7 @@ impl Draw {
 }
 
 impl Bench {
-    fn at_random(number: usize) -> Self {
+    pub fn at_random(number: usize) -> Self {
         let mut draw = Draw(Xoshiro256PlusPlus::seed_from_u64(number as u64));
         let count = [10, 16, 24, 40][number / 2 % 4];
         let (span, bend) = (draw.between(0.4, 0.95) * HIGH_V, draw.between(0.0, 0.65));
@@ -78,17 +78,22 @@ impl Bench {
     }
 
     /// The record of a drive, after the exercise.
-    fn record(&self, drive: &Excitation, (seed, stream): (u64, usize)) -> Outcome<CampaignRecord> {
+    pub fn record(
+        &self,
+        drive: &Excitation,
+        rate_hz: f64,
+        (seed, stream): (u64, usize),
+    ) -> Outcome<CampaignRecord> {
         let first = drive.samples_v.first().copied().unwrap_or(0.0);
         let mut samples = Vec::new();
         if let Some(exercise_v) = self.exercise_v {
-            let swing = |k: usize| 0.5 * (1.0 - (std::f64::consts::TAU * k as f64 / RATE_HZ).cos());
-            samples.extend((0..RATE_HZ as usize).map(|k| first + (exercise_v - first) * swing(k)));
-            samples.extend((0..(PAUSE_S * RATE_HZ) as usize).map(|_| first));
+            let swing = |k: usize| 0.5 * (1.0 - (std::f64::consts::TAU * k as f64 / rate_hz).cos());
+            samples.extend((0..rate_hz as usize).map(|k| first + (exercise_v - first) * swing(k)));
+            samples.extend((0..(PAUSE_S * rate_hz) as usize).map(|_| first));
         }
         let before = samples.len();
         samples.extend_from_slice(&drive.samples_v);
-        let drive = Excitation::of_samples(drive.name.clone(), drive.description.clone(), samples, RATE_HZ);
+        let drive = Excitation::of_samples(drive.name.clone(), drive.description.clone(), samples, rate_hz);
         let mut record = measure(&self.truth, &drive, seed, stream)?.record;
         record.channels.iter_mut().for_each(|channel| drop(channel.samples.drain(..before)));
         Ok(CampaignRecord { data: record.input_output(&ChannelChoice::default())?, role: None })
@@ -96,7 +101,7 @@ impl Bench {
 }
 
 /// RMSE on a record that the fit has not seen, its offset and memory estimated from it \[µm\].
-fn error_on(unseen: &CampaignRecord, fitted: &[CampaignRecord], options: &Options) -> Outcome<f64> {
+pub fn error_on(unseen: &CampaignRecord, fitted: &[CampaignRecord], options: &Options) -> Outcome<f64> {
     let found = identify(fitted, options, &Watch::silent(), None)?;
     let data = &unseen.data;
     let start = match found.records.first().map(|record| record.start) {
@@ -108,7 +113,8 @@ fn error_on(unseen: &CampaignRecord, fitted: &[CampaignRecord], options: &Option
 }
 
 pub fn study(benches: usize) -> Outcome<()> {
-    let density = Options { hysteresis: Choice::Given(HysteresisForm::plays(PLAYS)), ..Options::default() };
+    let density =
+        Options { hysteresis: FamilyChoice::Given(HysteresisForm::plays(PLAYS)), ..Options::default() };
     // A demand on a threshold, here where it is anyway, takes single plays.
     let fixed = vec![("threshold_1".to_owned(), 0.5 * HIGH_V / (PLAYS + 1) as f64)];
     let single = Options { demands: Demands { fixed, ..Demands::default() }, ..density.clone() };
@@ -117,9 +123,10 @@ pub fn study(benches: usize) -> Outcome<()> {
         let bench = Bench::at_random(number);
         let seed = number as u64;
         let drives = [slow_loop(RATE_HZ)?, sweep(RATE_HZ, 1.0, 100.0, 10.0)?];
-        let fitted = drives.iter().enumerate().map(|(stream, drive)| bench.record(drive, (seed, stream)));
+        let fitted =
+            drives.iter().enumerate().map(|(stream, drive)| bench.record(drive, RATE_HZ, (seed, stream)));
         let fitted = fitted.collect::<Outcome<Vec<_>>>()?;
-        let unseen = bench.record(&random_reference(RATE_HZ, 4.0, seed)?, (seed, drives.len()))?;
+        let unseen = bench.record(&random_reference(RATE_HZ, 4.0, seed)?, RATE_HZ, (seed, drives.len()))?;
         let [of_single, of_density] =
             [error_on(&unseen, &fitted, &single)?, error_on(&unseen, &fitted, &density)?];
         ratios.push(of_density / of_single);

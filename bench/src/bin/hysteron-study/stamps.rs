@@ -7,7 +7,7 @@ use std::io::{Write, stdout};
 use std::time::Instant;
 
 use hysteron_identify::{
-    CampaignRecord, Choice, DynamicsChoice, Initial, JointObjective, Options, RecordRole,
+    CampaignRecord, Choice, DynamicsChoice, FamilyChoice, Initial, JointObjective, Options, RecordRole,
 };
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Creep, DynamicForm, Dynamics, Modes, Scheme};
@@ -191,7 +191,7 @@ fn compare(frequency_hz: f64, repetitions: usize) -> Outcome<Vec<Vec<String>>> {
                 sample_rate_hz: None,
             };
             let options = Options {
-                hysteresis: Choice::Given(form),
+                hysteresis: FamilyChoice::Given(form),
                 dynamics: choice,
                 degree: Choice::Given(DEGREE),
                 scheme: Choice::Given(Scheme::BandLimited),

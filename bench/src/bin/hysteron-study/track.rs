@@ -6,7 +6,7 @@
 
 use std::f64::consts::TAU;
 
-use hysteron_identify::{CampaignRecord, Choice, Options, Watch, identify};
+use hysteron_identify::{CampaignRecord, Choice, FamilyChoice, Options, Watch, identify};
 use hysteron_model::compensator::{CompensatorOptions, Prediction};
 use hysteron_model::control::{
     Adaptive, Edge, FeedbackKind, Forward, LawFamily, Loop, LoopSettings, Plant, RequiredMargins, Sines,
@@ -146,7 +146,7 @@ pub fn study(seed: usize) -> Outcome<()> {
     let records = campaign(seed)?;
     let fit = |hysteresis| -> Outcome<Model> {
         let options = Options {
-            hysteresis: Choice::Given(hysteresis),
+            hysteresis: FamilyChoice::Given(hysteresis),
             inter_sample: Choice::Given(InterSample::Hold),
             ..Options::default()
         };

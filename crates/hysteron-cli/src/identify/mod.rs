@@ -14,18 +14,18 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use hysteron_identify::{
-    CampaignRecord, DynamicsChoice, FindingKind, Fit, FitRecords, Initial, Method, RecordRole, Task, fit,
-    fit_on,
+    CampaignRecord, DynamicsChoice, FamilyChoice, FindingKind, Fit, FitRecords, Initial, Method, RecordRole,
+    Task, fit, fit_on,
 };
 use hysteron_model::dynamics::{Creep, Scheme};
-use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::record::InterSample;
 use hysteron_report::fit::report;
 use hysteron_report::page::Page;
 use hysteron_report::write_figures;
 
 use self::arguments::{
-    ChoiceArg, OptimizerArg, StructureArg, degree, delay, exponent, inter_sample, name_range, name_value,
+    ChoiceArg, OptimizerArg, StructureArg, degree, delay, exponent, hysteresis, inter_sample, name_range,
+    name_value,
 };
 use self::failure::explain;
 use self::modes_flags::ModesFlags;
@@ -100,9 +100,9 @@ pub struct Identify {
     /// has small oscillations beside wide moves]
     #[arg(
         long, value_name = "HYSTERESIS",
-        value_parser = one_of(HysteresisForm::usual(), HysteresisForm::name, HysteresisForm::summary),
+        value_parser = hysteresis(),
     )]
-    hysteresis: Option<HysteresisForm>,
+    hysteresis: Option<FamilyChoice>,
 
     /// Size of the hysteresis block: number of plays or of the corners of their density, slip elements,
     /// states, grid lines or intervals of a plane, or the polynomial degree [default: usual for the family]

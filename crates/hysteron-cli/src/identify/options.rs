@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
-use hysteron_identify::{Choice, Demands, DynamicsChoice, Options};
+use hysteron_identify::{Choice, Demands, DynamicsChoice, FamilyChoice, Options};
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_optimize::Algorithm;
@@ -38,13 +38,18 @@ impl Identify {
         })
     }
 
-    fn family(&self) -> Result<Choice<HysteresisForm>, Failure> {
-        Ok(match (self.hysteresis, self.elements) {
-            (None, None) => Choice::Auto,
-            (form, elements) => {
-                Choice::Given(with_elements(form.unwrap_or(HysteresisForm::default()), elements)?)
+    fn family(&self) -> Result<FamilyChoice, Failure> {
+        let choice = self.hysteresis.unwrap_or_default();
+        let form = match (choice, self.elements) {
+            (choice, None) => return Ok(choice),
+            (FamilyChoice::Auto, Some(_)) => {
+                let message = "--elements goes with a family given by name, not with --hysteresis auto";
+                return Err(Failure::usage(message));
             }
-        })
+            (FamilyChoice::Given(form), Some(_)) => form,
+            (FamilyChoice::Usual, Some(_)) => HysteresisForm::default(),
+        };
+        with_elements(form, self.elements).map(Into::into)
     }
 
     fn creep(&self) -> Result<Creep, Failure> {

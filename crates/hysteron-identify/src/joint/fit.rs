@@ -155,6 +155,7 @@ pub(in super::super) fn identify(
             .collect(),
         smoothing: smoothed.map(|(_, smoothing)| smoothing),
         between,
+        family: None,
     };
     if let Some(known) = &known {
         let found = match (&thinned, &known_thinned) {

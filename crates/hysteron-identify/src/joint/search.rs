@@ -158,7 +158,7 @@ impl FirstPoints {
 struct CreepFirst {
     problem: JointProblem,
     search: Search,
-    /// None after a stop.
+    /// None after a stop, and where it cannot be simulated from there.
     plain: Option<Search>,
     /// The fit without creep is no longer a rough one.
     is_followed: bool,
@@ -212,6 +212,8 @@ fn begin_with_creep(
         creeping.fitted(&problem, &places, 0..1, engine)?
     };
     let before = places.evaluations + evaluations;
+    let points =
+        if points.is_empty() { creeping.unfitted(&problem, &places, 0..FIRST_STARTS) } else { points };
     let points = first_or_best(&problem, points, engine);
     let search = resolved_fit(engine, "joint fit with creep", &problem, points, None)?;
     let start = from_other(&problem, &search.outcome.best, plain, &vec![0.0; plain.bounds().dimension()]);
@@ -219,7 +221,7 @@ fn begin_with_creep(
     if !engine.is_stopped() {
         let step = "joint fit without creep";
         let fit = fit_with_its_memory(engine, step, plain, start, rough());
-        plain_fit = engine.unless_stopped(fit)?;
+        plain_fit = engine.where_feasible(fit)?;
         if let Some(rough) = &mut plain_fit {
             let gain = Gain::new((plain, rough.outcome.cost), (&problem, &search));
             // A fit from other starts takes far longer than the end of this one.
@@ -328,7 +330,7 @@ fn search_from_places(
     search.outcome.evaluations += others.evaluations;
     let best = search.outcome.cost;
     let others = raced_fit(engine, "joint fit, other starts", problem, others.points, (best, show));
-    search.take_better(engine.unless_stopped(others)?);
+    search.take_better(engine.where_feasible(others)?);
     let settled = is_settled(&search);
     Ok((search, settled))
 }

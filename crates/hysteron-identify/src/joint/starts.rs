@@ -119,7 +119,8 @@ impl JointSetup<'_> {
         Ok(Places { loops, motions, evaluations })
     }
 
-    /// Starts at some of the places, the dynamics fitted to all records with the loop held.
+    /// Starts at some of the places, the dynamics fitted to all records with the loop held; without those that
+    /// cannot be simulated there.
     pub(super) fn fitted(
         &self,
         problem: &JointProblem,
@@ -138,7 +139,7 @@ impl JointSetup<'_> {
             if held.bounds().dimension() > 0 {
                 let start = self.looping(held.bounds(), found, *motion);
                 let fit = rough_fit(engine, &format!("dynamics, start {}", number + 1), &held, vec![start]);
-                let Some(fit) = engine.unless_stopped(fit)? else { break };
+                let Some(fit) = engine.where_feasible(fit)? else { continue };
                 starts.evaluations += fit.outcome.evaluations;
                 let place = |name: &str| held.bounds().ranges.iter().position(|range| range.name == name);
                 for (range, value) in problem.bounds().ranges.iter().zip(&mut point) {

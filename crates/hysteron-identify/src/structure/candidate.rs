@@ -3,12 +3,12 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::super::options::{Choice, DynamicsChoice, HIGHEST_DEGREE, Method, Options};
+use super::super::options::{Choice, DynamicsChoice, FamilyChoice, HIGHEST_DEGREE, Method, Options};
 use hysteron_model::dynamics::{Creep, MOST_INTEGER_POLES};
 use hysteron_model::hysteresis::HysteresisForm;
 
 /// Polynomial degree of a candidate that does not name one.
-const USUAL_DEGREE: usize = 3;
+pub(super) const USUAL_DEGREE: usize = 3;
 /// Highest degree compared by default.
 const HIGHEST_USUAL_DEGREE: usize = 5;
 
@@ -209,7 +209,7 @@ impl Candidate {
             dynamics: self.block.dynamics,
             order: self.block.order,
             creep: self.creep,
-            hysteresis: Choice::Given(self.hysteresis),
+            hysteresis: FamilyChoice::Given(self.hysteresis),
             degree: Choice::Given(self.degree),
             n: if self.n_free { Choice::Auto } else { Choice::Given(1.0) },
             ..base.clone()

@@ -8,6 +8,7 @@
 
 mod candidate;
 mod content;
+mod family;
 mod fit;
 mod folds;
 mod loose;
@@ -21,6 +22,8 @@ use rayon::prelude::*;
 
 pub use candidate::{Block, Candidate, StructurePart, UnknownCandidate};
 pub use content::Content;
+pub use family::FamilySelection;
+pub(crate) use family::choose as choose_family;
 pub use folds::Fold;
 pub use neighbours::{Neighbour, Neighbours, neighbours};
 pub use prospect::{Prospect, Prospects, prospects};

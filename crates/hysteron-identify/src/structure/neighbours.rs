@@ -66,7 +66,8 @@ pub fn neighbours(
     let facts = usable(runs.as_deref().unwrap_or(campaign))?;
     let contents: Vec<Content> = facts.iter().map(Content::of).collect();
     folds::plan(&facts, &contents)?;
-    let options = &resolved(&facts, options);
+    let chosen = found.structure.family.as_ref().map(|selection| selection.applied(options));
+    let options = &resolved(&facts, chosen.as_ref().unwrap_or(options));
     let options = &Options { algorithm: None, start: Some(found.model.clone()), ..options.clone() };
     let stop = watch.stop();
     let silent = Watch::silent().stopped_by(stop);

@@ -275,7 +275,7 @@ fn the_neighbours_of_what_was_identified_are_told_apart() {
 fn the_neighbour_of_a_density_of_plays_is_that_density() {
     let hysteresis = HysteresisForm::plays(12);
     let options = Options {
-        hysteresis: crate::Choice::Given(hysteresis),
+        hysteresis: crate::FamilyChoice::Given(hysteresis),
         dynamics: DynamicsChoice::None,
         degree: crate::Choice::Given(1),
         ..Options::default()

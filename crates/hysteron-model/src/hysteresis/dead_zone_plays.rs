@@ -204,6 +204,10 @@ impl FamilyDescription for Entry {
         true
     }
 
+    fn is_chosen_unasked(&self) -> bool {
+        true
+    }
+
     fn chain(&self, plays: usize) -> Vec<(usize, Option<usize>)> {
         let last = plays.checked_sub(1).map(|last| (last, None));
         in_a_row(0, plays).chain(last).chain(in_a_row(plays, plays + BANDS)).collect()

@@ -229,6 +229,10 @@ impl FamilyDescription for Entry {
         true
     }
 
+    fn is_chosen_unasked(&self) -> bool {
+        true
+    }
+
     /// Range of ζ up to saturation.
     fn memory_range(&self, _: [f64; 2], stroke: f64) -> [f64; 2] {
         [-stroke, stroke]

@@ -145,6 +145,12 @@ pub trait FamilyDescription: fmt::Debug + Sync {
         false
     }
 
+    /// True if it is among the families of which an identification chooses one by held-out error where it is
+    /// asked to choose: between them they describe most stacks.
+    fn is_chosen_unasked(&self) -> bool {
+        false
+    }
+
     /// True if an exponent n among its shape numbers is held unless a fit is asked for it.
     fn has_exponent(&self) -> bool {
         false

@@ -268,6 +268,10 @@ impl FamilyDescription for Entry {
         true
     }
 
+    fn is_chosen_unasked(&self) -> bool {
+        true
+    }
+
     fn chain(&self, plays: usize) -> Vec<(usize, Option<usize>)> {
         in_a_row(0, plays).chain(plays.checked_sub(1).map(|last| (last, None))).collect()
     }

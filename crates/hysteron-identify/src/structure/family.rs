@@ -1,0 +1,129 @@
+//! Choice of the hysteresis family by held-out error.
+
+use super::super::campaign::{of_runs, roles, runs, usable};
+use super::super::defaults::beside_wide_moves;
+use super::super::options::{
+    CampaignRecord, Choice, DynamicsChoice, FamilyChoice, Method, Options, RecordRole,
+};
+use super::super::{IdentifyError, Watch};
+use super::candidate::{Block, Candidate, USUAL_DEGREE};
+use super::content::Content;
+use super::prospect::one_amplitude;
+use super::{Comparison, Selection, compare};
+use hysteron_model::dynamics::Creep;
+use hysteron_model::hysteresis::HysteresisForm;
+use hysteron_numeric::number::significant;
+
+/// Families compared and the one chosen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FamilySelection {
+    /// Held-out error of each family, mean over the folds \[output unit\]; `None` where a fit failed. Empty
+    /// where families were not compared.
+    pub errors: Vec<(HysteresisForm, Option<f64>)>,
+    /// The family chosen: the one with fewest parameters among those within one standard error of the
+    /// smallest error ([`super::Ranking::preferred`]).
+    pub chosen: HysteresisForm,
+    /// Choice and reason, in plain words.
+    pub verdict: String,
+}
+
+/// The family with the smallest held-out error, for [`FamilyChoice::Auto`]; all with the same dynamics, creep
+/// and degree. The usual one where `options` leave no choice or the records cannot discriminate.
+///
+/// # Errors
+/// [`IdentifyError`] of unusable records; [`IdentifyError::Stopped`].
+pub(crate) fn choose(
+    campaign: &[CampaignRecord],
+    options: &Options,
+    watch: &Watch<'_>,
+) -> Result<FamilySelection, IdentifyError> {
+    let (usual, unit) = (options.family(), campaign.first().map(|r| r.data.y_unit.to_string()));
+    let not_compared = |why: &str| FamilySelection {
+        errors: Vec::new(),
+        chosen: usual,
+        verdict: format!("The hysteresis family is the usual one, {}: {why}.", usual.name()),
+    };
+    let families: Vec<HysteresisForm> =
+        HysteresisForm::usual().into_iter().filter(|form| form.description().is_chosen_unasked()).collect();
+    let is_of_a_family = |name: &str| {
+        let has =
+            |form: &HysteresisForm| form.weight_names().iter().chain(&form.shape_names()).any(|n| n == name);
+        families.iter().any(has)
+    };
+    if options.method != Method::Joint || options.dynamics.takes_two_steps() {
+        return Ok(not_compared("identification in two steps takes no other"));
+    }
+    if options.start.is_some() || options.n == Choice::Auto || options.demands.names().any(is_of_a_family) {
+        return Ok(not_compared("a starting model, its exponent or its own numbers were asked for"));
+    }
+    let runs = if options.continued { Some(of_runs(campaign, &runs(campaign)?)) } else { None };
+    let facts = usable(runs.as_deref().unwrap_or(campaign))?;
+    if beside_wide_moves(&facts).is_some() {
+        return Ok(not_compared("a record with time stamps has small oscillations beside wide moves"));
+    }
+    let contents: Vec<Content> = facts.iter().map(Content::of).collect();
+    let is_dynamic = roles(runs.as_deref().unwrap_or(campaign), &facts).contains(&RecordRole::Dynamic);
+    let base = structure(options, is_dynamic);
+    let candidates: Vec<Candidate> =
+        families.iter().map(|&hysteresis| Candidate { hysteresis, ..base }).collect();
+    match compare(campaign, Selection::Given(&candidates), options, watch) {
+        Ok(_) if watch.is_stopped() => Err(IdentifyError::Stopped),
+        Ok(found) => Ok(chosen(&found, &contents, &unit.unwrap_or_default())
+            .unwrap_or_else(|| not_compared("no fit could be made without a part of the records"))),
+        Err(IdentifyError::CannotRank { because, .. }) => Ok(not_compared(&because)),
+        Err(_) if watch.is_stopped() => Err(IdentifyError::Stopped),
+        Err(error) => Err(error),
+    }
+}
+
+/// Structure with which the families are compared.
+fn structure(options: &Options, is_dynamic: bool) -> Candidate {
+    let is_open = options.dynamics == DynamicsChoice::Auto;
+    let block = if is_open && !is_dynamic { Block::NONE } else { Block::of_options(options) };
+    let creep = match options.creep {
+        Creep::None if is_open && is_dynamic => Creep::Fractional,
+        given => given,
+    };
+    let degree = match options.degree {
+        Choice::Given(degree) => degree,
+        Choice::Auto => USUAL_DEGREE,
+    };
+    Candidate { creep, degree, ..Candidate::of(block) }
+}
+
+fn chosen(found: &Comparison, contents: &[Content], unit: &str) -> Option<FamilySelection> {
+    let ranking = found.ranking.as_ref()?;
+    let error = |index: usize| ranking.standings[index].map(|standing| standing.mean);
+    let family = |index: usize| found.entries[index].candidate.hysteresis;
+    let errors = (0..found.entries.len()).map(|index| (family(index), error(index))).collect();
+    let chosen = family(ranking.preferred);
+    let told = |index: usize| {
+        let error = error(index).map_or("none".to_owned(), |error| significant(error, 3));
+        format!("{} {error}", family(index).name())
+    };
+    let others: Vec<String> =
+        ranking.order.iter().filter(|&&i| i != ranking.preferred).map(|&i| told(i)).collect();
+    let why = if ranking.best == ranking.preferred { "" } else { " (simplest within one standard error)" };
+    let verdict = format!(
+        "The hysteresis family is {} {unit}{why}, by held-out error over {} folds; {} {unit}.{}",
+        told(ranking.preferred),
+        found.folds.len(),
+        others.join(", "),
+        if one_amplitude(contents) {
+            " All records have one amplitude: minor loops are held out by none of the folds."
+        } else {
+            ""
+        }
+    );
+    Some(FamilySelection { errors, chosen, verdict })
+}
+
+impl FamilySelection {
+    /// `options` with the chosen family; with the usual one they stay as they are, as it may bring dynamics of
+    /// its own.
+    pub(crate) fn applied(&self, options: &Options) -> Options {
+        let hysteresis =
+            if self.errors.is_empty() { FamilyChoice::Usual } else { FamilyChoice::Given(self.chosen) };
+        Options { hysteresis, ..options.clone() }
+    }
+}
