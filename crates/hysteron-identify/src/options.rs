@@ -4,7 +4,7 @@ use super::IdentifyError;
 use super::layout::Demands;
 use hysteron_model::dynamics::{Creep, MOST_CREEP_ELEMENTS, MOST_INTEGER_POLES, Scheme};
 use hysteron_model::hammerstein::Model;
-use hysteron_model::hysteresis::HysteresisForm;
+use hysteron_model::hysteresis::{HysteresisError, HysteresisForm};
 use hysteron_model::record::{InputOutput, InterSample};
 use hysteron_optimize::Algorithm;
 use serde::{Deserialize, Serialize};
@@ -234,6 +234,48 @@ pub enum FamilyChoice {
     Auto,
     /// This one.
     Given(HysteresisForm),
+}
+
+impl FamilyChoice {
+    /// The choices offered by name: `Auto`, and every family at its usual size.
+    pub fn offered() -> Vec<Self> {
+        std::iter::once(Self::Auto).chain(HysteresisForm::usual().into_iter().map(Self::Given)).collect()
+    }
+
+    /// The choice with another number of elements, if one is given.
+    ///
+    /// # Errors
+    /// [`HysteresisError::Elements`] for a number that the family cannot have, and with `Auto`.
+    pub fn with_elements(self, count: Option<usize>) -> Result<Self, HysteresisError> {
+        let Some(count) = count else { return Ok(self) };
+        let form = match self {
+            Self::Usual => HysteresisForm::default(),
+            Self::Given(form) => form,
+            Self::Auto => {
+                let allowed = "it compares families at their usual size".to_owned();
+                return Err(HysteresisError::Elements { family: self.name(), found: count, allowed });
+            }
+        };
+        form.with_elements(count).map(Self::Given)
+    }
+
+    /// Name to choose it by.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Usual => "usual",
+            Self::Auto => "auto",
+            Self::Given(form) => form.name(),
+        }
+    }
+
+    /// Description in one line.
+    pub fn summary(self) -> &'static str {
+        match self {
+            Self::Usual => "The usual one, as without this choice",
+            Self::Auto => "The one with the smallest held-out error, of those that describe most stacks",
+            Self::Given(form) => form.summary(),
+        }
+    }
 }
 
 impl From<HysteresisForm> for FamilyChoice {

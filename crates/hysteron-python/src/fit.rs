@@ -1,10 +1,11 @@
 //! Identification.
 
-use hysteron_identify::{CampaignRecord, DynamicsChoice, FitRecords, Initial, Method, Searches, fit};
+use hysteron_identify::{
+    CampaignRecord, DynamicsChoice, FamilyChoice, FitRecords, Initial, Method, Searches, fit,
+};
 use hysteron_model::UnknownName;
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::dynamics::{Creep, Scheme};
-use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::model_file::Kind;
 use hysteron_model::record::{ChannelChoice, InterSample};
 use pyo3::prelude::*;
@@ -128,7 +129,7 @@ pub fn choices() -> PyResult<String> {
         all.into_iter().map(|one| (name(one), summary(one))).collect()
     }
     to_json(&Choices {
-        hysteresis: named(HysteresisForm::usual(), HysteresisForm::name, HysteresisForm::summary),
+        hysteresis: named(FamilyChoice::offered(), FamilyChoice::name, FamilyChoice::summary),
         dynamics: named(DynamicsChoice::ALL, DynamicsChoice::name, DynamicsChoice::summary),
         creep: named(Creep::USUAL, Creep::name, Creep::summary),
         method: named(Method::ALL, Method::name, Method::summary),

@@ -7,7 +7,6 @@ use hysteron_identify::{
 };
 use hysteron_model::UnknownName;
 use hysteron_model::dynamics::{Creep, Scheme};
-use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::model_file::Kind;
 use hysteron_model::record::InterSample;
 use hysteron_optimize::Algorithm;
@@ -69,17 +68,9 @@ fn hammerstein(asked: HammersteinOptions) -> PyResult<Options> {
     fn of(name: &Option<String>) -> Option<&str> {
         name.as_deref().filter(|name| *name != "auto")
     }
-    let hysteresis = match (asked.hysteresis.as_deref(), asked.elements) {
-        (None, None) => FamilyChoice::Usual,
-        (Some("auto"), None) => FamilyChoice::Auto,
-        (Some("auto"), Some(_)) => {
-            return Err(option("elements goes with a family given by name, not with hysteresis=\"auto\""));
-        }
-        (name, elements) => {
-            let form = name.map_or(Ok(HysteresisForm::default()), |name| name.parse().map_err(raised))?;
-            elements.map_or(Ok(form), |count| form.with_elements(count).map_err(option))?.into()
-        }
-    };
+    let hysteresis =
+        named("hysteresis family", &asked.hysteresis, FamilyChoice::offered(), FamilyChoice::name)?;
+    let hysteresis = hysteresis.unwrap_or_default().with_elements(asked.elements).map_err(option)?;
     let creep = match asked.creep.as_deref() {
         None | Some("none") => Creep::None,
         Some(name) => UnknownName::find("creep", name, Creep::USUAL, Creep::name).map_err(raised)?,

@@ -2,8 +2,7 @@
 
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use hysteron_identify::{Choice, FamilyChoice};
-use hysteron_model::hysteresis::HysteresisForm;
+use hysteron_identify::Choice;
 use hysteron_model::record::InterSample;
 
 use crate::numbers::number;
@@ -39,17 +38,6 @@ pub(super) fn degree(text: &str) -> Result<ChoiceArg<usize>, String> {
     }
     let degree = text.parse().map_err(|_| "expected a whole number or auto".to_owned())?;
     Ok(ChoiceArg(Choice::Given(degree)))
-}
-
-/// Parser of a hysteresis family, or auto.
-pub(super) fn hysteresis() -> impl TypedValueParser<Value = FamilyChoice> {
-    let auto = PossibleValue::new("auto")
-        .help("The one with the smallest held-out error, of those that describe most stacks");
-    let forms = HysteresisForm::usual().into_iter();
-    let forms = forms.map(|form| PossibleValue::new(form.name()).help(form.summary()));
-    let possible: Vec<PossibleValue> = std::iter::once(auto).chain(forms).collect();
-    PossibleValuesParser::new(possible)
-        .map(|name: String| name.parse().map_or(FamilyChoice::Auto, FamilyChoice::Given))
 }
 
 /// Parser of an inter-sample rule, or auto.

@@ -2,7 +2,6 @@
 
 mod arguments;
 mod failure;
-mod family;
 mod modes_flags;
 mod options;
 mod other_kinds;
@@ -24,8 +23,7 @@ use hysteron_report::page::Page;
 use hysteron_report::write_figures;
 
 use self::arguments::{
-    ChoiceArg, OptimizerArg, StructureArg, degree, delay, exponent, hysteresis, inter_sample, name_range,
-    name_value,
+    ChoiceArg, OptimizerArg, StructureArg, degree, delay, exponent, inter_sample, name_range, name_value,
 };
 use self::failure::explain;
 use self::modes_flags::ModesFlags;
@@ -100,7 +98,7 @@ pub struct Identify {
     /// has small oscillations beside wide moves]
     #[arg(
         long, value_name = "HYSTERESIS",
-        value_parser = hysteresis(),
+        value_parser = one_of(FamilyChoice::offered(), FamilyChoice::name, FamilyChoice::summary),
     )]
     hysteresis: Option<FamilyChoice>,
 

@@ -4,12 +4,10 @@ use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use hysteron_identify::{Choice, Demands, DynamicsChoice, FamilyChoice, Options};
 use hysteron_model::dynamics::Creep;
-use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_optimize::Algorithm;
 
 use super::Identify;
 use super::arguments::OptimizerArg;
-use super::family::with_elements;
 use crate::failure::Failure;
 
 impl Identify {
@@ -39,17 +37,9 @@ impl Identify {
     }
 
     fn family(&self) -> Result<FamilyChoice, Failure> {
-        let choice = self.hysteresis.unwrap_or_default();
-        let form = match (choice, self.elements) {
-            (choice, None) => return Ok(choice),
-            (FamilyChoice::Auto, Some(_)) => {
-                let message = "--elements goes with a family given by name, not with --hysteresis auto";
-                return Err(Failure::usage(message));
-            }
-            (FamilyChoice::Given(form), Some(_)) => form,
-            (FamilyChoice::Usual, Some(_)) => HysteresisForm::default(),
-        };
-        with_elements(form, self.elements).map(Into::into)
+        let count = self.elements.unwrap_or_default();
+        let family = self.hysteresis.unwrap_or_default().with_elements(self.elements);
+        family.map_err(|e| Failure::usage(format!("--elements {count}: {e}")))
     }
 
     fn creep(&self) -> Result<Creep, Failure> {

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::*;
+use crate::FamilyChoice;
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme, TransferFunction};
 use hysteron_model::hysteresis::{ArticleOperator, Hysteresis, HysteresisForm};
@@ -36,8 +37,12 @@ fn truth() -> Model {
 }
 
 fn measured(name: &str, seconds: f64, drive: impl Fn(f64) -> f64) -> CampaignRecord {
+    measured_of(&truth(), name, seconds, drive)
+}
+
+fn measured_of(device: &Model, name: &str, seconds: f64, drive: impl Fn(f64) -> f64) -> CampaignRecord {
     let u: Vec<f64> = (0..(seconds * RATE_HZ) as usize).map(|k| drive(k as f64 / RATE_HZ)).collect();
-    let mut y = truth().simulate(&u, Some(RATE_HZ), &Start::Rest { voltage_v: 0.0 }).unwrap();
+    let mut y = device.simulate(&u, Some(RATE_HZ), &Start::Rest { voltage_v: 0.0 }).unwrap();
     // Reproducible noise, uniform: a linear congruential generator (Knuth's MMIX constants).
     let mut state = 1 + name.len() as u64;
     for y in &mut y {
@@ -275,7 +280,7 @@ fn the_neighbours_of_what_was_identified_are_told_apart() {
 fn the_neighbour_of_a_density_of_plays_is_that_density() {
     let hysteresis = HysteresisForm::plays(12);
     let options = Options {
-        hysteresis: crate::FamilyChoice::Given(hysteresis),
+        hysteresis: FamilyChoice::Given(hysteresis),
         dynamics: DynamicsChoice::None,
         degree: crate::Choice::Given(1),
         ..Options::default()
@@ -297,4 +302,67 @@ fn parts_of_a_sweep_are_predicted_from_the_others() {
     assert_eq!(ranking.preferred, 1);
     assert!(ranking.standings[1].unwrap().mean < 1.3 * NOISE, "{ranking:?}");
     assert!(found.notes.iter().any(|n| n.contains("Parts of records")), "{:?}", found.notes);
+}
+
+/// Loops of three amplitudes, without dynamics.
+fn slow_loops(hysteresis: Hysteresis) -> Vec<CampaignRecord> {
+    let device = Model { hysteresis, dynamics: Dynamics::None, delay_s: 0.0, ..truth() };
+    let of = |name, amplitude: f64, f: f64| {
+        measured_of(&device, name, 2.0 / f, move |t| amplitude * (1.0 - (TAU * f * t).cos()))
+    };
+    vec![of("wide", 2.5, 1.0), of("middle", 1.7, 1.5), of("narrow", 0.9, 2.0)]
+}
+
+#[test]
+fn the_family_that_made_the_records_is_chosen() {
+    let plays = HysteresisForm::plays(4);
+    let weights = vec![0.5, 0.3, 0.2, 0.2];
+    let plays = Hysteresis::new(vec![3.0], plays, vec![0.4, 0.9, 1.4, 2.1], weights).unwrap();
+    for device in [truth().hysteresis, plays] {
+        let family = device.form().name();
+        let asked =
+            Options { hysteresis: FamilyChoice::Auto, dynamics: DynamicsChoice::None, ..Options::default() };
+        let records = slow_loops(device);
+        let found = crate::identify(&records, &asked, &Watch::silent(), None).unwrap();
+        let selection = found.structure.family.clone().unwrap();
+        assert_eq!(selection.chosen.name(), family, "{}", selection.verdict);
+        assert_eq!(found.model.hysteresis.form().name(), family);
+        assert_eq!(found.findings[0].text, selection.verdict);
+        assert!(selection.verdict.contains(family) && selection.verdict.contains("3 folds"));
+        let error =
+            |name: &str| selection.errors.iter().find(|(form, _)| form.name() == name).unwrap().1.unwrap();
+        let others = selection.errors.iter().filter(|(form, _)| form.name() != family);
+        assert!(others.clone().count() == 2 && others.clone().all(|(_, e)| e.unwrap() > error(family)));
+        let list = neighbours(&records, &asked, &found, &Watch::silent()).unwrap();
+        assert_eq!(list.entries[0].candidate.hysteresis.name(), family);
+    }
+}
+
+#[test]
+fn where_families_cannot_be_compared_the_usual_one_is_kept_with_the_reason() {
+    let records = slow_loops(truth().hysteresis);
+    let auto = Options { hysteresis: FamilyChoice::Auto, ..Options::default() };
+    let mut held = auto.clone();
+    held.demands.fixed.push(("alpha".to_owned(), 0.9));
+    let free = Options { n: crate::Choice::Auto, ..auto.clone() };
+    let two_steps = Options { method: crate::Method::TwoStep, ..auto.clone() };
+    for (records, options, why) in [
+        (&records[..1], &auto, "one amplitude and one frequency"),
+        (&records, &held, "its own numbers"),
+        (&records, &free, "its exponent"),
+        (&records, &two_steps, "two steps"),
+    ] {
+        let selection = choose_family(records, options, &Watch::silent()).unwrap();
+        assert_eq!((selection.chosen, selection.errors.len()), (HysteresisForm::default(), 0));
+        assert!(selection.verdict.contains(why), "{}", selection.verdict);
+    }
+}
+
+#[test]
+fn a_choice_of_family_that_is_stopped_says_so() {
+    let watch = Watch::silent();
+    watch.stop().request();
+    let auto = Options { hysteresis: FamilyChoice::Auto, ..Options::default() };
+    let stopped = choose_family(&slow_loops(truth().hysteresis), &auto, &watch);
+    assert!(matches!(stopped, Err(IdentifyError::Stopped)), "{stopped:?}");
 }
