@@ -16,6 +16,8 @@ pub(super) const DEGREE_OF_STARTS: usize = 3;
 /// Reaches of the plays that are tried, in shares of the largest half-width that the drives may move.
 const REACHES: [f64; 5] = [0.9, 0.8, 0.7, 0.6, 0.5];
 
+/// A memory whose rough fit costs more than this many times the best is wrong.
+const FAR: f64 = 3.0;
 /// Degrees within this many times [`BIC_FALL`] of the best may be chosen.
 const CLOSE: f64 = 10.0;
 
@@ -66,6 +68,7 @@ pub(super) fn choose_degree(
     let fine = resolution::resolution(&searched, &found.outcome.best);
     let highest = highest_degree(setup).max(demanded);
     let mut information = 2.0;
+    let mut settled_may_be_better = setup.hysteresis.description().is_written_as_plays();
     for degree in 1..=highest {
         let problem = setup.problem(degree, reduced)?;
         let parameters = problem.bounds().dimension() + problem.layout().linear().count();
@@ -75,11 +78,15 @@ pub(super) fn choose_degree(
         } else {
             fitted(engine, &problem, start, resolved(COARSE))?.into_iter().collect()
         };
-        if setup.hysteresis.description().is_written_as_plays() {
+        if settled_may_be_better {
             let settled = with_settled_memory(setup, &problem, &found.outcome.best);
-            let near = ends.first().map_or(f64::INFINITY, |(cost, _)| cost * NEAR);
-            let rough = fitted(engine, &problem, settled, rough())?.filter(|(cost, _)| *cost < near);
-            let fit = rough.map(|(_, x)| fitted(engine, &problem, x, resolved(COARSE)));
+            let own = ends.first().map_or(f64::INFINITY, |(cost, _)| *cost);
+            let rough = fitted(engine, &problem, settled, rough())?;
+            // The memory of the records is the same at every degree.
+            settled_may_be_better = rough.as_ref().is_some_and(|(cost, _)| *cost < FAR * own);
+            let fit = rough
+                .filter(|(cost, _)| *cost < NEAR * own)
+                .map(|(_, x)| fitted(engine, &problem, x, resolved(COARSE)));
             ends.extend(fit.transpose()?.flatten());
         }
         let best = ends.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));

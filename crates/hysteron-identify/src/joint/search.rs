@@ -20,7 +20,7 @@ const WHITE: f64 = 0.5;
 /// A rough fit whose cost is within this many times the best leads to the same optimum.
 const SAME: f64 = 1.001;
 /// Evidence for creep beyond doubt, relative to very strong evidence, and the least ratio of the costs.
-const EVIDENT: f64 = 10.0;
+const EVIDENT: f64 = 4.0;
 const EVIDENT_RATIO: f64 = 1.5;
 /// Fits that must come near the best optimum.
 const AGREEMENT: usize = 3;
@@ -64,7 +64,8 @@ pub(super) fn search<'a>(
         if shows_creep && !begun.dynamics_are_inside(&creeping) && !engine.is_stopped() {
             // An optimum at an edge of the search may be a local one.
             let first = FirstPoints::at(begun.places, &begun.problem, &creeping, engine)?;
-            let others = search_from_places(&begun.problem, (&creeping, Some(first)), engine, None);
+            let places = (&creeping, Some(first));
+            let others = search_from_places(&begun.problem, places, engine, (f64::INFINITY, None));
             let others = engine.unless_stopped(others.map(|(others, _)| others))?;
             begun.search.take_better(others);
             return with_degree(creeping, (begun.problem, reduced), begun.search, engine);
@@ -77,13 +78,14 @@ pub(super) fn search<'a>(
         (first, found) = (Some(from_places), Some((begun.problem, begun.search)));
     }
     let grown = |x: &[f64]| shown(&problem, x, &setup);
-    let mut search = search_globally((&problem, reduced), (&setup, first), engine, Some(&grown))?;
+    let hopeless = found.as_ref().map_or(f64::INFINITY, |(richer, found)| beaten(&problem, (richer, found)));
+    let mut search = search_globally((&problem, reduced), (&setup, first), engine, (hopeless, Some(&grown)))?;
     if let Some(longer) =
         setup.with_longer_delays(&problem, &search.outcome.best).filter(|_| !engine.is_stopped())
     {
         let wide = longer.problem(first_degree, reduced)?;
         let grown = |x: &[f64]| shown(&wide, x, &longer);
-        let wider = search_globally((&wide, reduced), (&longer, None), engine, Some(&grown));
+        let wider = search_globally((&wide, reduced), (&longer, None), engine, (hopeless, Some(&grown)));
         if let Some(mut wider) = engine.unless_stopped(wider)? {
             let from_edge = resolved_fit(engine, "joint fit", &wide, vec![search.outcome.best.clone()], None);
             wider.take_better(engine.unless_stopped(from_edge)?);
@@ -247,12 +249,13 @@ fn first_or_best(
 }
 
 /// A few good starts; if their optima disagree, all others; if these disagree, a population search with a
-/// twentieth of its usual budget and local polishing.
+/// twentieth of its usual budget and local polishing. An optimum above the cost `hopeless` is not sought any
+/// further.
 fn search_globally(
     (problem, reduced): (&JointProblem, bool),
     (setup, first): (&JointSetup<'_>, Option<FirstPoints>),
     engine: &mut Engine<'_, '_>,
-    show: Show<'_>,
+    (hopeless, show): (f64, Show<'_>),
 ) -> Result<Search, IdentifyError> {
     if problem.bounds().dimension() == 0 {
         return Ok(engine.local_fits(
@@ -277,16 +280,16 @@ fn search_globally(
         let settled = is_settled(&search);
         (search, settled)
     } else {
-        search_from_places(problem, (setup, first), engine, show)?
+        search_from_places(problem, (setup, first), engine, (hopeless, show))?
     };
-    if settled || engine.cancelled {
+    if settled || engine.cancelled || search.outcome.cost > hopeless {
         return Ok(search);
     }
     if setup.form.creep != Creep::None && setup.options.start.is_none() {
         // Creep is small: the optimum without it lies near that with it.
         let without = setup.with(DynamicForm { creep: Creep::None, ..setup.form }, setup.options);
         let plain = without.problem(problem.degree(), reduced)?;
-        let found = search_from_places(&plain, (&without, None), engine, None);
+        let found = search_from_places(&plain, (&without, None), engine, (f64::INFINITY, None));
         let found = match found {
             Err(_) if engine.is_stopped() => return Ok(search),
             found => found?.0,
@@ -309,22 +312,25 @@ fn search_globally(
     Ok(search)
 }
 
-/// Fits from the first few places; from all others unless these settle it. With the search, whether it is
-/// settled.
+/// Fits from the first few places; from all others unless these settle it, or end above the cost `hopeless`.
+/// With the search, whether it is settled.
 fn search_from_places(
     problem: &JointProblem,
     (setup, first): (&JointSetup<'_>, Option<FirstPoints>),
     engine: &mut Engine<'_, '_>,
-    show: Show<'_>,
+    (hopeless, show): (f64, Show<'_>),
 ) -> Result<(Search, bool), IdentifyError> {
     let FirstPoints { places, points, evaluations } = match first {
         Some(first) => first,
         None => FirstPoints::new(problem, setup, engine)?,
     };
-    let mut search = raced_fit(engine, "joint fit", problem, points, (f64::INFINITY, show))?;
+    let mut search = raced_fit(engine, "joint fit", problem, points, (hopeless, show))?;
     search.outcome.evaluations += evaluations;
     if is_settled(&search) || engine.is_stopped() {
         return Ok((search, true));
+    }
+    if search.outcome.cost > hopeless {
+        return Ok((search, false));
     }
     let others = setup.fitted(problem, &places, FIRST_STARTS..usize::MAX, engine)?;
     search.outcome.evaluations += others.evaluations;
@@ -370,6 +376,8 @@ struct Gain {
     likelihood: f64,
     price: f64,
     ratio: f64,
+    /// Fall of −2 ln of the likelihood by a factor e of the cost.
+    of_ratio: f64,
 }
 
 impl Gain {
@@ -379,7 +387,8 @@ impl Gain {
         let ratio = cost / found.outcome.cost;
         let parameters = creeping.bounds().dimension() - plain.bounds().dimension();
         let price = parameters as f64 * information.ln();
-        Self { likelihood: 2.0 * information * ratio.ln(), price, ratio }
+        let of_ratio = 2.0 * information;
+        Self { likelihood: of_ratio * ratio.ln(), price, ratio, of_ratio }
     }
 
     /// True if the evidence for creep is very strong.
@@ -397,6 +406,13 @@ impl Gain {
     fn is_overwhelming(&self) -> bool {
         self.likelihood > EVIDENT * (BIC_FALL + self.price)
     }
+}
+
+/// Cost of a fit without creep above which the one with creep that is `found` is preferred beyond doubt.
+fn beaten(plain: &JointProblem, (creeping, found): (&JointProblem, &Search)) -> f64 {
+    let equal = Gain::new((plain, found.outcome.cost), (creeping, found));
+    let wanted = EVIDENT * (BIC_FALL + equal.price);
+    found.outcome.cost * (wanted / equal.of_ratio).exp()
 }
 
 /// A fit of the same dynamics with a creep factor, from the optimum without one, or the fit `found` before if

@@ -9,7 +9,7 @@ use super::super::{IdentifyError, Watch};
 use super::candidate::{Block, Candidate, USUAL_DEGREE};
 use super::content::Content;
 use super::prospect::one_amplitude;
-use super::{Comparison, Selection, compare};
+use super::{Comparison, Entry, Selection, compare, rank};
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_numeric::number::significant;
@@ -17,11 +17,12 @@ use hysteron_numeric::number::significant;
 /// Families compared and the one chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FamilySelection {
-    /// Held-out error of each family, mean over the folds \[output unit\]; `None` where a fit failed. Empty
-    /// where families were not compared.
+    /// Held-out error of each family, geometric mean over the folds \[output unit\]: these may differ by
+    /// orders of magnitude in difficulty, and a family is compared fold by fold. `None` where a fit failed.
+    /// Empty where families were not compared.
     pub errors: Vec<(HysteresisForm, Option<f64>)>,
-    /// The family chosen: the one with fewest parameters among those within one standard error of the
-    /// smallest error ([`super::Ranking::preferred`]).
+    /// The family chosen: the one with fewest parameters among those whose logarithms of the error are within
+    /// one standard error of the smallest ([`super::Ranking::preferred`]).
     pub chosen: HysteresisForm,
     /// Choice and reason, in plain words.
     pub verdict: String,
@@ -92,11 +93,12 @@ fn structure(options: &Options, is_dynamic: bool) -> Candidate {
 }
 
 fn chosen(found: &Comparison, contents: &[Content], unit: &str) -> Option<FamilySelection> {
-    let ranking = found.ranking.as_ref()?;
-    let error = |index: usize| ranking.standings[index].map(|standing| standing.mean);
     let family = |index: usize| found.entries[index].candidate.hysteresis;
+    let parameters: Vec<usize> = found.entries.iter().map(|entry| entry.parameters).collect();
+    let logarithms = |entry: &Entry| Some(entry.complete()?.iter().map(|error| error.ln()).collect());
+    let ranking = rank(&found.entries.iter().map(logarithms).collect::<Vec<_>>(), &parameters)?;
+    let error = |index: usize| ranking.standings[index].map(|standing| standing.mean.exp());
     let errors = (0..found.entries.len()).map(|index| (family(index), error(index))).collect();
-    let chosen = family(ranking.preferred);
     let told = |index: usize| {
         let error = error(index).map_or("none".to_owned(), |error| significant(error, 3));
         format!("{} {error}", family(index).name())
@@ -115,7 +117,7 @@ fn chosen(found: &Comparison, contents: &[Content], unit: &str) -> Option<Family
             ""
         }
     );
-    Some(FamilySelection { errors, chosen, verdict })
+    Some(FamilySelection { errors, chosen: family(ranking.preferred), verdict })
 }
 
 impl FamilySelection {
