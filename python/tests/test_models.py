@@ -121,7 +121,7 @@ def test_a_comparison_that_cannot_rank_says_what_to_measure(stack: hy.Record) ->
 
 
 def test_unknown_names_list_the_choices(loops: hy.Record) -> None:
-    with pytest.raises(hy.OptionError, match="expected one of bouc-wen, prandtl-ishlinskii"):
+    with pytest.raises(hy.OptionError, match="expected one of auto, bouc-wen, prandtl-ishlinskii"):
         hy.Hammerstein("plays").fit(loops)
     with pytest.raises(hy.OptionError, match="optimiser"):
         hy.Hammerstein(optimizer="simplex").fit(loops)
@@ -130,6 +130,15 @@ def test_unknown_names_list_the_choices(loops: hy.Record) -> None:
     with pytest.raises(hy.ModelError, match="not fitted"):
         hy.Hammerstein().predict(loops)
     assert "bouc-wen" in hy.choices()["hysteresis"]
+
+
+def test_the_family_is_chosen_by_held_out_error_on_request(loops: hy.Record) -> None:
+    found = hy.Hammerstein("auto", "none").fit(loops)
+    chosen = found.result_["family"]["chosen"]
+    assert found.result_["hysteresis"]["kind"] == chosen
+    assert found.findings_[0].text.startswith(f"The hysteresis family is {chosen}")
+    with pytest.raises(hy.OptionError, match="auto cannot have 4 elements"):
+        hy.Hammerstein("auto", elements=4).fit(loops)
 
 
 def test_progress_is_told_and_an_exception_in_it_stops_the_fit(loops: hy.Record) -> None:

@@ -26,6 +26,26 @@ const SWEEP: &str = "bench/simulated_sweep_1_80hz.csv";
 const SINES: &str = "bench/simulated_sine_12hz.csv bench/simulated_sine_40hz.csv";
 
 #[test]
+fn identify_chooses_the_family_by_held_out_error_on_request() {
+    let bench = measured();
+    let run = bench.run(&format!("identify {LOOP} {SWEEP} --hysteresis auto --json -o auto.json"));
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    let found: Value = serde_json::from_str(&run.stdout).unwrap();
+    let family = &found["family"];
+    // The bench is a stack of plays.
+    let chosen = family["chosen"].as_str().unwrap();
+    assert_ne!(chosen, "bouc-wen", "{family}");
+    let error = |name: &str| family["errors"][name].as_f64().unwrap();
+    assert!(error(chosen) < 0.5 * error("bouc-wen") && family["errors"].as_object().unwrap().len() == 3);
+    assert_eq!(found["findings"][0]["text"], family["verdict"]);
+    assert_eq!(found["hysteresis"]["kind"], family["chosen"]);
+    let one = bench.run(&format!("identify {LOOP} --hysteresis auto --json -o one.json"));
+    let found: Value = serde_json::from_str(&one.stdout).unwrap();
+    assert!(found["family"]["verdict"].as_str().unwrap().contains("one amplitude and one frequency"));
+    assert_eq!(found["family"]["errors"].as_object().unwrap().len(), 0);
+}
+
+#[test]
 fn a_campaign_ranks_dynamics_before_none_and_writes_the_model_that_it_prefers() {
     let bench = measured();
     let run = bench.run(&format!(

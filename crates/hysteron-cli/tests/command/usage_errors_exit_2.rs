@@ -19,6 +19,7 @@ fn wrong_usage_exits_with_2_and_a_message() {
         ("completions tcsh", "tcsh"),
         ("identify run.csv", "--output-model"),
         ("identify run.csv -o model.json --degree 12", "a whole number from 1 to 9"),
+        ("identify run.csv -o model.json --hysteresis auto --elements 4", "families at their usual size"),
         ("identify run.csv -o model.json --creep slow", "kelvin-voigt"),
         ("identify run.csv -o model.json --creep-elements 3", "belongs to --creep kelvin-voigt"),
         ("identify run.csv -o model.json --creep kelvin-voigt --creep-elements 5", "from 1 to 4"),

@@ -1,5 +1,7 @@
 //! An identification in numbers.
 
+use std::collections::BTreeMap;
+
 use hysteron_model::Model;
 use hysteron_model::axes::Mode;
 use hysteron_model::model::{Score, ScoreSummary};
@@ -8,6 +10,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::{Fit, FitDetails, FitParameter};
 use crate::modes::ModeShift;
+use crate::structure::FamilySelection;
 use crate::{Finding, RecordFit, RecordSines};
 
 /// An identification in numbers, for JSON. Empty and `None` fields are omitted.
@@ -43,6 +46,9 @@ pub struct FitSummary {
     /// Gain and phase at the sine segments of the records of a Hammerstein model.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sines: Vec<RecordSines>,
+    /// Choice of its hysteresis family, where it was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub family: Option<FamilySummary>,
     /// Searches that were run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub searches: Option<Vec<SearchSummary>>,
@@ -59,6 +65,30 @@ pub struct FitSummary {
     pub findings: Vec<Finding>,
     /// The fit was stopped.
     pub interrupted: bool,
+}
+
+/// Choice of a hysteresis family by held-out error.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FamilySummary {
+    /// The family chosen.
+    pub chosen: String,
+    /// Held-out error of each family, geometric mean over the folds \[output unit\]; `None` where a fit
+    /// failed. Empty where families were not compared.
+    pub errors: BTreeMap<String, Option<f64>>,
+    /// Choice and reason, in plain words.
+    pub verdict: String,
+}
+
+impl From<&FamilySelection> for FamilySummary {
+    fn from(selection: &FamilySelection) -> Self {
+        let errors = selection.errors.iter().map(|(family, error)| (family.name().to_owned(), *error));
+        Self {
+            chosen: selection.chosen.name().to_owned(),
+            errors: errors.collect(),
+            verdict: selection.verdict.clone(),
+        }
+    }
 }
 
 /// A search of an identification.
@@ -139,6 +169,7 @@ impl Fit {
                     sines: record.sines.clone(),
                 };
                 summary.sines = with_sines.map(sines).collect();
+                summary.family = found.structure.family.as_ref().map(FamilySummary::from);
                 let searches = found.searches.iter();
                 let searches = searches.map(|s| SearchSummary::new(&s.step, s.algorithm, &s.outcome));
                 summary.searches = Some(searches.collect());
