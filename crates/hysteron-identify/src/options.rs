@@ -229,8 +229,8 @@ pub enum FamilyChoice {
     /// dynamics without creep.
     #[default]
     Usual,
-    /// The family with the smallest held-out error ([`FamilySelection`](super::FamilySelection)), of those
-    /// that describe most stacks; the usual one where the records cannot discriminate.
+    /// The family with the smallest held-out error, of those that describe most stacks; the usual one where
+    /// the records cannot discriminate ([`FamilySelection`](super::structure::FamilySelection)).
     Auto,
     /// This one.
     Given(HysteresisForm),
