@@ -65,7 +65,8 @@
 //! reference; [`InterSample`] is its interpolation between samples.
 //!
 //! **Records to a model.** [`Identify`] takes records and options; options that are not set are chosen from
-//! the records. The hysteresis block is a [`HysteresisForm`]; the dynamic block a [`DynamicsChoice`],
+//! the records. The hysteresis block is a [`HysteresisForm`], or chosen by held-out error
+//! ([`FamilyChoice`]); the dynamic block a [`DynamicsChoice`],
 //! discretised by a [`Scheme`], with [`Creep`] as a factor. Every option of a kind is in its [`Task`]: the
 //! [`Method`], the [`RecordRole`] of each record. While it runs, a [`Watch`] receives [`Event`]s, a [`Stop`]
 //! ends it from another thread, and [`Searches`] are the state from which an interrupted fit is resumed.
