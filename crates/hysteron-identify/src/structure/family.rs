@@ -1,7 +1,7 @@
 //! Choice of the hysteresis family by held-out error.
 
 use super::super::campaign::{of_runs, roles, runs, usable};
-use super::super::defaults::beside_wide_moves;
+use super::super::defaults::{beside_wide_moves, resolved};
 use super::super::options::{
     CampaignRecord, Choice, DynamicsChoice, FamilyChoice, Method, Options, RecordRole,
 };
@@ -38,12 +38,7 @@ pub(crate) fn choose(
     options: &Options,
     watch: &Watch<'_>,
 ) -> Result<FamilySelection, IdentifyError> {
-    let (usual, unit) = (options.family(), campaign.first().map(|r| r.data.y_unit.to_string()));
-    let not_compared = |why: &str| FamilySelection {
-        errors: Vec::new(),
-        chosen: usual,
-        verdict: format!("The hysteresis family is the usual one, {}: {why}.", usual.name()),
-    };
+    let not_compared = |why: &str| FamilySelection::usual(options.family(), why);
     let families: Vec<HysteresisForm> =
         HysteresisForm::usual().into_iter().filter(|form| form.description().is_chosen_unasked()).collect();
     let is_of_a_family = |name: &str| {
@@ -60,7 +55,9 @@ pub(crate) fn choose(
     let runs = if options.continued { Some(of_runs(campaign, &runs(campaign)?)) } else { None };
     let facts = usable(runs.as_deref().unwrap_or(campaign))?;
     if beside_wide_moves(&facts).is_some() {
-        return Ok(not_compared("a record with time stamps has small oscillations beside wide moves"));
+        let usual = resolved(&facts, &Options { hysteresis: FamilyChoice::Usual, ..options.clone() });
+        let why = "a record with time stamps has small oscillations beside wide moves";
+        return Ok(FamilySelection::usual(usual.family(), why));
     }
     let contents: Vec<Content> = facts.iter().map(Content::of).collect();
     let is_dynamic = roles(runs.as_deref().unwrap_or(campaign), &facts).contains(&RecordRole::Dynamic);
@@ -69,7 +66,7 @@ pub(crate) fn choose(
         families.iter().map(|&hysteresis| Candidate { hysteresis, ..base }).collect();
     match compare(campaign, Selection::Given(&candidates), options, watch) {
         Ok(_) if watch.is_stopped() => Err(IdentifyError::Stopped),
-        Ok(found) => Ok(chosen(&found, &contents, &unit.unwrap_or_default())
+        Ok(found) => Ok(chosen(&found, &contents, &campaign[0].data.y_unit.to_string())
             .unwrap_or_else(|| not_compared("no fit could be made without a part of the records"))),
         Err(IdentifyError::CannotRank { because, .. }) => Ok(not_compared(&because)),
         Err(_) if watch.is_stopped() => Err(IdentifyError::Stopped),
@@ -95,22 +92,23 @@ fn structure(options: &Options, is_dynamic: bool) -> Candidate {
 fn chosen(found: &Comparison, contents: &[Content], unit: &str) -> Option<FamilySelection> {
     let family = |index: usize| found.entries[index].candidate.hysteresis;
     let parameters: Vec<usize> = found.entries.iter().map(|entry| entry.parameters).collect();
-    let logarithms = |entry: &Entry| Some(entry.complete()?.iter().map(|error| error.ln()).collect());
+    let logarithm = |error: &f64| error.max(f64::MIN_POSITIVE).ln();
+    let logarithms = |entry: &Entry| Some(entry.complete()?.iter().map(logarithm).collect());
     let ranking = rank(&found.entries.iter().map(logarithms).collect::<Vec<_>>(), &parameters)?;
     let error = |index: usize| ranking.standings[index].map(|standing| standing.mean.exp());
     let errors = (0..found.entries.len()).map(|index| (family(index), error(index))).collect();
     let told = |index: usize| {
         let error = error(index).map_or("none".to_owned(), |error| significant(error, 3));
-        format!("{} {error}", family(index).name())
+        format!("{} {error}{}{unit}", family(index).name(), if unit.is_empty() { "" } else { " " })
     };
-    let others: Vec<String> =
-        ranking.order.iter().filter(|&&i| i != ranking.preferred).map(|&i| told(i)).collect();
+    let others = ranking.order.iter().filter(|&&i| i != ranking.preferred);
+    let others: Vec<String> = others.map(|&i| format!("; {}", told(i))).collect();
     let why = if ranking.best == ranking.preferred { "" } else { " (simplest within one standard error)" };
     let verdict = format!(
-        "The hysteresis family is {} {unit}{why}, by held-out error over {} folds; {} {unit}.{}",
+        "The hysteresis family is {}{why}, by held-out error over {} folds{}.{}",
         told(ranking.preferred),
         found.folds.len(),
-        others.join(", "),
+        others.concat(),
         if one_amplitude(contents) {
             " All records have one amplitude: minor loops are held out by none of the folds."
         } else {
@@ -121,6 +119,12 @@ fn chosen(found: &Comparison, contents: &[Content], unit: &str) -> Option<Family
 }
 
 impl FamilySelection {
+    /// The usual family, where families were not compared.
+    fn usual(family: HysteresisForm, why: &str) -> Self {
+        let verdict = format!("The hysteresis family is the usual one, {}: {why}.", family.name());
+        Self { errors: Vec::new(), chosen: family, verdict }
+    }
+
     /// `options` with the chosen family; with the usual one they stay as they are, as it may bring dynamics of
     /// its own.
     pub(crate) fn applied(&self, options: &Options) -> Options {
