@@ -95,10 +95,6 @@ def write(path, columns):
     return str(path)
 
 
-def eased(t, motion, centre):
-    return centre + (0.5 * (1 - np.cos(np.pi * np.minimum(t / 0.3, 1.0)))) * motion
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--hysteron", default="target/release/hysteron", help="program to measure")

@@ -5,11 +5,10 @@
 
 use std::time::Instant;
 
-use hysteron_identify::{CampaignRecord, FamilyChoice, Options};
+use hysteron_identify::{FamilyChoice, Options};
 use hysteron_model::hysteresis::HysteresisForm;
 
 use crate::Outcome;
-use crate::campaign::{random_reference, slow_loop, sweep};
 use crate::device::Device;
 use crate::plays::{Bench, NOISE_UM, error_on};
 use crate::table;
@@ -18,10 +17,9 @@ const RATE_HZ: f64 = 5000.0;
 
 /// A bench, by what is in it.
 fn drawn(number: usize) -> Outcome<(&'static str, Bench)> {
-    let seed = number as u64;
     Ok(match number % 2 {
         0 => ("plays", Bench::at_random(number / 2)),
-        _ => ("Bouc–Wen", Bench { truth: Device::random(seed)?.bench(NOISE_UM)?, exercise_v: None }),
+        _ => ("Bouc–Wen", Bench { truth: Device::random(number as u64)?.bench(NOISE_UM)?, exercise_v: None }),
     })
 }
 
@@ -34,12 +32,7 @@ pub fn study(benches: usize) -> Outcome<()> {
     let (mut rows, mut ratios) = (Vec::new(), Vec::new());
     for number in 0..benches {
         let (device, bench) = drawn(number)?;
-        let seed = number as u64;
-        let drives = [slow_loop(RATE_HZ)?, sweep(RATE_HZ, 1.0, 100.0, 4.0)?];
-        let fitted =
-            drives.iter().enumerate().map(|(stream, drive)| bench.record(drive, RATE_HZ, (seed, stream)));
-        let fitted: Vec<CampaignRecord> = fitted.collect::<Outcome<_>>()?;
-        let unseen = bench.record(&random_reference(RATE_HZ, 4.0, seed)?, RATE_HZ, (seed, drives.len()))?;
+        let (fitted, unseen) = bench.records(RATE_HZ, 4.0, number as u64)?;
         let of = |hysteresis: FamilyChoice| {
             error_on(&unseen, &fitted, &Options { hysteresis, ..Options::default() })
         };

@@ -77,8 +77,23 @@ impl Bench {
         Self { truth, exercise_v }
     }
 
+    /// The records of a loop and a sweep of one amplitude, and that of a random drive.
+    pub fn records(
+        &self,
+        rate_hz: f64,
+        sweep_s: f64,
+        seed: u64,
+    ) -> Outcome<(Vec<CampaignRecord>, CampaignRecord)> {
+        let drives = [slow_loop(rate_hz)?, sweep(rate_hz, 1.0, 100.0, sweep_s)?];
+        let fitted =
+            drives.iter().enumerate().map(|(stream, drive)| self.record(drive, rate_hz, (seed, stream)));
+        let fitted = fitted.collect::<Outcome<Vec<_>>>()?;
+        let unseen = self.record(&random_reference(rate_hz, 4.0, seed)?, rate_hz, (seed, drives.len()))?;
+        Ok((fitted, unseen))
+    }
+
     /// The record of a drive, after the exercise.
-    pub fn record(
+    fn record(
         &self,
         drive: &Excitation,
         rate_hz: f64,
@@ -121,12 +136,7 @@ pub fn study(benches: usize) -> Outcome<()> {
     let (mut rows, mut ratios) = (Vec::new(), Vec::new());
     for number in 0..benches {
         let bench = Bench::at_random(number);
-        let seed = number as u64;
-        let drives = [slow_loop(RATE_HZ)?, sweep(RATE_HZ, 1.0, 100.0, 10.0)?];
-        let fitted =
-            drives.iter().enumerate().map(|(stream, drive)| bench.record(drive, RATE_HZ, (seed, stream)));
-        let fitted = fitted.collect::<Outcome<Vec<_>>>()?;
-        let unseen = bench.record(&random_reference(RATE_HZ, 4.0, seed)?, RATE_HZ, (seed, drives.len()))?;
+        let (fitted, unseen) = bench.records(RATE_HZ, 10.0, number as u64)?;
         let [of_single, of_density] =
             [error_on(&unseen, &fitted, &single)?, error_on(&unseen, &fitted, &density)?];
         ratios.push(of_density / of_single);
