@@ -54,12 +54,20 @@ def command(*words):
     return text, {"wall_s": time.perf_counter() - start, "cpu_s": used.ru_utime + used.ru_stime}
 
 
-def make_records(folder, quick):
+def read_columns(file):
+    """Drive and output of a record."""
+    lines = (line for line in file.read_text().splitlines() if not line.startswith("#"))
+    next(lines)
+    table = np.loadtxt(lines, delimiter=",", usecols=(-2, -1))
+    return np.ascontiguousarray(table.T)
+
+
+def make_records(folder, quick, truth):
     """Measures on the simulated bench; the arrays of the CSV files beside them, as raw doubles."""
     plan = {"sample_rate_hz": RATE_HZ, "validation_hz": []}
     if quick:
         plan |= {"loop_periods": 1.0, "sweep_s": 2.0}
-    (folder / "truth.json").write_text(json.dumps(TRUTH))
+    (folder / "truth.json").write_text(json.dumps(truth))
     (folder / "plan.json").write_text(json.dumps(plan))
     made = folder / "records"
     command(
@@ -69,10 +77,7 @@ def make_records(folder, quick):
     files = sorted(made.glob("*.csv"), key=lambda file: "sweep" in file.stem)
     arrays = []
     for file, name in zip(files, ("loop", "sweep")):
-        lines = (line for line in file.read_text().splitlines() if not line.startswith("#"))
-        next(lines)
-        table = np.loadtxt(lines, delimiter=",", usecols=(-2, -1))
-        u, y = np.ascontiguousarray(table.T)
+        u, y = read_columns(file)
         u.tofile(folder / f"{name}_u")
         y.tofile(folder / f"{name}_y")
         arrays.append((u, y))
@@ -103,7 +108,7 @@ def searched(parameters, names):
 
 
 def bench(rust, folder, quick):
-    files, arrays = make_records(folder, quick)
+    files, arrays = make_records(folder, quick, TRUTH)
     result = {"samples": [len(u) for u, _ in arrays]}
     runs = 1 if quick else 5
     result["hysteron, fractional"] = found = ours(files, folder, ["--dynamics", "fractional"], runs)
