@@ -1,8 +1,8 @@
 """`make bench`: hysteron beside numpy, scipy and numba on the same inputs, taking turns within one run.
 
 Times of short work are minima (and medians) of wall-clock time over repetitions, one thread; times of long
-work are processor time. The joint fit is in joint.py. Writes bench/results.json and bench/results.md, and the
-tables of docs/benchmarks.md.
+work are processor time. The joint fit is in joint.py, that of plays in rich_families.py. Writes
+bench/results.json and bench/results.md, and the tables of docs/benchmarks.md.
 """
 
 import argparse
@@ -28,6 +28,7 @@ except ImportError as missing:
              "  try: make bench, which installs the peers into bench/.venv")
 
 import joint
+import rich_families
 import tables
 from peers import bouc_wen, fractional, identification
 from rust_side import ROOT, RustSide
@@ -257,12 +258,28 @@ def machine():
     }
 
 
+def print_rich_families(quick):
+    """The section alone; of the Rust side it needs the command line only."""
+    before = os.getloadavg()[0]
+    with tempfile.TemporaryDirectory() as folder:
+        result = rich_families.bench(pathlib.Path(folder), quick)
+    print(tables.rich_families_heading(result), tables.rich_families(result), sep="\n\n")
+    print(f"\nLoad average {before:.1f} before and {os.getloadavg()[0]:.1f} after the run.")
+
+
 def main():
     arguments = argparse.ArgumentParser(description=__doc__)
     arguments.add_argument(
         "--quick", action="store_true", help="small sizes, few repetitions, nothing written to docs"
     )
-    quick = arguments.parse_args().quick
+    arguments.add_argument(
+        "--rich-families", action="store_true", help="that section alone: printed, written nowhere"
+    )
+    asked = arguments.parse_args()
+    quick = asked.quick
+    if asked.rich_families:
+        print_rich_families(quick)
+        return
 
     def say(what):
         print(f"{what} …", file=sys.stderr, flush=True)
@@ -288,6 +305,9 @@ def main():
         say("joint fit, from CSV files to a model file")
         (folder / "joint").mkdir()
         result["joint"] = joint.bench(rust, folder / "joint", quick)
+        say("plays, from CSV files to a model file")
+        (folder / "rich").mkdir()
+        result["rich_families"] = rich_families.bench(folder / "rich", quick)
         say("joint fit, a thousand to ten million samples")
         result["joint_scaling"] = joint.scaling(rust, quick)
         say("identification")

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Speed and accuracy beside the peers, in one run: installs them into bench/.venv, builds, measures, writes
 # results.
-#   bench/run.sh          everything (about eight minutes on two idle cores)
+#   bench/run.sh          everything (about ten minutes on two idle cores)
 #   bench/run.sh --quick  fewer repetitions and shorter records, to see that it works
+#   bench/run.sh --rich-families  that section alone, printed
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
