@@ -17,7 +17,7 @@ DEGREE = 3
 # Near the resonance of usual stacks, little damped: both peers find the same optimum from here.
 START_HZ, START_DAMPING = 500.0, 0.05
 # Ratio of the training errors from which fits are not of one quality.
-ALIKE = 1.5
+ALIKE = 2.0
 # Largest relative differences of the training errors of peers with the same plays, which have the same
 # optimum, and of a peer's own training error from that of its model file.
 SAME_OPTIMUM, SAME_MODEL = 0.02, 0.02
