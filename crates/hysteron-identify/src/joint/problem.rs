@@ -286,6 +286,18 @@ impl JointProblem {
 
     /// Columns of every record at `x`, in the records' workspaces; not after a stop.
     fn respond(&self, x: &[f64], derivatives: Derivatives<'_>, ws: &mut JointWorkspace) -> bool {
+        self.of_each_record(x, ws, |record, candidate, memory, dynamics, ws| {
+            record.respond(self.hysteresis, candidate, memory, dynamics, derivatives, ws)
+        })
+    }
+
+    /// Computes something of every record at `x`; not after a stop.
+    fn of_each_record(
+        &self,
+        x: &[f64],
+        ws: &mut JointWorkspace,
+        compute: impl Fn(&JointRecord, &Candidate, f64, &Linearised, &mut RecordWorkspace) -> bool + Sync,
+    ) -> bool {
         ws.at.clear();
         if self.stop.is_requested() {
             return false;
@@ -299,9 +311,7 @@ impl JointProblem {
             .par_iter()
             .zip(&mut ws.records)
             .zip(&candidate.memory)
-            .map(|((record, ws), &memory)| {
-                record.respond(self.hysteresis, &candidate, memory, dynamics, derivatives, ws)
-            })
+            .map(|((record, ws), &memory)| compute(record, &candidate, memory, dynamics, ws))
             // No short-circuiting: the set of evaluated records must not depend on the threads.
             .reduce(|| true, |a, b| a & b)
     }

@@ -7,7 +7,7 @@
 //! adjustment of Chandler, Bate 2007, doi:10.1093/biomet/asm015, for one parameter).
 
 use super::super::projection::Projection;
-use hysteron_numeric::dot;
+use hysteron_numeric::{dot, triangular};
 
 /// Tolerance of z.
 const Z_TOLERANCE: f64 = 0.01;
@@ -138,7 +138,7 @@ impl Profiled<'_> {
         let mut damping = 0.0;
         for _ in 0..MOST_TO_SETTLE {
             *left = left.checked_sub(1)?;
-            let (residuals, columns) = fit.linearise(&at)?;
+            let (residuals, columns) = in_their_span(fit.linearise(&at)?);
             let solve = |fit: &_, damping| {
                 Rest::solve(fit, self.parameter, optimum.free, (&at, damping), &residuals, &columns)
             };
@@ -202,6 +202,16 @@ impl Point {
         at[parameter] = value;
         at
     }
+}
+
+/// Residuals and columns in an orthonormal basis of their span: as many rows as there are columns, and the
+/// same inner products.
+fn in_their_span((residuals, columns): (Vec<f64>, Vec<f64>)) -> (Vec<f64>, Vec<f64>) {
+    let mut all: Vec<&[f64]> = columns.chunks_exact(residuals.len().max(1)).collect();
+    all.push(&residuals);
+    let r = triangular(&all);
+    let (columns, residuals) = r.as_slice().split_at((all.len() - 1) * all.len());
+    (residuals.to_vec(), columns.to_vec())
 }
 
 /// Linear least squares over all parameters but the profiled one.

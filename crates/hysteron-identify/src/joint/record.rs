@@ -269,6 +269,58 @@ impl JointRecord {
         derivatives: Derivatives<'_>,
         ws: &mut RecordWorkspace,
     ) -> bool {
+        self.prepare_response(form, candidate, memory, dynamics, derivatives, ws)
+            && self.respond_to_inputs(form.sign(), derivatives, ws)
+    }
+
+    /// Residual at given coefficients of u, u², … and weights into `ws.target`, local columns projected out:
+    /// one response to the sum of all inputs instead of one to each. `false` where the candidate cannot be
+    /// simulated.
+    pub(super) fn residual(
+        &self,
+        form: HysteresisForm,
+        candidate: &Candidate,
+        memory: f64,
+        dynamics: &Linearised,
+        coefficients: &[f64],
+        ws: &mut RecordWorkspace,
+    ) -> bool {
+        if !self.prepare_response(form, candidate, memory, dynamics, None, ws) {
+            return false;
+        }
+        let RecordWorkspace { hysteresis, response, total, local, columns, target, lanes, .. } = ws;
+        let operators = &hysteresis.operators;
+        let (Some(lane), Some(output)) = (lanes.first_mut(), columns.get_mut(..self.samples())) else {
+            return true;
+        };
+        total.set_sum(self.weighted_inputs(coefficients, operators));
+        if self.plan.apply(response, total, &mut lane.plan, output).is_err() {
+            return false;
+        }
+        self.end(output);
+        if let Some(unit) = &self.rest {
+            let degree = coefficients.len() - operators.inputs.len();
+            let at_rest = |(index, c)| c * self.at_rest(index, degree, form.sign(), &operators.columns);
+            let at_rest: f64 = coefficients.iter().enumerate().map(at_rest).sum();
+            output.iter_mut().zip(unit).for_each(|(out, unit)| *out += at_rest * unit);
+        }
+        self.weighting.apply(output);
+        local.project(output);
+        target.iter_mut().zip(output).for_each(|(target, output)| *target -= *output);
+        true
+    }
+
+    /// What every response of a candidate needs: its hysteresis, the response of its dynamics, and the
+    /// transients.
+    fn prepare_response(
+        &self,
+        form: HysteresisForm,
+        candidate: &Candidate,
+        memory: f64,
+        dynamics: &Linearised,
+        derivatives: Derivatives<'_>,
+        ws: &mut RecordWorkspace,
+    ) -> bool {
         let RecordWorkspace { hysteresis, response, lanes, .. } = &mut *ws;
         let mut operate = || self.operate(form, (&candidate.shape, memory), derivatives, hysteresis, lanes);
         let (plan, delay_s) = (&self.plan, candidate.delay_s);
@@ -278,10 +330,26 @@ impl JointRecord {
         };
         let (simulated, responded) =
             if self.samples() < SHARED { (operate(), linear()) } else { rayon::join(operate, linear) };
-        simulated
-            && responded.is_ok()
-            && self.respond_to_transients(ws)
-            && self.respond_to_inputs(form.sign(), derivatives, ws)
+        simulated && responded.is_ok() && self.respond_to_transients(ws)
+    }
+
+    /// Inputs of u, u², … and s H_j with their coefficients, those that are not 0.
+    fn weighted_inputs<'a>(
+        &'a self,
+        coefficients: &'a [f64],
+        operators: &'a Operators,
+    ) -> impl Iterator<Item = (f64, &'a PlanInput)> {
+        let degree = coefficients.len().saturating_sub(operators.inputs.len());
+        let inputs = self.powers.iter().take(degree).chain(&operators.inputs);
+        coefficients.iter().copied().zip(inputs).filter(|(c, _)| *c != 0.0)
+    }
+
+    /// Value of u^(`index` + 1), or of s H_j from `degree` on, before the first sample.
+    fn at_rest(&self, index: usize, degree: usize, sign: f64, columns: &Columns) -> f64 {
+        match index.checked_sub(degree) {
+            None => rest_voltage(self.before, &self.drive).powi(index as i32 + 1),
+            Some(column) => sign * (columns.rest[column] + columns.standing[column]),
+        }
     }
 
     /// The columns of u, u², …, s H_j from their inputs.
@@ -297,13 +365,7 @@ impl JointRecord {
         let finish = |index: usize, column: &mut [f64]| {
             self.end(column);
             if let Some(unit) = &self.rest {
-                let rest_v = rest_voltage(self.before, &self.drive);
-                let at_rest = if index < degree {
-                    rest_v.powi(index as i32 + 1)
-                } else {
-                    let Columns { rest, standing, .. } = &hysteresis.columns;
-                    sign * (rest[index - degree] + standing[index - degree])
-                };
+                let at_rest = self.at_rest(index, degree, sign, &hysteresis.columns);
                 column.iter_mut().zip(unit).for_each(|(c, unit)| *c += at_rest * unit);
             }
             self.weighting.apply(column);

@@ -160,6 +160,19 @@ fn is_the_jacobian_beside_the_weights(
     }
 }
 
+/// The response to the sum of all inputs is the sum of their responses, at any coefficients.
+fn residuals_are_those_of_the_columns(problem: &JointProblem, x: &[f64], coefficients: &[f64]) {
+    let other: Vec<f64> = coefficients.iter().zip(1..).map(|(c, j)| c * (1.0 + 0.1 * f64::from(j))).collect();
+    let slow = problem.linearise_at(x, &other, &mut problem.workspace()).unwrap().residuals;
+    let mut ws = problem.workspace();
+    let fast = problem.residuals_at(x, &other, &mut ws);
+    let size = slow.iter().fold(0.0f64, |m, r| m.max(r.abs()));
+    assert!(size > 0.0 && fast.len() == slow.len());
+    for (fast, slow) in fast.iter().zip(&slow) {
+        assert!((fast - slow).abs() <= 1e-10 * size, "{fast} {slow} of {size}");
+    }
+}
+
 /// Kaufman's Jacobian is P⊥ times the derivative of the residual, since what it leaves out lies in the span
 /// of the columns. P⊥ itself is taken from the problem: the columns are read off its linearisation.
 fn check(problem: &JointProblem, x: &[f64]) {
@@ -173,6 +186,7 @@ fn check(problem: &JointProblem, x: &[f64]) {
         basis.push(|q| q.copy_from_slice(column));
     }
     is_the_jacobian_beside_the_weights(problem, x, &jacobian, &basis);
+    residuals_are_those_of_the_columns(problem, x, &linearisation.coefficients);
     let gradient_of_cost = |j: usize, r: &[f64]| -> f64 {
         jacobian[j * count..(j + 1) * count].iter().zip(r).map(|(a, b)| a * b).sum()
     };
@@ -379,6 +393,8 @@ fn gradient_is_exact_with_transients() {
     let count = problem.residual_count();
     let mut jacobian = vec![0.0; count * x.len()];
     assert_eq!(problem.jacobian(&x, &mut problem.workspace(), &mut jacobian), Derivative::Written);
+    let coefficients = problem.linearise(&x).unwrap().coefficients;
+    residuals_are_those_of_the_columns(&problem, &x, &coefficients);
     let r = residuals(&problem, &x);
     for (j, range) in problem.bounds().ranges.iter().enumerate() {
         let h = 2e-3 * x[j].abs();

@@ -23,9 +23,7 @@ impl JointProblem {
         if !self.respond(x, derivatives, ws) {
             return false;
         }
-        for (r, record) in ws.records.iter().enumerate() {
-            ws.target[self.at[r]..self.at[r + 1]].copy_from_slice(&record.target);
-        }
+        self.gather_targets(ws);
         ws.projection.clear();
         ws.eliminated.clear();
         let JointWorkspace { records, column, target, projection, eliminated, .. } = ws;
@@ -99,10 +97,8 @@ impl JointProblem {
     /// Coefficients of u, u², … and weights at `x`, after [`Self::eliminate`].
     pub(super) fn coefficients(&self, x: &[f64], ws: &mut JointWorkspace) -> Vec<f64> {
         let JointWorkspace { records, column, projection, eliminated, .. } = ws;
-        let mut measured = vec![0.0; column.len()];
-        for (r, record) in records.iter().enumerate() {
-            measured[self.rows(r)].copy_from_slice(&record.target);
-        }
+        let mut measured: Vec<f64> =
+            records.iter().flat_map(|record| record.target.iter().copied()).collect();
         let mut coefficients: Vec<f64> =
             self.layout.linear().map(|role| role.value(x).unwrap_or(0.0)).collect();
         for (index, role) in self.layout.linear().enumerate() {

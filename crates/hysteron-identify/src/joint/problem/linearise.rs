@@ -1,7 +1,7 @@
 //! A joint fit linearised at a point.
 
 use super::super::super::layout::Role;
-use super::{Derivatives, JointProblem, JointWorkspace};
+use super::{JointProblem, JointWorkspace};
 use hysteron_optimize::{LeastSquaresProblem, Problem};
 
 /// A joint fit linearised at a point.
@@ -45,7 +45,17 @@ impl JointProblem {
             Role::Fixed(_) | Role::Searched(_) => false,
         };
         ws.eliminated = self.layout.linear().enumerate().filter(is_free).map(|(index, _)| index).collect();
-        self.deviate(x, coefficients, self.derivatives(), ws).then(|| self.collect(coefficients.to_vec(), ws))
+        ws.set_stop(&self.stop);
+        if !self.respond(x, self.derivatives(), ws) {
+            return None;
+        }
+        self.gather_targets(ws);
+        let JointWorkspace { records, column, target, .. } = &mut *ws;
+        for (index, value) in coefficients.iter().enumerate() {
+            self.gather(index, records, column);
+            target.iter_mut().zip(column.iter()).for_each(|(t, c)| *t -= value * c);
+        }
+        Some(self.collect(coefficients.to_vec(), ws))
     }
 
     /// Weighted residuals at `x` and any coefficients of u, u², … and weights; empty where it cannot be
@@ -56,30 +66,22 @@ impl JointProblem {
         coefficients: &[f64],
         ws: &'w mut JointWorkspace,
     ) -> &'w [f64] {
-        if self.deviate(x, coefficients, None, ws) { &ws.target } else { &[] }
+        ws.set_stop(&self.stop);
+        let done = self.of_each_record(x, ws, |record, candidate, memory, dynamics, ws| {
+            record.residual(self.hysteresis, candidate, memory, dynamics, coefficients, ws)
+        });
+        if !done {
+            return &[];
+        }
+        self.gather_targets(ws);
+        &ws.target
     }
 
-    /// Residuals at given coefficients into `ws.target`.
-    fn deviate(
-        &self,
-        x: &[f64],
-        coefficients: &[f64],
-        wanted: Derivatives<'_>,
-        ws: &mut JointWorkspace,
-    ) -> bool {
-        ws.set_stop(&self.stop);
-        if !self.respond(x, wanted, ws) {
-            return false;
+    /// The records' targets into `ws.target`.
+    pub(super) fn gather_targets(&self, ws: &mut JointWorkspace) {
+        for (r, record) in ws.records.iter().enumerate() {
+            ws.target[self.rows(r)].copy_from_slice(&record.target);
         }
-        let JointWorkspace { records, column, target, .. } = ws;
-        for (r, record) in records.iter().enumerate() {
-            target[self.rows(r)].copy_from_slice(&record.target);
-        }
-        for (index, value) in coefficients.iter().enumerate() {
-            self.gather(index, records, column);
-            target.iter_mut().zip(column.iter()).for_each(|(t, c)| *t -= value * c);
-        }
-        true
     }
 
     /// Assembles the linearisation from columns and residuals.

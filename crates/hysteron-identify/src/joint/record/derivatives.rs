@@ -54,9 +54,7 @@ impl JointRecord {
     /// Prepares derivatives along the dynamics: the whole input Σ cᵢ uⁱ + s Σ w_j H_j + transients at these
     /// coefficients.
     pub(crate) fn combine(&self, coefficients: &[f64], ws: &mut RecordWorkspace) {
-        let degree = coefficients.len().saturating_sub(ws.hysteresis.operators.inputs.len());
-        let inputs = self.powers.iter().take(degree).chain(&ws.hysteresis.operators.inputs);
-        let columns = coefficients.iter().copied().zip(inputs).filter(|(c, _)| *c != 0.0);
+        let columns = self.weighted_inputs(coefficients, &ws.hysteresis.operators);
         // Coefficients of the transients: least squares on the residual of the other columns.
         let measured =
             if self.transients.is_empty() { Vec::new() } else { ws.local.coefficients(&self.target) };
