@@ -28,6 +28,7 @@ pub use dispatch::{
     multiply_and_add, multiply_by, multiply_quotient, quotient_parts, quotient_tangent, rotate,
     rotate_and_add, run_pass, scale,
 };
+pub use elementary::smooth_minimum;
 pub use feedback_tangent::{FeedbackTangent, Forcing, LANES, Lanes, TangentState, Target};
 pub use inner_product::{dot, project_out, root_mean_square, subtract};
 pub use least_squares::{LeastSquares, least_squares};

@@ -9,10 +9,16 @@
 //! Non-negative coefficients c that the problem eliminates are unknowns of the step, with their columns Φ:
 //! ‖J p − Φ d + r‖² + λ ‖D p‖², c + d ≥ 0, not damped. With p alone, by derivatives that hold while the same
 //! coefficients are 0, a fit creeps along the edges where one becomes 0 (`docs/theory/joint.md`).
+//!
+//! Where residuals stay large, the model of the step has the second derivatives of the residuals as well, by
+//! secants ([`curvature`]).
+
+mod curvature;
 
 use super::jacobian::UnitResiduals;
 use super::ledger::Ledger;
 use super::{LeastSquaresOptions, LocalStatus, Settings, bounded_linear};
+use curvature::{Curvature, Secant};
 use hysteron_numeric::{dot, triangular};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -41,6 +47,7 @@ pub(super) struct LocalFit {
     pub(super) iterations: usize,
     /// Cost when the rate of convergence was last judged.
     judged: f64,
+    curvature: Curvature,
     /// Evaluations of the run before this fit began.
     pub(super) evaluations_before: usize,
 }
@@ -56,6 +63,7 @@ impl LocalFit {
             scale: vec![0.0; point.len()],
             iterations: 0,
             judged: cost,
+            curvature: Curvature::none(point.len()),
             evaluations_before,
         }
     }
@@ -70,6 +78,7 @@ impl LocalFit {
             && self.growth >= 2.0
             && self.growth.is_finite()
             && self.judged.is_finite()
+            && self.curvature.is_consistent(dimension)
     }
 
     /// True if, at the rate of its last iterations, the fit would reach the limit of `iterations` before the
@@ -103,9 +112,12 @@ impl LocalFit {
         if model.optimality(&self.point) <= options.gradient_tolerance {
             return Some(LocalStatus::GradientTolerance);
         }
+        self.curvature.update(&model.gradient);
+        let curved = self.curvature.used().and_then(|matrix| model.with_curvature(&matrix));
+        let local = curved.as_ref().unwrap_or(&model);
         loop {
-            let whole = model.step(&self.point, self.damping, &self.scale);
-            let step = model.own(&whole);
+            let whole = local.step(&self.point, self.damping, &self.scale);
+            let step = local.own(&whole);
             if step.iter().all(|p| p.abs() <= options.step_tolerance) {
                 return Some(LocalStatus::StepTolerance);
             }
@@ -115,7 +127,7 @@ impl LocalFit {
             let trial: Vec<f64> =
                 self.point.iter().zip(step.iter()).map(|(t, p)| (t + p).clamp(0.0, 1.0)).collect();
             let cost = residuals.try_point(&trial, ledger);
-            let predicted = model.predicted_fall(&whole);
+            let predicted = local.predicted_fall(&whole);
             let fall = fall(residuals, cost);
             let negligible = options.cost_tolerance * model.half_square;
             // At low damping the predicted reduction suffices: the actual one may be rounding error.
@@ -126,6 +138,12 @@ impl LocalFit {
                 self.damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(0.1, 2.0);
                 self.damping = self.damping.max(LEAST_DAMPING);
                 self.growth = 2.0;
+                let secant = Secant {
+                    step: trial.iter().zip(&self.point).map(|(to, from)| to - from).collect(),
+                    gradient: model.gradient.as_slice().to_vec(),
+                    crossed: model.gradient_of(residuals),
+                };
+                self.curvature.note(secant, fall, model.predicted_fall(&whole));
                 residuals.accept_trial(&trial);
                 ledger.prefer(&trial, cost);
                 (self.point, self.cost) = (trial, cost);
@@ -161,6 +179,7 @@ impl LocalFit {
 
 /// The linear model ½‖J p − Φ d + r‖² at one point, with \[Φ J\] = Q R: the coefficients that are positive
 /// first, so that below their rows J is orthogonal to their columns; those that are 0 last.
+#[derive(Clone)]
 struct Linearised {
     r: DMatrix<f64>,
     /// −Qᵀ r.
@@ -209,6 +228,35 @@ impl Linearised {
         let half_square = 0.5 * dot(current, current);
         let zeros = width - first - n;
         Self { r, target, gradient, column_norms, positive, zeros, half_square }
+    }
+
+    /// This model with the second derivatives `matrix` of the numbers; `None` where it has no minimum.
+    fn with_curvature(&self, matrix: &DMatrix<f64>) -> Option<Self> {
+        let (first, n) = (self.positive.len(), matrix.ncols());
+        let mut hessian = self.r.tr_mul(&self.r);
+        let mut own = hessian.view_mut((first, first), (n, n));
+        own += matrix;
+        let lower = hessian.cholesky()?.unpack();
+        let target = lower.solve_lower_triangular(&self.r.tr_mul(&self.target))?;
+        Some(Self { r: lower.transpose(), target, ..self.clone() })
+    }
+
+    /// Jᵀ of the trial residuals, J orthogonal to the columns of the positive coefficients.
+    fn gradient_of(&self, residuals: &UnitResiduals<'_>) -> Vec<f64> {
+        let (trial, eliminated) = (residuals.trial(), residuals.eliminated());
+        let count = trial.len().max(1);
+        let mut gradient: Vec<f64> =
+            residuals.columns().chunks_exact(count).map(|column| dot(column, trial)).collect();
+        let first = self.positive.len();
+        let positive = eliminated.coefficients.iter().zip(eliminated.columns.chunks_exact(count));
+        let shares = positive.filter(|(c, _)| **c > 0.0).map(|(_, column)| -dot(column, trial));
+        let shares = DVector::from_iterator(first, shares);
+        let square = self.r.view((0, 0), (first, first));
+        if let Some(shares) = square.tr_solve_upper_triangular(&shares) {
+            let beside = self.r.view((0, first), (first, gradient.len())).tr_mul(&shares);
+            gradient.iter_mut().zip(&beside).for_each(|(g, by)| *g -= by);
+        }
+        gradient
     }
 
     /// Largest |cosine| between r and a column of J with a feasible descent direction.

@@ -121,3 +121,16 @@ pub(super) fn kowalik_osborne() -> Residuals<ResidualFunction> {
     };
     Residuals { bounds: cube(4, 0.0, 1.0), count: 11, residuals }
 }
+
+/// Brown and Dennis's function, no. 16 there, whose residuals stay large; minimum of the sum of squares
+/// 85822.2.
+pub(super) fn brown_dennis() -> Residuals<ResidualFunction> {
+    let residuals: ResidualFunction = |x, out| {
+        for (i, r) in (1..).zip(out) {
+            let t = 0.2 * f64::from(i);
+            *r = (x[0] + t * x[1] - t.exp()).powi(2) + (x[2] + x[3] * t.sin() - t.cos()).powi(2);
+        }
+        true
+    };
+    Residuals { bounds: cube(4, -50.0, 50.0), count: 20, residuals }
+}

@@ -96,7 +96,7 @@ impl<T: Real, const P: usize> sealed::Sealed for Dual<T, P> {}
 
 impl<T: Real, const P: usize> Scalar for Dual<T, P> {
     type Real = T;
-    const HAS_DERIVATIVES: bool = true;
+    const DERIVATIVES: usize = P;
     #[inline(always)]
     fn constant(value: T) -> Self {
         Dual { value, partials: [T::of(0.0); P] }
@@ -104,6 +104,17 @@ impl<T: Real, const P: usize> Scalar for Dual<T, P> {
     #[inline(always)]
     fn value(self) -> T {
         self.value
+    }
+    #[inline(always)]
+    fn derivative(self, index: usize) -> T {
+        self.partials.get(index).copied().unwrap_or(T::of(0.0))
+    }
+    #[inline(always)]
+    fn with_derivative(mut self, index: usize, derivative: T) -> Self {
+        if let Some(p) = self.partials.get_mut(index) {
+            *p = derivative;
+        }
+        self
     }
     #[inline]
     fn magnitude(self) -> T {

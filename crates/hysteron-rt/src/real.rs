@@ -21,12 +21,18 @@ pub trait Scalar:
 {
     /// Type of the value (and of each derivative).
     type Real: Real;
+    /// Number of derivatives that it carries along.
+    const DERIVATIVES: usize;
     /// Whether it carries derivatives along.
-    const HAS_DERIVATIVES: bool;
+    const HAS_DERIVATIVES: bool = Self::DERIVATIVES > 0;
     /// A number with zero derivatives.
     fn constant(value: Self::Real) -> Self;
     /// The value without the derivatives.
     fn value(self) -> Self::Real;
+    /// Derivative number `index`; 0 beyond the last.
+    fn derivative(self, index: usize) -> Self::Real;
+    /// This number with derivative number `index` replaced; none beyond the last.
+    fn with_derivative(self, index: usize, derivative: Self::Real) -> Self;
     /// |value| + Σ |derivatives|, which decides whether a term is negligible.
     fn magnitude(self) -> Self::Real;
     /// Product with a constant.
@@ -108,13 +114,21 @@ macro_rules! real {
 
         impl Scalar for $t {
             type Real = $t;
-            const HAS_DERIVATIVES: bool = false;
+            const DERIVATIVES: usize = 0;
             #[inline(always)]
             fn constant(value: $t) -> $t {
                 value
             }
             #[inline(always)]
             fn value(self) -> $t {
+                self
+            }
+            #[inline(always)]
+            fn derivative(self, _: usize) -> $t {
+                0.0
+            }
+            #[inline(always)]
+            fn with_derivative(self, _: usize, _: $t) -> $t {
                 self
             }
             #[inline(always)]

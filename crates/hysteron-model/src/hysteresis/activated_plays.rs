@@ -3,7 +3,10 @@
 //! Sources: H. Eyring, *J. Chem. Phys.* 4 (1936) 283–291, doi:10.1063/1.1749836 (the kinetics); L. Prandtl,
 //! *Z. angew. Math. Mech.* 8 (1928) 85–106, doi:10.1002/zamm.19280080202 (elements that slip by it).
 
-use hysteron_rt::{RelaxingMove, SLOPES, Scalar, bernstein_integrals};
+use hysteron_numeric::InstructionSet;
+use hysteron_rt::{RelaxingMove, SLOPES, Scalar};
+
+mod abreast;
 
 use super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
 use super::family::{
@@ -12,12 +15,11 @@ use super::family::{
 };
 use super::{HysteresisError, HysteresisForm};
 use crate::record::{Dependence, Pace};
+use abreast::{Move, PLAYS, Readings};
 
 /// Smallest and largest half-width of the plays, as shares of the range of the grid: no loop moves wider
 /// ones, and their weights would fit the offsets of single records.
 const WIDTHS: [f64; 2] = [0.0015, 0.5];
-/// Number of plays, at equal distances in ln r.
-const PLAYS: usize = 40;
 /// Decay of the narrowest density, as a share of the range; each further one is ten times as wide.
 const NARROWEST: f64 = 0.01;
 
@@ -42,9 +44,10 @@ pub struct ActivatedPlays {
     pub densities: usize,
     /// Seconds between samples, where the drive has no paces.
     pub interval_s: f64,
-    thresholds: Vec<f64>,
+    thresholds: [f64; PLAYS],
     /// gₑ of each play, density by density.
-    shares: Vec<f64>,
+    shares: Vec<[f64; PLAYS]>,
+    set: InstructionSet,
 }
 
 /// Lags zᵢ of the plays behind the drive, the drive, and the pace of its next move.
@@ -62,16 +65,16 @@ impl ActivatedPlays {
         let span = range[1] - range[0];
         let [least, most] = WIDTHS;
         let width = |i: usize| span * least * (most / least).powf((i as f64 + 0.5) / PLAYS as f64);
-        let thresholds: Vec<f64> = (0..PLAYS).map(width).collect();
-        let mut shares = Vec::with_capacity(densities * PLAYS);
-        for e in 0..densities {
+        let thresholds: [f64; PLAYS] = std::array::from_fn(width);
+        let of_density = |e: usize| {
             let decay = span * NARROWEST * 10f64.powi(e as i32);
             // Nodes are at equal distances in ln r: dr is in proportion to r.
-            let of: Vec<f64> = thresholds.iter().map(|r| r * (-r / decay).exp()).collect();
+            let of = thresholds.map(|r| r * (-r / decay).exp());
             let total: f64 = of.iter().sum();
-            shares.extend(of.iter().map(|share| share / total));
-        }
-        Self { range, densities, interval_s, thresholds, shares }
+            of.map(|share| share / total)
+        };
+        let shares = (0..densities).map(of_density).collect();
+        Self { range, densities, interval_s, thresholds, shares, set: InstructionSet::detected() }
     }
 }
 
@@ -108,6 +111,7 @@ impl ColumnKernel for ActivatedPlays {
         u: f64,
     ) -> Result<(), HysteresisError> {
         let by = (-state.u).shift(u);
+        let is_first = !state.moved;
         let interval_s = match state.pace.take() {
             Some(pace) => S::constant(pace.interval_s),
             None if state.moved => S::constant(self.interval_s),
@@ -116,9 +120,16 @@ impl ColumnKernel for ActivatedPlays {
             None => by,
         };
         (state.u, state.moved) = (S::constant(u), true);
-        let step = RelaxingMove::new(parameter(shape, 0), by, interval_s);
-        for (z, &r) in state.behind.iter_mut().zip(&self.thresholds) {
-            *z = step.distance(r, *z);
+        let sigma = parameter(shape, 0);
+        if is_first {
+            // The drive before may carry derivatives.
+            let step = RelaxingMove::new(sigma, by, interval_s);
+            for (z, &r) in state.behind.iter_mut().zip(&self.thresholds) {
+                *z = step.distance(r, *z);
+            }
+        } else {
+            Move::new(sigma, by.value(), interval_s.value(), &self.thresholds)
+                .apply(self.set, &mut state.behind);
         }
         Ok(())
     }
@@ -137,14 +148,7 @@ impl ColumnKernel for ActivatedPlays {
     }
 
     fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &ActivatedPlayStates<S>, out: &mut [S]) {
-        out.iter_mut().for_each(|out| *out = S::constant(0.0));
-        for (i, z) in state.behind.iter().enumerate() {
-            let outputs = bernstein_integrals(self.range, state.u - *z);
-            for (columns, shares) in out.chunks_exact_mut(SLOPES).zip(self.shares.chunks_exact(PLAYS)) {
-                let share = shares.get(i).copied().unwrap_or(0.0);
-                columns.iter_mut().zip(outputs).for_each(|(out, b)| *out = *out + b.scale(share));
-            }
-        }
+        Readings::new(self.range, state.u, &state.behind).sum(self.set, &self.shares, out);
     }
 
     fn relaxing<S: Scalar<Real = f64>>(state: &mut ActivatedPlayStates<S>) -> &mut [S] {
@@ -225,15 +229,15 @@ impl FamilyDescription for Entry {
         let interval_s = 1.0 / sample_rate_hz;
         let ActivatedPlays { range, thresholds, shares, .. } = self.kernel(densities, shape, interval_s);
         let slope = |i: usize, k: usize| {
-            let of = |(e, weights): (usize, &[f64])| {
-                shares.get(e * PLAYS + i).zip(weights.get(k)).map_or(0.0, |(g, w)| g * w)
+            let of = |(shares, weights): (&[f64; PLAYS], &[f64])| {
+                weights.get(k).map_or(0.0, |weight| shares[i] * weight)
             };
-            weights.chunks(SLOPES).enumerate().map(of).sum::<f64>()
+            shares.iter().zip(weights.chunks(SLOPES)).map(of).sum::<f64>()
         };
         let slopes =
             (0..PLAYS).flat_map(|i| (0..SLOPES).map(move |k| (i, k))).map(|(i, k)| slope(i, k)).collect();
         let pace = (parameter(shape, 2), interval_s);
-        RuntimeOperator::RelaxingPlays { pace, range, thresholds, slopes }
+        RuntimeOperator::RelaxingPlays { pace, range, thresholds: thresholds.into(), slopes }
     }
 }
 

@@ -149,6 +149,12 @@ impl<S: Scalar> RelaxingMove<S> {
         Self { sigma, by, size, interval_s, shrinks }
     }
 
+    /// Final r − |z| of a play that slides during the whole move; `None` for an instantaneous one.
+    #[inline]
+    pub fn shrinks(&self) -> Option<S> {
+        self.shrinks
+    }
+
     /// The distance z of a play of half-width `threshold` after the move.
     #[inline]
     pub fn distance(&self, threshold: S::Real, z: S) -> S {
