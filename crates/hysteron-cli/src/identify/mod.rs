@@ -67,9 +67,9 @@ use crate::result_flags::ResultFlags;
     to start from rest (--initial). --fix can hold mass, damping and n.\n\n\
     --structure force fits the force of a damper against its displacement (--input x_mm --output F_N): \
     hysteresis of the displacement (--hysteresis, --elements), stiffness (--degree), a viscous force, and one \
-    that saturates with the rate behind a compliance. The rate is that of the displacement. --fix can hold the \
-    numbers of the hysteresis family's shape, viscous, saturating_force, saturating_rate and \
-    saturating_reach.\n\n\
+    that saturates with the rate behind a compliance. The rate is that of the displacement, or \
+    measured (--rate v_mm_per_s). --fix can hold the numbers of the hysteresis family's shape, viscous, \
+    saturating_force, saturating_rate and saturating_reach.\n\n\
     Ctrl-C writes the best model so far to MODEL.partial.json, which every command reads, and leaves \
     MODEL.json unchanged (exit code 130, 143 after SIGTERM); --resume MODEL.partial.json continues the \
     fit.\n\n\
@@ -224,6 +224,11 @@ pub struct Identify {
     )]
     least_fit: f64,
 
+    /// Column of the rate of the input, for --structure force: its name, with or without unit, e.g. v_mm_per_s
+    /// [default: the rate is that of the displacement]
+    #[arg(long, value_name = "COL")]
+    rate: Option<String>,
+
     #[command(flatten)]
     result: ResultFlags,
 
@@ -291,6 +296,9 @@ impl Identify {
     }
 
     fn kind_of_task(&self) -> Result<Task, Failure> {
+        if self.rate.is_some() && self.structure != Some(StructureArg::Force) {
+            return Err(Failure::usage("--rate goes with --structure force"));
+        }
         match (self.structure, self.axes.are_given()) {
             (Some(StructureArg::Modes), _) | (None, true) => return self.modes(),
             (Some(StructureArg::Hammerstein), true) => return self.branches(),
@@ -357,8 +365,15 @@ impl Identify {
             .chain(given(&self.static_records, Some(RecordRole::QuasiStatic)))
             .chain(given(&self.dynamic_records, Some(RecordRole::Dynamic)))
             .unzip();
-        let records = self.columns.read_all(&paths)?.into_iter().zip(roles);
-        Ok(records.map(|(data, role)| CampaignRecord { data, role }).collect())
+        let records = self.columns.read_all(&paths)?.into_iter().zip(&paths).zip(roles);
+        let record = |((data, path), role): ((_, &PathBuf), _)| {
+            let data = match &self.rate {
+                Some(column) => self.columns.with_rate(path, data, column)?,
+                None => data,
+            };
+            Ok(CampaignRecord { data, role })
+        };
+        records.map(record).collect()
     }
 
     fn write_report(&self, page: &Page) -> Result<(), Failure> {

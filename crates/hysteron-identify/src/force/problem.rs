@@ -36,7 +36,7 @@ impl<'a> PreparedRecord<'a> {
     }
 
     fn motion_of(data: &InputOutput) -> Motion<'_> {
-        Motion { x: &data.u, rate: None, time: &data.time }
+        Motion { x: &data.u, rate: data.rate.as_deref(), time: &data.time }
     }
 
     pub(super) fn motion(&self) -> Motion<'_> {

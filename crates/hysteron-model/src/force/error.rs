@@ -30,6 +30,27 @@ pub enum ForceModelError {
         /// Samples of the rate.
         found: usize,
     },
+    /// There is no such channel for the rate.
+    #[error("there is no column `{name}` for the rate: the record has {available}")]
+    NoRateChannel {
+        /// As asked for.
+        name: String,
+        /// The channels there are.
+        available: String,
+    },
+    /// The unit of the rate is not that of the displacement per time.
+    #[error(
+        "the rate `{channel}` is in {found}, but the displacement in {displacement}: expected a unit like \
+         {displacement}/s, in a header v_{displacement}_per_s"
+    )]
+    RateUnit {
+        /// Name of the channel.
+        channel: String,
+        /// Its unit.
+        found: String,
+        /// Unit of the displacement.
+        displacement: String,
+    },
     /// A sample is infinite or not a number.
     #[error("sample {index} of the {signal} is {value}: it must be finite")]
     Sample {

@@ -10,7 +10,7 @@
 //! half-width ρ, which knows no rate.
 //!
 //! * [`ForceModel`]: the parameters, and the force over a record ([`ForceModel::simulate`]).
-//! * [`rate_of`]: the rate of a sampled displacement.
+//! * [`rate_of`]: the rate of a sampled displacement; [`with_rate`] takes a measured one.
 //!
 //! Identified by `hysteron_identify::force`. Equations, sources and limits: `docs/theory/force.md`.
 
@@ -20,7 +20,7 @@ mod saturation;
 mod simulate;
 
 pub use error::ForceModelError;
-pub use rate::rate_of;
+pub use rate::{rate_of, with_rate};
 pub use saturation::Saturation;
 pub use simulate::Motion;
 

@@ -1,7 +1,7 @@
 //! Rate of a sampled displacement.
 
 use super::ForceModelError;
-use crate::record::TimeBase;
+use crate::record::{InputOutput, Quantity, Record, TimeBase, Unit};
 
 /// Rate of the displacement `x` at every sample: the slope of the straight line through the samples within
 /// half of `window_s` to either side, at least one to each side, by least squares. On a uniform grid this is
@@ -37,4 +37,31 @@ pub fn rate_of(x: &[f64], time: &TimeBase, window_s: f64) -> Result<Vec<f64>, Fo
         if square > 0.0 { product / square } else { 0.0 }
     };
     Ok((0..x.len()).map(slope).collect())
+}
+
+/// `data` with the rate of its input from the channel of this name or header of `record`, which it was
+/// selected from, in the unit of the input per second.
+///
+/// # Errors
+/// [`ForceModelError`]: no such channel, another unit, another number of samples.
+pub fn with_rate(data: InputOutput, record: &Record, name: &str) -> Result<InputOutput, ForceModelError> {
+    let channel = record.channel(name).ok_or_else(|| ForceModelError::NoRateChannel {
+        name: name.to_owned(),
+        available: record.channels.iter().map(|channel| channel.header()).collect::<Vec<_>>().join(", "),
+    })?;
+    let factor = channel.unit.symbol().split_once("_per_").and_then(|(length, time)| {
+        let (length, time) = (Unit::new(length), Unit::new(time));
+        let is_rate = length.base_unit() == data.u_unit && time.base().0 == Quantity::Time;
+        is_rate.then(|| length.base().1 / time.base().1)
+    });
+    let factor = factor.ok_or_else(|| ForceModelError::RateUnit {
+        channel: channel.name.clone(),
+        found: if channel.unit.symbol().is_empty() { "no unit".to_owned() } else { channel.unit.to_string() },
+        displacement: data.u_unit.symbol().to_owned(),
+    })?;
+    if channel.samples.len() != data.len() {
+        return Err(ForceModelError::RateLength { expected: data.len(), found: channel.samples.len() });
+    }
+    let rate = channel.samples.iter().map(|v| v * factor).collect();
+    Ok(InputOutput { rate: Some(rate), ..data })
 }

@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 
 use super::*;
 use crate::hysteresis::HysteresisForm;
-use crate::record::TimeBase;
+use crate::record::{Channel, ChannelChoice, InputOutput, Record, TimeBase};
 use crate::start::Start;
 
 const RATE_HZ: f64 = 500.0;
@@ -192,4 +192,32 @@ fn what_cannot_be_simulated_is_refused() {
     let standing =
         ForceModel { saturating: vec![Saturation { force: 1.0, rate: 0.0, reach: 0.4 }], ..model.clone() };
     assert!(standing.simulate(&motion, rest).unwrap_err().to_string().contains("saturating rate"));
+}
+
+#[test]
+fn a_measured_rate_is_taken_in_the_unit_of_the_displacement_per_second() {
+    let channel = |name: &str, unit: &str, samples: Vec<f64>| Channel::new(name, unit, samples);
+    let record = Record::new(
+        "damper",
+        TimeBase::uniform(RATE_HZ),
+        vec![
+            channel("x", "mm", vec![0.0, 1.0, 2.0]),
+            channel("F", "N", vec![0.0, 1.0, 1.0]),
+            channel("v", "m_per_s", vec![0.1, 0.2, 0.3]),
+            channel("w", "N_per_s", vec![0.1, 0.2, 0.3]),
+        ],
+    )
+    .unwrap();
+    let choice = ChannelChoice { input: Some("x".to_owned()), output: Some("F".to_owned()) };
+    let data = record.input_output(&choice).unwrap();
+    let rated = with_rate(data.clone(), &record, "v").unwrap();
+    let rate = rated.rate.clone().unwrap();
+    assert!(largest_difference(&rate, &[1e5, 2e5, 3e5]) < 1e-6, "{rate:?}");
+    assert_eq!(rated.cropped(1..3).unwrap().rate.unwrap(), rate[1..]);
+    let refused = |data: InputOutput, name: &str| with_rate(data, &record, name).unwrap_err();
+    assert!(matches!(refused(data.clone(), "w"), ForceModelError::RateUnit { .. }));
+    assert!(refused(data.clone(), "x").to_string().contains("um/s"));
+    assert!(matches!(refused(data.clone(), "u"), ForceModelError::NoRateChannel { .. }));
+    let shorter = data.cropped(0..2).unwrap();
+    assert_eq!(refused(shorter, "v"), ForceModelError::RateLength { expected: 2, found: 3 });
 }

@@ -29,7 +29,7 @@ pub(super) fn force(
     record: &InputOutput,
     start: Start,
 ) -> Result<Vec<f64>, RunError> {
-    let motion = Motion { x: &record.u, rate: None, time: &record.time };
+    let motion = Motion { x: &record.u, rate: record.rate.as_deref(), time: &record.time };
     let simulated = body.law.simulate(&motion, start).map_err(SimulationError::from)?;
     Ok(simulated)
 }
