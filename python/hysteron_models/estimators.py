@@ -465,8 +465,8 @@ class Force(Estimator):
         degree: degree of the polynomial of the displacement; 1: the stiffness alone.
         fixed: numbers held at values: those of the family's shape, ``viscous``, ``saturating_force``,
             ``saturating_rate``, ``saturating_reach``.
-        rate_window_s: time over which the rate of the displacement is averaged [s]; a fiftieth of the period of
-            the fastest swings if not given.
+        rate_window_s: time over which the rate of the displacement is averaged [s]; a fiftieth of the
+            period of the fastest swings if not given.
         least_fit: least fit [%] for which a model is returned.
         input: column of the displacement.
         output: column of the force.

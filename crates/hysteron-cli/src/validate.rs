@@ -66,8 +66,8 @@ pub struct Validate {
     #[arg(short, long = "output-file", value_name = "OUT.csv|npz|mat")]
     out: Option<PathBuf>,
 
-    /// Column of the rate of the input, for a model of the kind force: its name, with or without unit [default:
-    /// the rate is that of the displacement]
+    /// Column of the rate of the input, for a model of the kind force: its name, with or without unit
+    /// [default: the rate is that of the displacement]
     #[arg(long, value_name = "COL", conflicts_with = "continued")]
     rate: Option<String>,
 

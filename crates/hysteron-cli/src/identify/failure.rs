@@ -21,9 +21,7 @@ pub(super) fn explain(error: &IdentifyError, kind: Kind) -> Failure {
         | IdentifyError::CreepTakesJointFit
         | IdentifyError::Option { .. }
         | IdentifyError::OscillatorFixed { .. }
-        | IdentifyError::Force(
-            ForceError::Fixed { .. } | ForceError::Option { .. },
-        )
+        | IdentifyError::Force(ForceError::Fixed { .. } | ForceError::Option { .. })
         | IdentifyError::ModesOption { .. } => Failure::usage(title).because(error).advised(error.advice()),
         IdentifyError::Optimize(OptimizeError::CheckpointProblem { .. }) => {
             failure.because("the interrupted searches belong to other records or options").hint(RESUME)
@@ -44,10 +42,12 @@ pub(super) fn explain(error: &IdentifyError, kind: Kind) -> Failure {
              --least-fit 0 returns the model regardless",
         ),
         IdentifyError::Force(ForceError::Class { .. }) => failure.hint(
-            "check the columns (--input is the displacement, --output the force) and their signs; --hysteresis \
-             takes another family; --least-fit 0 returns the model regardless",
+            "check the columns (--input is the displacement, --output the force) and their signs; \
+             --hysteresis takes another family; --least-fit 0 returns the model regardless",
         ),
-        IdentifyError::Force(ForceError::Record { .. }) => failure.hint("choose the columns with --input and --output"),
+        IdentifyError::Force(ForceError::Record { .. }) => {
+            failure.hint("choose the columns with --input and --output")
+        }
         IdentifyError::Force(ForceError::NoTimes { .. }) => {
             failure.hint("name the time column with --time, or give --sample-rate")
         }

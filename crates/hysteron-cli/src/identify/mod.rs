@@ -66,9 +66,9 @@ use crate::result_flags::ResultFlags;
     force and displacement around a resonance; a periodic force is assumed to be in steady state, any other \
     to start from rest (--initial). --fix can hold mass, damping and n.\n\n\
     --structure force fits the force of a damper against its displacement (--input x_mm --output F_N): \
-    hysteresis of the displacement (--hysteresis, --elements), stiffness (--degree), a viscous force, and one \
-    that saturates with the rate behind a compliance. The rate is that of the displacement, or \
-    measured (--rate v_mm_per_s). --fix can hold the numbers of the hysteresis family's shape, viscous, \
+    hysteresis of the displacement (--hysteresis, --elements), stiffness (--degree), a viscous force, and \
+    one that saturates with the rate behind a compliance. The rate is that of the displacement, or measured \
+    (--rate v_mm_per_s). --fix can hold the numbers of the hysteresis family's shape, viscous, \
     saturating_force, saturating_rate and saturating_reach.\n\n\
     Ctrl-C writes the best model so far to MODEL.partial.json, which every command reads, and leaves \
     MODEL.json unchanged (exit code 130, 143 after SIGTERM); --resume MODEL.partial.json continues the \
@@ -95,13 +95,13 @@ pub struct Identify {
     #[arg(short, long = "output-model", value_name = "MODEL.json")]
     out: OutFile,
 
-    /// Structure: hysteresis ahead of linear dynamics, in feedback, or beside terms of the rate [default: hammerstein; modes with
-    /// --inputs]
+    /// Structure: hysteresis ahead of linear dynamics, in feedback, or beside terms of the rate [default:
+    /// hammerstein; modes with --inputs]
     #[arg(long, value_enum)]
     structure: Option<StructureArg>,
 
-    /// Hysteresis block [default: bouc-wen; dahl with exponent 1 for a force; activated-plays for a record with non-uniform time stamps that
-    /// has small oscillations beside wide moves]
+    /// Hysteresis block [default: bouc-wen; dahl with exponent 1 for a force; activated-plays for a record
+    /// with non-uniform time stamps that has small oscillations beside wide moves]
     #[arg(
         long, value_name = "HYSTERESIS",
         value_parser = one_of(FamilyChoice::offered(), FamilyChoice::name, FamilyChoice::summary),
@@ -224,8 +224,8 @@ pub struct Identify {
     )]
     least_fit: f64,
 
-    /// Column of the rate of the input, for --structure force: its name, with or without unit, e.g. v_mm_per_s
-    /// [default: the rate is that of the displacement]
+    /// Column of the rate of the input, for --structure force: its name, with or without unit, e.g.
+    /// v_mm_per_s [default: the rate is that of the displacement]
     #[arg(long, value_name = "COL")]
     rate: Option<String>,
 

@@ -247,8 +247,9 @@ fn layout(
     Ok((layout, Bounds { ranges }, held))
 }
 
-/// For every shape that the family starts from, the best rate and reach of the saturating force, of a lattice.
-/// Starts from different shapes: either element can take the loop, and the other then fits what remains.
+/// For every shape that the family starts from, the best rate and reach of the saturating force, of a
+/// lattice. Starts from different shapes: either element can take the loop, and the other then fits what
+/// remains.
 fn starts(problem: &ForceProblem<'_>, shapes: &[Vec<f64>], scales: &Scales) -> Vec<Vec<f64>> {
     let stroke = scales.ends.1 - scales.ends.0;
     let layout = &problem.layout;

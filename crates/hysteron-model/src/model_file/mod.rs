@@ -3,9 +3,9 @@
 //! `MODEL.json` holds `"format": "hysteron-model"`, `"version": 2`, the `kind` of model ([`Kind`]), its
 //! numbers, and how they were made. [`read`] takes every kind, and the files of version 1, which had one
 //! format per kind. The keys of a Hammerstein model are those of [`ModelFile`]; of the other kinds
-//! [`OscillatorFile`], [`ForceFile`], [`ModesFile`], [`CoupledFile`]. Every number of the model is a [`Quantity`]
-//! `{"value": …, "unit": …, "std_error": …|null}`. Units are the suffixes of column headers (`um`, `V`,
-//! `A_per_m`):
+//! [`OscillatorFile`], [`ForceFile`], [`ModesFile`], [`CoupledFile`]. Every number of the model is a
+//! [`Quantity`] `{"value": …, "unit": …, "std_error": …|null}`. Units are the suffixes of column headers
+//! (`um`, `V`, `A_per_m`):
 //!
 //! | number | unit |
 //! | --- | --- |
