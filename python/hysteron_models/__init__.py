@@ -30,7 +30,7 @@ from ._errors import (
 )
 from ._native import __version__
 from .comparison import Comparison, choices, compare
-from .estimators import Branches, Estimator, Hammerstein, Modes, Oscillator
+from .estimators import Branches, Estimator, Force, Hammerstein, Modes, Oscillator
 from .excitation import excite, simulate_bench
 from .model import Controller, Model, load
 from .record import Content, Inspection, Record, contents, inspect, prepare, read, write
@@ -50,6 +50,7 @@ __all__ = [
     "ExportError",
     "FileError",
     "Finding",
+    "Force",
     "FrequencyResponse",
     "Hammerstein",
     "HysteronError",

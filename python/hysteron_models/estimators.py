@@ -23,7 +23,7 @@ from .results import Finding, FrequencyResponse, Inversion, Prediction, Score, T
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Branches", "Estimator", "Hammerstein", "Modes", "Oscillator"]
+__all__ = ["Branches", "Estimator", "Force", "Hammerstein", "Modes", "Oscillator"]
 
 E = TypeVar("E", bound="Estimator")
 
@@ -448,6 +448,64 @@ class Oscillator(Estimator):
             "initial": self.initial,
             "inter_sample": self.inter_sample,
             "fixed": [[name, value] for name, value in (self.fixed or {}).items()],
+            "least_fit_percent": self.least_fit,
+        }
+
+    def _columns(self) -> tuple[list[str], list[str]]:
+        return [self.input] if self.input else [], [self.output] if self.output else []
+
+
+class Force(Estimator):
+    """Force of a damper against its displacement: hysteresis of the displacement beside terms of its rate.
+
+    Args:
+        hysteresis: family of the hysteresis; one state that relaxes exponentially (``dahl`` with exponent 1)
+            if not given.
+        elements: size of the hysteresis block, for a family that has one.
+        degree: degree of the polynomial of the displacement; 1: the stiffness alone.
+        fixed: numbers held at values: those of the family's shape, ``viscous``, ``saturating_force``,
+            ``saturating_rate``, ``saturating_reach``.
+        rate_window_s: time over which the rate of the displacement is averaged [s]; a fiftieth of the
+            period of the fastest swings if not given.
+        least_fit: least fit [%] for which a model is returned.
+        input: column of the displacement.
+        output: column of the force.
+    """
+
+    _kind = "force"
+
+    def __init__(
+        self,
+        *,
+        hysteresis: str | None = None,
+        elements: int | None = None,
+        degree: int = 1,
+        fixed: Mapping[str, float] | None = None,
+        rate_window_s: float | None = None,
+        least_fit: float = 75.0,
+        input: str | None = None,
+        output: str | None = None,
+    ) -> None:
+        self.hysteresis = hysteresis
+        self.elements = elements
+        self.degree = degree
+        self.fixed = fixed
+        self.rate_window_s = rate_window_s
+        self.least_fit = least_fit
+        self.input = input
+        self.output = output
+
+    def _options(self) -> dict[str, Any]:
+        family: dict[str, Any] | None = None
+        if self.hysteresis is not None:
+            family = {"name": self.hysteresis}
+            if self.elements is not None:
+                family["elements"] = self.elements
+        return {
+            "hysteresis": family,
+            "degree": self.degree,
+            "fixed": [[name, value] for name, value in (self.fixed or {}).items()],
+            "rate_window_s": self.rate_window_s,
             "least_fit_percent": self.least_fit,
         }
 

@@ -129,7 +129,7 @@ class Model:
 
     @property
     def kind(self) -> str:
-        """``hammerstein``, ``oscillator``, ``modes`` or ``branches``."""
+        """``hammerstein``, ``oscillator``, ``force``, ``modes`` or ``branches``."""
         return self._native.kind
 
     @property

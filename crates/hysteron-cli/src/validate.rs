@@ -6,6 +6,7 @@ use clap::Args;
 use hysteron_identify::IdentifyError;
 use hysteron_io::write_record;
 use hysteron_model::model::{Capability, RunScore, Score, Signals};
+use hysteron_model::model_file::Kind;
 use hysteron_model::record::{InputOutput, MeasurementRun};
 use hysteron_model::validate::{OffsetTreatment, Scoring};
 use hysteron_report::validation::{Validated, page};
@@ -64,6 +65,11 @@ pub struct Validate {
     /// extension); one record, or one run
     #[arg(short, long = "output-file", value_name = "OUT.csv|npz|mat")]
     out: Option<PathBuf>,
+
+    /// Column of the rate of the input, for a model of the kind force: its name, with or without unit
+    /// [default: the rate is that of the displacement]
+    #[arg(long, value_name = "COL", conflicts_with = "continued")]
+    rate: Option<String>,
 
     #[command(flatten)]
     result: ResultFlags,
@@ -196,6 +202,9 @@ impl Validate {
         if self.band {
             loaded.hammerstein(Capability::Bands)?;
         }
+        if self.rate.is_some() && loaded.model().kind() != Kind::Force {
+            return Err(Failure::usage("--rate goes with a model of the kind \"force\""));
+        }
         if self.continued {
             return self.of_runs(loaded, records);
         }
@@ -262,7 +271,10 @@ impl Validate {
     }
 
     fn score(&self, loaded: &Loaded, path: &Path) -> Result<(Signals, Score), Failure> {
-        let signals = loaded.read_record(path, &self.columns, &self.axes)?;
+        let signals = match (loaded.read_record(path, &self.columns, &self.axes)?, &self.rate) {
+            (Signals::Single(data), Some(column)) => self.columns.with_rate(path, data, column)?.into(),
+            (signals, _) => signals,
+        };
         let score = loaded.score(path, &signals, &self.start, &self.scoring())?;
         let score = match &signals {
             Signals::Single(record) if self.band => self.with_band(loaded, path, record, score)?,

@@ -342,6 +342,9 @@ pub enum IdentifyError {
         /// Why not.
         reason: String,
     },
+    /// A force against a displacement.
+    #[error(transparent)]
+    Force(#[from] crate::force::ForceError),
     /// A frequency response without a fitted structure.
     #[error("no structure was fitted to the frequency response")]
     NoStructure,

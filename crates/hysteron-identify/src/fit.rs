@@ -13,6 +13,7 @@ use hysteron_model::{Model, Start};
 use serde::{Deserialize, Serialize};
 
 use crate::coupled::{self, CoupledIdentification};
+use crate::force;
 use crate::modes::{self, ModesIdentification};
 use crate::oscillator;
 use crate::structure::{Neighbours, neighbours};
@@ -29,6 +30,8 @@ pub enum Task {
     Hammerstein(Box<Options>),
     /// A mass on a hysteretic spring.
     Oscillator(oscillator::Options),
+    /// Force against a displacement and its rate.
+    Force(force::Options),
     /// Structural modes with hysteresis in feedback.
     Modes(modes::Options),
     /// A sum of Hammerstein branches.
@@ -41,6 +44,7 @@ impl Task {
         match kind {
             Kind::Hammerstein => Self::Hammerstein(Box::default()),
             Kind::Oscillator => Self::Oscillator(oscillator::Options::default()),
+            Kind::Force => Self::Force(force::Options::default()),
             Kind::Modes => Self::Modes(modes::Options::default()),
             Kind::Branches => Self::Branches(coupled::Options::default()),
         }
@@ -51,6 +55,7 @@ impl Task {
         match self {
             Self::Hammerstein(_) => Kind::Hammerstein,
             Self::Oscillator(_) => Kind::Oscillator,
+            Self::Force(_) => Kind::Force,
             Self::Modes(_) => Kind::Modes,
             Self::Branches(_) => Kind::Branches,
         }
@@ -77,7 +82,7 @@ impl Task {
     pub fn threads(&self) -> Option<usize> {
         match self {
             Self::Hammerstein(options) => options.threads,
-            Self::Oscillator(_) | Self::Modes(_) | Self::Branches(_) => None,
+            Self::Oscillator(_) | Self::Force(_) | Self::Modes(_) | Self::Branches(_) => None,
         }
     }
 
@@ -90,7 +95,7 @@ impl Task {
 /// Records as a kind takes them.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FitRecords {
-    /// One input and one output: Hammerstein models and oscillators.
+    /// One input and one output: Hammerstein models, oscillators and forces.
     Single(Vec<CampaignRecord>),
     /// Several named inputs and outputs: modes and branches.
     Several(Vec<AxesRecord>),
@@ -127,6 +132,8 @@ pub enum FitDetails {
     Hammerstein(Box<Identification>),
     /// Of an oscillator.
     Oscillator(Box<oscillator::Identification>),
+    /// Of a force.
+    Force(Box<force::Identification>),
     /// Of modes.
     Modes(Box<ModesIdentification>),
     /// Of branches.
@@ -222,6 +229,11 @@ pub fn fit(
             let found = oscillator::identify(&records, options, watch, resume)?;
             oscillator_fit(found, options, maker)
         }
+        (Task::Force(options), FitRecords::Single(records)) => {
+            let records: Vec<InputOutput> = records.iter().map(|r| r.data.clone()).collect();
+            let found = force::identify(&records, options, watch, resume)?;
+            force_fit(found, options, maker)
+        }
         (Task::Modes(options), FitRecords::Several(records)) => {
             let found = modes::identify(records, options, watch, resume)?;
             modes_fit(found, records, options, maker)
@@ -232,6 +244,7 @@ pub fn fit(
         }
         (Task::Hammerstein(_), _) => Err(others(Kind::Hammerstein, "one input and one output")),
         (Task::Oscillator(_), _) => Err(others(Kind::Oscillator, "one input and one output")),
+        (Task::Force(_), _) => Err(others(Kind::Force, "one input and one output")),
         (Task::Modes(_), _) => Err(others(Kind::Modes, "several named inputs and outputs")),
         (Task::Branches(_), _) => Err(others(Kind::Branches, "several named inputs and outputs")),
     }
@@ -301,6 +314,34 @@ fn oscillator_fit(
         interrupted: found.interrupted,
         resume: found.resume.clone(),
         found: FitDetails::Oscillator(Box::new(found)),
+    })
+}
+
+fn force_fit(
+    found: force::Identification,
+    options: &force::Options,
+    maker: &Maker,
+) -> Result<Fit, IdentifyError> {
+    let mut file = found.model_file(options, maker);
+    let parameters = found.estimates.iter().map(|e| FitParameter {
+        place: None,
+        name: e.name.clone(),
+        value: e.value,
+        unit: file.quantity_mut(&e.name).map_or_else(String::new, |quantity| quantity.unit.clone()),
+        std_error: e.std_error,
+        interval_95: None,
+        held: e.held,
+        at_limit: e.at_limit,
+    });
+    Ok(Fit {
+        parameters: parameters.collect(),
+        model: Model::try_from(file)?,
+        scores: found.records.iter().map(force::RecordFit::score).collect(),
+        findings: found.findings.clone(),
+        treatment: found.treatment.clone(),
+        interrupted: found.interrupted,
+        resume: found.resume.clone(),
+        found: FitDetails::Force(Box::new(found)),
     })
 }
 

@@ -18,6 +18,7 @@ mod error;
 mod facts;
 mod findings;
 mod fit;
+pub mod force;
 pub mod frequency_response;
 mod identifiability;
 mod joint;

@@ -3,9 +3,10 @@
 //! In the order of data flow: [`record`] holds measured channels with units on a time base. A Hammerstein
 //! model has two blocks, [`hysteresis`] (article Eq. 1) and [`dynamics`], a transfer function with real
 //! orders (Eqs. 2–6) on [`fractional`] calculus; [`hammerstein`] joins them. [`oscillator`] has its
-//! hysteresis in feedback, [`axes`] couples several inputs and outputs. [`validate`] scores a simulation.
-//! [`realise`] turns a model into poles that run sample by sample, [`invert`] and [`compensator`] compute the
-//! drive that tracks a reference, [`control`] closes the loop. [`model_file`] stores a model as JSON.
+//! hysteresis in feedback, [`force`] is that of a damper against a displacement and its rate, [`axes`]
+//! couples several inputs and outputs. [`validate`] scores a simulation. [`realise`] turns a model into poles
+//! that run sample by sample, [`invert`] and [`compensator`] compute the drive that tracks a reference,
+//! [`control`] closes the loop. [`model_file`] stores a model as JSON.
 //!
 //! Units at every interface: V, µm, s, Hz. "Eq. 1" and the like are equations of L. Yang, Z. Zhao, Y. Zhang
 //! and D. Li, *Micromachines* 13 (2022) 42, doi:10.3390/mi13010042.
@@ -18,6 +19,7 @@ pub mod dynamics;
 mod dynamics_error;
 mod error;
 mod finding;
+pub mod force;
 pub mod fractional;
 pub mod hammerstein;
 pub mod hysteresis;

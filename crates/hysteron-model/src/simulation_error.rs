@@ -1,9 +1,10 @@
 //! Errors of simulating a single-input single-output model.
 
 use crate::dynamics::DynamicsError;
+use crate::force::ForceModelError;
 use crate::hysteresis::HysteresisError;
 
-/// A Hammerstein model or an oscillator that cannot be simulated.
+/// A Hammerstein model, an oscillator or a force that cannot be simulated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimulationError {
@@ -37,6 +38,9 @@ pub enum SimulationError {
     /// The dynamic block failed.
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),
+    /// The force against a displacement failed.
+    #[error(transparent)]
+    ForceModel(#[from] ForceModelError),
     /// A start with a hysteresis memory, which an oscillator at rest does not have.
     #[error(
         "an oscillator starts from rest without force, or settled on a period; a hysteresis memory does not \

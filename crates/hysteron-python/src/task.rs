@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use hysteron_identify::{
-    Choice, Demands, DynamicsChoice, FamilyChoice, Initial, Method, Options, Task, coupled, modes, oscillator,
+    Choice, Demands, DynamicsChoice, FamilyChoice, Initial, Method, Options, Task, coupled, force, modes,
+    oscillator,
 };
 use hysteron_model::UnknownName;
 use hysteron_model::dynamics::{Creep, Scheme};
@@ -57,6 +58,7 @@ pub fn task(kind: Kind, options: &str) -> PyResult<Task> {
     Ok(match kind {
         Kind::Hammerstein => Task::Hammerstein(Box::new(hammerstein(from_json(options)?)?)),
         Kind::Oscillator => Task::Oscillator(from_json::<oscillator::Options>(options)?),
+        Kind::Force => Task::Force(from_json::<force::Options>(options)?),
         Kind::Modes => Task::Modes(from_json::<modes::Options>(options)?),
         Kind::Branches => Task::Branches(from_json::<coupled::Options>(options)?),
     })

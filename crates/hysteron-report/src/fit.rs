@@ -10,8 +10,8 @@ use crate::record_curves::RecordCurves;
 use crate::{identification, model};
 
 /// The report of a fit: for a Hammerstein model with curves and, where they were fitted, the neighbouring
-/// structures (`others`); for the other kinds numbers, errors, scores and findings, for an oscillator also
-/// curves.
+/// structures (`others`); for the other kinds numbers, errors, scores and findings, for an oscillator and
+/// a force also curves.
 ///
 /// # Errors
 /// [`ModelFileError`] where the data of the model are not sound.
@@ -25,6 +25,13 @@ pub fn report(
             Ok(identification::report(name, found, body.data(), others))
         }
         (FitDetails::Oscillator(found), _) => {
+            let figures = found.records.iter().flat_map(|record| {
+                RecordCurves::new(&record.data, &record.simulated, record.scores.offset, 0).figures()
+            });
+            let curves = Section::new("Measured and model").blocks(figures);
+            Ok(model::report(name, &fit.model, &fit.findings)?.section(curves))
+        }
+        (FitDetails::Force(found), _) => {
             let figures = found.records.iter().flat_map(|record| {
                 RecordCurves::new(&record.data, &record.simulated, record.scores.offset, 0).figures()
             });

@@ -174,6 +174,7 @@ fn the_page_of_formats_has_every_key_of_every_kind_of_model_file() {
     let kinds = [
         ("ModelFile", "`hammerstein`"),
         ("OscillatorFile", "`oscillator`"),
+        ("ForceFile", "`force`"),
         ("ModesFile", "`modes`"),
         ("CoupledFile", "`branches`"),
     ];

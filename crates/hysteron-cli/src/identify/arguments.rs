@@ -13,6 +13,8 @@ pub(super) enum StructureArg {
     Hammerstein,
     /// A mass on a hysteretic spring: resonances move with the amplitude
     Oscillator,
+    /// Force of a damper against a displacement: hysteresis beside terms of the rate
+    Force,
     /// Several axes: structural modes with hysteresis in feedback, scheduled by the level of the drive
     Modes,
 }

@@ -1,6 +1,7 @@
 //! Failures of an identification, with remedies.
 
 use hysteron_identify::IdentifyError;
+use hysteron_identify::force::ForceError;
 use hysteron_model::axes::AxesError;
 use hysteron_model::model_file::Kind;
 use hysteron_optimize::OptimizeError;
@@ -20,6 +21,7 @@ pub(super) fn explain(error: &IdentifyError, kind: Kind) -> Failure {
         | IdentifyError::CreepTakesJointFit
         | IdentifyError::Option { .. }
         | IdentifyError::OscillatorFixed { .. }
+        | IdentifyError::Force(ForceError::Fixed { .. } | ForceError::Option { .. })
         | IdentifyError::ModesOption { .. } => Failure::usage(title).because(error).advised(error.advice()),
         IdentifyError::Optimize(OptimizeError::CheckpointProblem { .. }) => {
             failure.because("the interrupted searches belong to other records or options").hint(RESUME)
@@ -39,6 +41,16 @@ pub(super) fn explain(error: &IdentifyError, kind: Kind) -> Failure {
             "look at the record with hysteron inspect; --initial free for a record cut out of motion; \
              --least-fit 0 returns the model regardless",
         ),
+        IdentifyError::Force(ForceError::Class { .. }) => failure.hint(
+            "check the columns (--input is the displacement, --output the force) and their signs; \
+             --hysteresis takes another family; --least-fit 0 returns the model regardless",
+        ),
+        IdentifyError::Force(ForceError::Record { .. }) => {
+            failure.hint("choose the columns with --input and --output")
+        }
+        IdentifyError::Force(ForceError::NoTimes { .. }) => {
+            failure.hint("name the time column with --time, or give --sample-rate")
+        }
         IdentifyError::AxesClass { .. } if kind == Kind::Modes => failure.hint(
             "check the columns and their order (--inputs, --outputs); --least-fit 0 returns the model \
              regardless",
@@ -74,6 +86,7 @@ fn title(error: &IdentifyError, kind: Kind) -> &'static str {
             _,
         ) => "no model was identified",
         (_, Kind::Oscillator) => "no oscillator was identified",
+        (_, Kind::Force) => "no force was identified",
         (_, Kind::Modes) => "no modes were identified",
         (_, Kind::Branches) => "no branches were identified",
         _ => "no model was identified",

@@ -65,12 +65,18 @@ use crate::result_flags::ResultFlags;
     --structure oscillator fits a mass on a hysteretic spring, m y'' + c y' + k y + z = u, to records of \
     force and displacement around a resonance; a periodic force is assumed to be in steady state, any other \
     to start from rest (--initial). --fix can hold mass, damping and n.\n\n\
+    --structure force fits the force of a damper against its displacement (--input x_mm --output F_N): \
+    hysteresis of the displacement (--hysteresis, --elements), stiffness (--degree), a viscous force, and \
+    one that saturates with the rate behind a compliance. The rate is that of the displacement, or measured \
+    (--rate v_mm_per_s). --fix can hold the numbers of the hysteresis family's shape, viscous, \
+    saturating_force, saturating_rate and saturating_reach.\n\n\
     Ctrl-C writes the best model so far to MODEL.partial.json, which every command reads, and leaves \
     MODEL.json unchanged (exit code 130, 143 after SIGTERM); --resume MODEL.partial.json continues the \
     fit.\n\n\
     Example: hysteron identify loop_1hz.csv -o model.json --report report.html\n\
     Example: hysteron identify loop_1hz.csv sweep.csv -o model.json --optimizer de-abc --seed 7\n\
     Example: hysteron identify multisine.csv --structure oscillator -o oscillator.json\n\
+    Example: hysteron identify slow.csv fast.csv --structure force --input x_mm --output F_N -o damper.json\n\
     Example: hysteron identify small*.csv large*.csv --inputs u1_V,u2_V --outputs y1_nm,y2_nm -o stage.json")]
 pub struct Identify {
     /// The records
@@ -89,13 +95,13 @@ pub struct Identify {
     #[arg(short, long = "output-model", value_name = "MODEL.json")]
     out: OutFile,
 
-    /// Structure: hysteresis ahead of linear dynamics, or in feedback [default: hammerstein; modes with
-    /// --inputs]
+    /// Structure: hysteresis ahead of linear dynamics, in feedback, or beside terms of the rate [default:
+    /// hammerstein; modes with --inputs]
     #[arg(long, value_enum)]
     structure: Option<StructureArg>,
 
-    /// Hysteresis block [default: bouc-wen; activated-plays for a record with non-uniform time stamps that
-    /// has small oscillations beside wide moves]
+    /// Hysteresis block [default: bouc-wen; dahl with exponent 1 for a force; activated-plays for a record
+    /// with non-uniform time stamps that has small oscillations beside wide moves]
     #[arg(
         long, value_name = "HYSTERESIS",
         value_parser = one_of(FamilyChoice::offered(), FamilyChoice::name, FamilyChoice::summary),
@@ -218,6 +224,11 @@ pub struct Identify {
     )]
     least_fit: f64,
 
+    /// Column of the rate of the input, for --structure force: its name, with or without unit, e.g.
+    /// v_mm_per_s [default: the rate is that of the displacement]
+    #[arg(long, value_name = "COL")]
+    rate: Option<String>,
+
     #[command(flatten)]
     result: ResultFlags,
 
@@ -285,10 +296,13 @@ impl Identify {
     }
 
     fn kind_of_task(&self) -> Result<Task, Failure> {
+        if self.rate.is_some() && self.structure != Some(StructureArg::Force) {
+            return Err(Failure::usage("--rate goes with --structure force"));
+        }
         match (self.structure, self.axes.are_given()) {
             (Some(StructureArg::Modes), _) | (None, true) => return self.modes(),
             (Some(StructureArg::Hammerstein), true) => return self.branches(),
-            (Some(StructureArg::Oscillator), true) => {
+            (Some(StructureArg::Oscillator | StructureArg::Force), true) => {
                 return Err(Failure::usage(
                     "--inputs and --outputs go with --structure modes or hammerstein",
                 )
@@ -301,6 +315,9 @@ impl Identify {
         }
         if self.structure == Some(StructureArg::Oscillator) {
             return self.oscillator();
+        }
+        if self.structure == Some(StructureArg::Force) {
+            return self.force();
         }
         Ok(Task::Hammerstein(Box::new(self.options()?)))
     }
@@ -348,8 +365,15 @@ impl Identify {
             .chain(given(&self.static_records, Some(RecordRole::QuasiStatic)))
             .chain(given(&self.dynamic_records, Some(RecordRole::Dynamic)))
             .unzip();
-        let records = self.columns.read_all(&paths)?.into_iter().zip(roles);
-        Ok(records.map(|(data, role)| CampaignRecord { data, role }).collect())
+        let records = self.columns.read_all(&paths)?.into_iter().zip(&paths).zip(roles);
+        let record = |((data, path), role): ((_, &PathBuf), _)| {
+            let data = match &self.rate {
+                Some(column) => self.columns.with_rate(path, data, column)?,
+                None => data,
+            };
+            Ok(CampaignRecord { data, role })
+        };
+        records.map(record).collect()
     }
 
     fn write_report(&self, page: &Page) -> Result<(), Failure> {

@@ -1,11 +1,11 @@
 //! Flags of oscillators, of modes and of branches as options of the library.
 
 use hysteron_identify::oscillator::Options;
-use hysteron_identify::{Choice, Initial, Method, Task, coupled};
+use hysteron_identify::{Choice, FamilyChoice, Initial, Method, Task, coupled, force};
 use hysteron_model::record::InterSample;
 
 use super::Identify;
-use super::arguments::OptimizerArg;
+use super::arguments::{ChoiceArg, OptimizerArg};
 use crate::failure::Failure;
 
 impl Identify {
@@ -16,6 +16,49 @@ impl Identify {
             &[],
         )?;
         self.oscillator_options().map(Task::Oscillator)
+    }
+
+    pub(super) fn force(&self) -> Result<Task, Failure> {
+        self.refuse_flags_but(
+            "force",
+            "a force has --hysteresis, --elements, --degree, --n, --fix",
+            &[
+                ("--inter-sample", self.inter_sample.is_some()),
+                ("--start", self.start.is_some()),
+                ("--initial", self.initial != Initial::Auto),
+                ("--n free", matches!(self.n, Some(ChoiceArg(Choice::Auto)))),
+            ],
+        )?;
+        let hysteresis = match self.hysteresis {
+            Some(FamilyChoice::Given(form)) => Some(match self.elements {
+                Some(count) => form
+                    .with_elements(count)
+                    .map_err(|e| Failure::usage("these --elements cannot be had").because(e))?,
+                None => form,
+            }),
+            Some(FamilyChoice::Auto | FamilyChoice::Usual) => {
+                return Err(Failure::usage("--hysteresis auto does not go with --structure force")
+                    .hint("name a family, or leave it out"));
+            }
+            None if self.elements.is_some() => {
+                return Err(Failure::usage("--elements needs --hysteresis with --structure force"));
+            }
+            None => None,
+        };
+        let mut fixed = self.fix.clone();
+        if let Some(ChoiceArg(Choice::Given(n))) = self.n {
+            fixed.push(("n".to_owned(), n));
+        }
+        Ok(Task::Force(force::Options {
+            hysteresis,
+            degree: match self.degree.0 {
+                Choice::Auto => 1,
+                Choice::Given(degree) => degree,
+            },
+            fixed,
+            rate_window_s: None,
+            least_fit_percent: self.least_fit,
+        }))
     }
 
     pub(super) fn branches(&self) -> Result<Task, Failure> {
@@ -68,7 +111,6 @@ impl Identify {
         let given = [
             ("--static", !self.static_records.is_empty()),
             ("--dynamic", !self.dynamic_records.is_empty()),
-            ("--elements", self.elements.is_some()),
             ("--dynamics", self.dynamics.is_some()),
             ("--method", self.method != Method::Joint),
             ("--order", self.order != 2),
@@ -78,13 +120,15 @@ impl Identify {
             ("--optimizer", self.optimizer != OptimizerArg::Auto),
             ("--generations", self.generations.is_some()),
             ("--population", self.population.is_some()),
-            ("--degree", !matches!(self.degree.0, Choice::Auto)),
             ("--delay", !matches!(self.delay.0, Choice::Auto)),
             ("--bound", !self.bound.is_empty()),
             ("--scheme", self.scheme.is_some()),
             ("--figures", self.figures.is_some()),
         ];
-        match given.iter().chain(further).find(|(_, given)| *given) {
+        let of_force =
+            [("--elements", self.elements.is_some()), ("--degree", !matches!(self.degree.0, Choice::Auto))];
+        let of_force = of_force.iter().filter(|_| structure != "force");
+        match given.iter().chain(of_force).chain(further).find(|(_, given)| *given) {
             None => Ok(()),
             Some((flag, _)) => {
                 Err(Failure::usage(format!("{flag} does not go with --structure {structure}"))

@@ -12,6 +12,7 @@ mod bad_models_are_refused;
 mod bad_records_are_refused;
 mod bench;
 mod excite_writes_drives;
+mod forces_are_identified;
 mod frequency_responses_are_explained;
 mod identify_can_be_interrupted;
 mod identify_makes_a_model;

@@ -141,6 +141,7 @@ impl Fit {
         let structure = match &self.found {
             FitDetails::Hammerstein(_) => None,
             FitDetails::Oscillator(_) => Some("oscillator"),
+            FitDetails::Force(_) => Some("force"),
             FitDetails::Modes(_) => Some("modes"),
             FitDetails::Branches(_) => Some("hammerstein"),
         };
@@ -184,6 +185,9 @@ impl Fit {
                 let all = shapes.chain([("output error", &found.search)]);
                 let all = all.map(|(step, outcome)| SearchSummary::new(step, "least-squares", outcome));
                 summary.searches = Some(all.collect());
+            }
+            (FitDetails::Force(found), _) => {
+                summary.searches = Some(vec![SearchSummary::new("force", "least-squares", &found.search)]);
             }
             (FitDetails::Modes(found), Model::Modes(body)) => {
                 let mode = |m: &ModeShift| ModeSummary { lowest_level: m.low, highest_level: m.high };

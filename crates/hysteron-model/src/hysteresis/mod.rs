@@ -72,6 +72,7 @@ pub use non_symmetric_bouc_wen::NonSymmetricBoucWen;
 pub use one_sided_plays::OneSidedPlays;
 pub use outputs::{Columns, Partial};
 pub use parallel_bouc_wen::ParallelBoucWen;
+pub use polynomial::polynomial_name;
 /// The sum of plays that other families may be equal to.
 use prandtl_ishlinskii::PrandtlIshlinskii as PlaySum;
 pub use prandtl_ishlinskii::{PrandtlIshlinskii, StepInverse};

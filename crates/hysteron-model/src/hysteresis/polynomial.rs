@@ -1,6 +1,18 @@
 //! The anhysteretic polynomial l\[u\] = Σ c\[i−1\] uⁱ, i ≥ 1: no constant term.
 
+use std::borrow::Cow;
+
 use super::HysteresisError;
+
+/// Name of the coefficient of uⁱ, i = `degree` ≥ 1: `linear`, `quadratic`, `cubic`, `quartic`, `quintic`,
+/// then `degree_6`, `degree_7`, ….
+pub fn polynomial_name(degree: usize) -> Cow<'static, str> {
+    const NAMES: [&str; 5] = ["linear", "quadratic", "cubic", "quartic", "quintic"];
+    match degree.checked_sub(1).and_then(|i| NAMES.get(i)) {
+        Some(name) => Cow::Borrowed(name),
+        None => Cow::Owned(format!("degree_{degree}")),
+    }
+}
 
 /// At least one coefficient, all finite.
 pub(super) fn check(coefficients: &[f64]) -> Result<(), HysteresisError> {

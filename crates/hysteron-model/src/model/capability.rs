@@ -70,7 +70,7 @@ impl Capability {
             (Kind::Hammerstein, _)
             | (_, Self::Simulation | Self::Scores)
             | (Kind::Oscillator, Self::StartOfFit) => true,
-            (Kind::Oscillator | Kind::Modes | Kind::Branches, _) => false,
+            (Kind::Oscillator | Kind::Force | Kind::Modes | Kind::Branches, _) => false,
         }
     }
 }

@@ -7,6 +7,7 @@
 mod capability;
 mod checked_realisation;
 mod error;
+mod force_run;
 mod inverse_findings;
 mod inverse_summary;
 mod remark;
@@ -29,9 +30,10 @@ pub use simulation::Simulation;
 pub use verdict::{Judgement, Verdict};
 
 use crate::axes::{CoupledHammerstein, ScheduledModes};
+use crate::force::ForceModel;
 use crate::hammerstein;
 use crate::model_file::{
-    CoupledFile, Document, Kind, ModelFile, ModelFileError, ModesFile, OscillatorFile, Provenance,
+    CoupledFile, Document, ForceFile, Kind, ModelFile, ModelFileError, ModesFile, OscillatorFile, Provenance,
     SignalUnits, ValidRange, read,
 };
 use crate::oscillator::Oscillator;
@@ -48,6 +50,8 @@ pub enum Model {
     Hammerstein(Box<Hammerstein>),
     /// A mass on a hysteretic spring.
     Oscillator(Box<Body<OscillatorFile, Oscillator>>),
+    /// Force of a damper against a displacement and its rate.
+    Force(Box<Body<ForceFile, ForceModel>>),
     /// Structural modes with hysteresis in feedback, of several inputs and outputs.
     Modes(Box<Body<ModesFile, ScheduledModes>>),
     /// Sums of Hammerstein branches, of several inputs and outputs.
@@ -112,6 +116,7 @@ macro_rules! header {
         match $model {
             Model::Hammerstein($body) => $field,
             Model::Oscillator($body) => $field,
+            Model::Force($body) => $field,
             Model::Modes($body) => $field,
             Model::Branches($body) => $field,
         }
@@ -140,6 +145,7 @@ impl Model {
         match self {
             Self::Hammerstein(_) => Kind::Hammerstein,
             Self::Oscillator(_) => Kind::Oscillator,
+            Self::Force(_) => Kind::Force,
             Self::Modes(_) => Kind::Modes,
             Self::Branches(_) => Kind::Branches,
         }
@@ -158,7 +164,7 @@ impl Model {
     /// Columns of the inputs and of the outputs, where the model names them: one of several axes does.
     pub fn channels(&self) -> Option<(&[String], &[String])> {
         match self {
-            Self::Hammerstein(_) | Self::Oscillator(_) => None,
+            Self::Hammerstein(_) | Self::Oscillator(_) | Self::Force(_) => None,
             Self::Modes(body) => Some((&body.data.inputs, &body.data.outputs)),
             Self::Branches(body) => Some((&body.data.inputs, &body.data.outputs)),
         }
@@ -174,6 +180,7 @@ impl Model {
         match self {
             Self::Hammerstein(body) => body.data.sample_rate_hz,
             Self::Oscillator(body) => Some(body.data.sample_rate_hz),
+            Self::Force(body) => body.data.sample_rate_hz,
             Self::Modes(body) => Some(body.data.sample_rate_hz),
             Self::Branches(body) => Some(body.data.sample_rate_hz),
         }
@@ -206,6 +213,7 @@ impl From<Model> for Document {
         match model {
             Model::Hammerstein(body) => Self::Hammerstein(Box::new(body.data)),
             Model::Oscillator(body) => Self::Oscillator(Box::new(body.data)),
+            Model::Force(body) => Self::Force(Box::new(body.data)),
             Model::Modes(body) => Self::Modes(Box::new(body.data)),
             Model::Branches(body) => Self::Branches(Box::new(body.data)),
         }
@@ -223,6 +231,7 @@ impl TryFrom<Document> for Model {
             Document::Oscillator(data) => {
                 Self::Oscillator(Box::new(Body { law: data.to_oscillator()?, data: *data }))
             }
+            Document::Force(data) => Self::Force(Box::new(Body { law: data.to_model()?, data: *data })),
             Document::Modes(data) => Self::Modes(Box::new(Body { law: data.to_model()?, data: *data })),
             Document::Branches(data) => Self::Branches(Box::new(Body { law: data.to_model()?, data: *data })),
         })
@@ -242,6 +251,14 @@ impl TryFrom<OscillatorFile> for Model {
 
     fn try_from(data: OscillatorFile) -> Result<Self, ModelFileError> {
         Document::Oscillator(Box::new(data)).try_into()
+    }
+}
+
+impl TryFrom<ForceFile> for Model {
+    type Error = ModelFileError;
+
+    fn try_from(data: ForceFile) -> Result<Self, ModelFileError> {
+        Document::Force(Box::new(data)).try_into()
     }
 }
 

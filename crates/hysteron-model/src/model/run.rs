@@ -1,5 +1,6 @@
 //! Simulation and scores of any kind of model.
 
+use super::force_run::force;
 use super::verdict::{RANGE_SLACK, Verdict};
 use super::{AxesScore, Body, Model, Remark, RunError, RunScore, Score, SignalRole, Signals, Simulation};
 use crate::axes::{AxesRecord, AxesScores, SteadyPeriod};
@@ -30,7 +31,7 @@ impl Model {
     pub fn simulate(&self, signals: &Signals, start: Start) -> Result<Simulation, RunError> {
         self.check_start(start)?;
         match (self, signals) {
-            (Self::Hammerstein(_) | Self::Oscillator(_), Signals::Single(record)) => {
+            (Self::Hammerstein(_) | Self::Oscillator(_) | Self::Force(_), Signals::Single(record)) => {
                 let mut run = self.prepared(record)?;
                 let start = match start {
                     Start::AsIdentified => self.expected_start(record, &mut run.remarks),
@@ -41,6 +42,7 @@ impl Model {
                 let y = match self {
                     Self::Hammerstein(body) => body.law.simulate(&record.u, &record.time, &start)?,
                     Self::Oscillator(body) => oscillate(body, record, start)?,
+                    Self::Force(body) => force(body, record, start)?,
                     Self::Modes(_) | Self::Branches(_) => return Err(self.takes_others()),
                 };
                 Ok(run.finished(start, y))
@@ -75,6 +77,13 @@ impl Model {
                 };
                 self.scored_single(record, simulation, scoring, false)?
             }
+            (Self::Force(body), Signals::Single(record)) => {
+                let simulation = match start {
+                    Start::AsIdentified => self.explain_force(body, record, scoring)?,
+                    given => self.simulate(signals, given)?,
+                };
+                self.scored_single(record, simulation, scoring, false)?
+            }
             (Self::Modes(_) | Self::Branches(_), Signals::Several(record)) => {
                 return self.score_axes(record, start, scoring);
             }
@@ -84,6 +93,7 @@ impl Model {
         let training = match self {
             Self::Hammerstein(body) => &body.data.scores[..],
             Self::Oscillator(body) => &body.data.scores[..],
+            Self::Force(body) => &body.data.scores[..],
             Self::Modes(_) | Self::Branches(_) => &[],
         };
         let y = simulation.outputs.first().map_or(&[][..], Vec::as_slice);
@@ -147,7 +157,7 @@ impl Model {
                 remarks.push(Remark::DoesNotRepeat);
                 Start::ZERO
             }),
-            Self::Modes(_) | Self::Branches(_) => Start::AsIdentified,
+            Self::Force(_) | Self::Modes(_) | Self::Branches(_) => Start::AsIdentified,
         }
     }
 
@@ -183,14 +193,14 @@ impl Model {
 
     fn takes_others(&self) -> RunError {
         let expected = match self {
-            Self::Hammerstein(_) | Self::Oscillator(_) => "one input and one output",
+            Self::Hammerstein(_) | Self::Oscillator(_) | Self::Force(_) => "one input and one output",
             Self::Modes(_) | Self::Branches(_) => "several named inputs and outputs",
         };
         RunError::Signals { kind: self.kind(), expected }
     }
 
     /// Checks the units of one input and one output.
-    fn prepared(&self, record: &InputOutput) -> Result<Prepared, RunError> {
+    pub(super) fn prepared(&self, record: &InputOutput) -> Result<Prepared, RunError> {
         let mut remarks = Vec::new();
         let units = self.units();
         let input_unit = agreed_unit(SignalRole::Input, &units.input, &record.u_unit, &mut remarks)?;
@@ -231,29 +241,7 @@ impl Model {
         let mut run = self.prepared(record)?;
         run.remark_range(self, record);
         let expected = own_start(&body.data, record).unwrap_or(Start::ZERO);
-        let whole = Start::settled(record.len());
-        let others = [Start::ZERO, whole].into_iter().filter(|start| *start != expected);
-        let mut best: Option<(f64, Start, Vec<f64>)> = None;
-        let mut failure = None;
-        for start in std::iter::once(expected).chain(others) {
-            let y = match oscillate(body, record, start) {
-                Ok(y) => y,
-                // A start that cannot be simulated is discarded.
-                Err(e) => {
-                    failure.get_or_insert(e);
-                    continue;
-                }
-            };
-            let rmse = score(record, &y, scoring)?.rmse;
-            if best.as_ref().is_none_or(|(least, ..)| rmse < *least) {
-                best = Some((rmse, start, y));
-            }
-        }
-        let (_, chosen, y) = best.ok_or_else(|| failure.unwrap_or(RunError::NoSampleRate))?;
-        if chosen != expected {
-            run.remarks.push(Remark::StartChosen { chosen, expected });
-        }
-        Ok(run.finished(chosen, y))
+        run.explained(record, scoring, (expected, Start::ZERO), |start| oscillate(body, record, start))
     }
 
     fn scored_single<'r>(
@@ -323,7 +311,9 @@ impl Model {
                     settled.filter(|_| settled_given || period.as_ref().is_some_and(|p| p.settling == 0));
                 body.law.simulate(&record.u, rate, settled)?
             }
-            Self::Hammerstein(_) | Self::Oscillator(_) => return Err(self.takes_others()),
+            Self::Hammerstein(_) | Self::Oscillator(_) | Self::Force(_) => {
+                return Err(self.takes_others());
+            }
         };
         let start = settled.map_or(Start::AsIdentified, Start::settled);
         Ok(Simulation { outputs, start, input_unit: record.u_unit.clone(), period, remarks })
@@ -353,13 +343,13 @@ impl Model {
 }
 
 /// A run whose units agree.
-struct Prepared {
+pub(super) struct Prepared {
     input_unit: Unit,
     remarks: Vec<Remark>,
 }
 
 impl Prepared {
-    fn remark_range(&mut self, model: &Model, record: &InputOutput) {
+    pub(super) fn remark_range(&mut self, model: &Model, record: &InputOutput) {
         let Some(range) = model.valid_range() else { return };
         if let Some((fastest_hz, identified_hz)) = range.exceeded_by(&record.u, &record.time) {
             self.remarks.push(Remark::Fast { signal: SignalRole::Input, fastest_hz, identified_hz });
@@ -372,6 +362,39 @@ impl Prepared {
         }
     }
 
+    /// Simulated from the start that explains the record best: the one expected, from rest, or settled on the
+    /// whole record.
+    pub(super) fn explained(
+        mut self,
+        record: &InputOutput,
+        scoring: &Scoring,
+        (expected, rest): (Start, Start),
+        simulate: impl Fn(Start) -> Result<Vec<f64>, RunError>,
+    ) -> Result<Simulation, RunError> {
+        let whole = Start::settled(record.len());
+        let others = [rest, whole].into_iter().filter(|start| *start != expected);
+        let mut best: Option<(f64, Start, Vec<f64>)> = None;
+        let mut failure = None;
+        for start in std::iter::once(expected).chain(others) {
+            let y = match simulate(start) {
+                Ok(y) => y,
+                // A start that cannot be simulated is discarded.
+                Err(e) => {
+                    failure.get_or_insert(e);
+                    continue;
+                }
+            };
+            let rmse = score(record, &y, scoring)?.rmse;
+            if best.as_ref().is_none_or(|(least, ..)| rmse < *least) {
+                best = Some((rmse, start, y));
+            }
+        }
+        let (_, chosen, y) = best.ok_or_else(|| failure.unwrap_or(RunError::NoSampleRate))?;
+        if chosen != expected {
+            self.remarks.push(Remark::StartChosen { chosen, expected });
+        }
+        Ok(self.finished(chosen, y))
+    }
     fn finished(self, start: Start, y: Vec<f64>) -> Simulation {
         let Self { input_unit, remarks } = self;
         Simulation { remarks, ..Simulation::of_single(y, start, input_unit) }

@@ -60,6 +60,7 @@ impl From<Signal> for Signals {
             time: drive.time,
             u: drive.samples,
             y: Vec::new(),
+            rate: None,
             valid: None,
             input: drive.name,
             output: String::new(),

@@ -94,7 +94,12 @@ fn polynomial(parameters: &Parameters, units: &Units) -> Result<usize, ModelFile
     Ok(degree)
 }
 
-fn family(form: HysteresisForm, parameters: &Parameters, units: &Units) -> Result<(), ModelFileError> {
+/// The hysteresis block: polynomial, and the numbers of its family.
+pub(super) fn family(
+    form: HysteresisForm,
+    parameters: &Parameters,
+    units: &Units,
+) -> Result<(), ModelFileError> {
     let degree = polynomial(parameters, units)?;
     let form = sized(form, parameters)?;
     let numbers = form.model_numbers();

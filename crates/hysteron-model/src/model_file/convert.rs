@@ -133,7 +133,7 @@ impl ModelFile {
     }
 }
 
-fn parameters(block: &Hysteresis, units: &Units) -> Parameters {
+pub(super) fn parameters(block: &Hysteresis, units: &Units) -> Parameters {
     let mut parameters = Parameters::default();
     for (i, &coefficient) in block.polynomial().iter().enumerate() {
         parameters.set(&polynomial_name(i + 1), Quantity::new(coefficient, units.polynomial(i + 1)));
@@ -159,7 +159,7 @@ pub(super) fn sized(form: HysteresisForm, parameters: &Parameters) -> Result<Hys
     form.with_weights(weights).ok_or_else(missing)
 }
 
-fn operator(form: HysteresisForm, parameters: &Parameters) -> Result<Hysteresis, ModelFileError> {
+pub(super) fn operator(form: HysteresisForm, parameters: &Parameters) -> Result<Hysteresis, ModelFileError> {
     let form = sized(form, parameters)?;
     let (mut shape, mut weights) = (vec![0.0; form.shape_names().len()], vec![0.0; form.columns()]);
     for ModelNumber { name, place, .. } in form.model_numbers() {

@@ -5,7 +5,9 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::json::{self, Header, parse};
-use super::{CoupledFile, FORMAT, Kind, ModelFile, ModelFileError, ModesFile, OscillatorFile, VERSION};
+use super::{
+    CoupledFile, FORMAT, ForceFile, Kind, ModelFile, ModelFileError, ModesFile, OscillatorFile, VERSION,
+};
 
 /// A model as data, of any kind.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -15,6 +17,8 @@ pub enum Document {
     Hammerstein(Box<ModelFile>),
     /// Hysteresis in feedback.
     Oscillator(Box<OscillatorFile>),
+    /// Force against a displacement and its rate.
+    Force(Box<ForceFile>),
     /// Scheduled modes of several inputs and outputs.
     Modes(Box<ModesFile>),
     /// Coupled Hammerstein branches of several inputs and outputs.
@@ -45,6 +49,7 @@ pub fn read(bytes: &[u8]) -> Result<Document, ModelFileError> {
         Kind::Oscillator => {
             Document::Oscillator(body(bytes, |f| (&mut f.format, &mut f.version), OscillatorFile::check)?)
         }
+        Kind::Force => Document::Force(body(bytes, |f| (&mut f.format, &mut f.version), ForceFile::check)?),
         Kind::Modes => Document::Modes(body(bytes, |f| (&mut f.format, &mut f.version), ModesFile::check)?),
         Kind::Branches => {
             Document::Branches(body(bytes, |f| (&mut f.format, &mut f.version), CoupledFile::check)?)
@@ -58,6 +63,7 @@ impl Document {
         match self {
             Self::Hammerstein(_) => Kind::Hammerstein,
             Self::Oscillator(_) => Kind::Oscillator,
+            Self::Force(_) => Kind::Force,
             Self::Modes(_) => Kind::Modes,
             Self::Branches(_) => Kind::Branches,
         }
@@ -71,6 +77,7 @@ impl Document {
         match self {
             Self::Hammerstein(file) => file.check(),
             Self::Oscillator(file) => file.check(),
+            Self::Force(file) => file.check(),
             Self::Modes(file) => file.check(),
             Self::Branches(file) => file.check(),
         }

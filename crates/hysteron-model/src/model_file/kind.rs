@@ -13,6 +13,8 @@ pub enum Kind {
     Hammerstein,
     /// A mass on a hysteretic spring: one input, one output.
     Oscillator,
+    /// Force of a damper against a displacement and its rate: one input, one output.
+    Force,
     /// Structural modes with hysteresis in feedback, scheduled by the level of the drive: several inputs and
     /// outputs.
     Modes,
@@ -22,13 +24,15 @@ pub enum Kind {
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Self; 4] = [Self::Hammerstein, Self::Oscillator, Self::Modes, Self::Branches];
+    pub const ALL: [Self; 5] =
+        [Self::Hammerstein, Self::Oscillator, Self::Force, Self::Modes, Self::Branches];
 
     /// Name in the model file.
     pub fn name(self) -> &'static str {
         match self {
             Self::Hammerstein => "hammerstein",
             Self::Oscillator => "oscillator",
+            Self::Force => "force",
             Self::Modes => "modes",
             Self::Branches => "branches",
         }

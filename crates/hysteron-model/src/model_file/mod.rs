@@ -3,9 +3,9 @@
 //! `MODEL.json` holds `"format": "hysteron-model"`, `"version": 2`, the `kind` of model ([`Kind`]), its
 //! numbers, and how they were made. [`read`] takes every kind, and the files of version 1, which had one
 //! format per kind. The keys of a Hammerstein model are those of [`ModelFile`]; of the other kinds
-//! [`OscillatorFile`], [`ModesFile`], [`CoupledFile`]. Every number of the model is a [`Quantity`]
-//! `{"value": …, "unit": …, "std_error": …|null}`. Units are the suffixes of column headers (`um`, `V`,
-//! `A_per_m`):
+//! [`OscillatorFile`], [`ForceFile`], [`ModesFile`], [`CoupledFile`]. Every number of the model is a
+//! [`Quantity`] `{"value": …, "unit": …, "std_error": …|null}`. Units are the suffixes of column headers
+//! (`um`, `V`, `A_per_m`):
 //!
 //! | number | unit |
 //! | --- | --- |
@@ -39,6 +39,7 @@ mod correlation;
 mod coupled;
 mod document;
 mod error;
+mod force;
 mod hysteresis_kind;
 mod json;
 mod kind;
@@ -53,17 +54,19 @@ mod start;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use crate::hysteresis::polynomial_name;
 pub use correlation::{
     CorrelationEntry, CorrelationRow, MAX_CORRELATED, number_mut, transfer_function_numbers,
 };
 pub use coupled::{ActuatorEntry, CoupledFile, PathEntry};
 pub use document::{Document, read};
 pub use error::ModelFileError;
+pub use force::{ForceFile, SaturationEntry};
 pub use hysteresis_kind::HysteresisKind;
 pub use kind::Kind;
 pub use modes::{HysteresisEntry, InfluenceEntry, LawEntry, LevelEntry, ModesFile, ModesScoreEntry};
 pub use oscillator::{OscillatorFile, OscillatorParameters};
-pub use parameters::{Parameters, polynomial_name};
+pub use parameters::Parameters;
 pub use provenance::{Maker, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, timestamp};
 pub use quantity::{Interval, Quantity, typographic};
 pub use schema::json_schema;

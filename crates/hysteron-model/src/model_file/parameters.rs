@@ -8,7 +8,7 @@ use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::Quantity;
-use crate::hysteresis::HysteresisForm;
+use crate::hysteresis::{HysteresisForm, polynomial_name};
 
 /// Parameters by name, in file order; a JSON object. A name occurs once.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -36,16 +36,6 @@ impl Parameters {
     /// Names and quantities in file order.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &Quantity)> {
         self.0.iter().map(|(name, quantity)| (name.as_str(), quantity))
-    }
-}
-
-/// Name of the coefficient of uⁱ, i = `degree` ≥ 1: `linear`, `quadratic`, `cubic`, `quartic`, `quintic`,
-/// then `degree_6`, `degree_7`, ….
-pub fn polynomial_name(degree: usize) -> Cow<'static, str> {
-    const NAMES: [&str; 5] = ["linear", "quadratic", "cubic", "quartic", "quintic"];
-    match degree.checked_sub(1).and_then(|i| NAMES.get(i)) {
-        Some(name) => Cow::Borrowed(name),
-        None => Cow::Owned(format!("degree_{degree}")),
     }
 }
 

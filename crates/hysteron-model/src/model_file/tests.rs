@@ -214,7 +214,8 @@ fn every_refusal_names_the_place_and_what_is_expected() {
         (
             "/kind",
             Some(json!("other")),
-            "kind: expected \"hammerstein\", \"oscillator\", \"modes\", \"branches\", found \"other\"",
+            "kind: expected \"hammerstein\", \"oscillator\", \"force\", \"modes\", \"branches\", \
+             found \"other\"",
         ),
         ("/kind", None, "found no such key"),
         ("/scheme", Some(json!("euler")), "scheme: unknown variant `euler`, expected one of `tustin`"),

@@ -63,6 +63,7 @@ impl InputOutput {
             time: self.time.cropped(range.start, range.end),
             u: part(&self.u, &range),
             y: part(&self.y, &range),
+            rate: self.rate.as_ref().map(|rate| part(rate, &range)),
             valid: self.valid.as_ref().map(|v| part(v, &range)),
             ..self.without_samples()
         })
@@ -87,6 +88,7 @@ impl InputOutput {
             time: super::TimeBase::Unknown,
             u: Vec::new(),
             y: Vec::new(),
+            rate: None,
             valid: None,
             input: self.input.clone(),
             output: self.output.clone(),

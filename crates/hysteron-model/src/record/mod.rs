@@ -163,6 +163,8 @@ pub struct InputOutput {
     pub u: Vec<f64>,
     /// Output samples (displacement \[µm\] where the output is a length).
     pub y: Vec<f64>,
+    /// Rate of the input where it was measured, in its unit per second ([`crate::force::with_rate`]).
+    pub rate: Option<Vec<f64>>,
     /// Sample mask; `None`: all valid.
     pub valid: Option<Vec<bool>>,
     /// Name of the input channel.

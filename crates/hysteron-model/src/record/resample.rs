@@ -78,7 +78,8 @@ impl InputOutput {
     /// [`RecordError::TooShort`] where fewer than two samples would remain; [`RecordError::BadSetting`] above
     /// 2²⁹ samples.
     pub fn resampled(&self, sample_rate_hz: f64) -> Result<InputOutput, RecordError> {
-        let columns = [self.u.as_slice(), self.y.as_slice()];
+        let mut columns = vec![self.u.as_slice(), self.y.as_slice()];
+        columns.extend(self.rate.as_deref());
         let Some(new) = resampled(&self.name, &self.time, self.valid.as_deref(), &columns, sample_rate_hz)?
         else {
             return Ok(self.clone());
@@ -88,6 +89,7 @@ impl InputOutput {
             time: new.time,
             u: columns.next().unwrap_or_default(),
             y: columns.next().unwrap_or_default(),
+            rate: columns.next(),
             valid: new.valid,
             ..self.without_samples()
         })

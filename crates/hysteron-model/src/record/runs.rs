@@ -73,6 +73,7 @@ impl MeasurementRun {
             time: TimeBase::from_times(&name, times_s)?,
             u: all(|r| &r.u),
             y: all(|r| &r.y),
+            rate: records.iter().map(|r| r.rate.clone()).collect::<Option<Vec<_>>>().map(|all| all.concat()),
             valid: masked.then(|| mask().collect()),
             name,
             source: None,

@@ -186,6 +186,7 @@ impl Record {
             time: self.time.clone(),
             u,
             y,
+            rate: None,
             valid: self.valid.clone(),
             input: input.name.clone(),
             output: output.name.clone(),

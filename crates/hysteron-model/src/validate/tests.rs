@@ -12,6 +12,7 @@ fn record(u: &[f64], y: &[f64], rate: Option<f64>) -> InputOutput {
         }),
         u: u.to_vec(),
         y: y.to_vec(),
+        rate: None,
         valid: None,
         input: "u".into(),
         output: "y".into(),
