@@ -90,13 +90,12 @@ impl Pass for Slide<'_> {
     fn run(self) {
         let Self { moved, by, sigma, shrinks: [shrinks, shrinks_by_sigma], thresholds } = self;
         let size = by.abs();
-        for i in 0..PLAYS {
+        for (i, threshold) in thresholds.iter().enumerate() {
             let z = moved.distance[i];
             let side = if (z < 0.0) | ((z == 0.0) & (by < 0.0)) { -1.0 } else { 1.0 };
             let towards = side * by < 0.0;
             let [away, back] = if towards { [0.0, size] } else { [size, 0.0] };
-            let (least, by_distance, by_sigma) =
-                smooth_minimum(side * z + away, thresholds[i] - shrinks, sigma);
+            let (least, by_distance, by_sigma) = smooth_minimum(side * z + away, threshold - shrinks, sigma);
             let left = least - back;
             let is_over = left < 0.0;
             let own = side * (by_sigma - (1.0 - by_distance) * shrinks_by_sigma);
@@ -170,8 +169,8 @@ impl Pass for Integrals<'_> {
         let Self { range: [low, high], positions, outputs: Outputs { values, polynomials } } = self;
         let span = high - low;
         let [scale, third] = [1.0 / span, 1.0 / 3.0];
-        for i in 0..PLAYS {
-            let x = (positions[i] - low) * scale;
+        for (i, position) in positions.iter().enumerate() {
+            let x = (position - low) * scale;
             let below = if x < 0.0 { x } else { 0.0 };
             let above = if x > 1.0 { x - 1.0 } else { 0.0 };
             let inner = x - below - above;
