@@ -147,13 +147,26 @@ def _force() -> hy.Record:
     return hy.Record({"u_N": np.tile(u, 3), "y_mm": 1e3 * out[period:]}, fs=rate)
 
 
-@pytest.mark.parametrize("kind", ["modes", "branches", "oscillator"])
+def _damper() -> hy.Record:
+    """A damper with a spring, dry friction and a force that saturates, simulated."""
+    t = np.arange(5000) / 1000
+    x = np.minimum(t, 1.0) * (10 * np.sin(2 * np.pi * t) + 3 * np.sin(2 * np.pi * 4.3 * t))
+    friction, force = 0.0, np.zeros_like(t)
+    for k in range(1, len(t)):
+        moved = x[k] - x[k - 1]
+        friction += (moved - abs(moved) * friction) / 0.5
+        force[k] = 2 * x[k] + 80 * friction
+    return hy.Record({"u_mm": x, "y_N": force + 200 * np.tanh(np.gradient(x, t) / 10)}, fs=1000.0)
+
+
+@pytest.mark.parametrize("kind", ["modes", "branches", "oscillator", "force"])
 def test_other_kinds_agree(command: Path, tmp_path: Path, kind: str) -> None:
     axes = (["u1_V", "u2_V"], ["y1_nm", "y2_nm"])
-    if kind == "oscillator":
-        records = [_force()]
-        flags = ["--structure", "oscillator"]
-        stage: hy.Estimator = hy.Oscillator(least_fit=0)
+    single = kind in ("oscillator", "force")
+    if single:
+        records = [_force() if kind == "oscillator" else _damper()]
+        flags = ["--structure", kind]
+        stage: hy.Estimator = hy.Oscillator(least_fit=0) if kind == "oscillator" else hy.Force(least_fit=0)
     else:
         records = [_several_axes(1, 0.1), _several_axes(2, 0.1), _several_axes(3, 0.5), _several_axes(4, 0.5)]
         flags = ["--inputs", ",".join(axes[0]), "--outputs", ",".join(axes[1])]
@@ -175,7 +188,7 @@ def test_other_kinds_agree(command: Path, tmp_path: Path, kind: str) -> None:
     printed.pop("model")
     assert printed == stage.result_
     assert _without_provenance(json.loads(out.read_text())) == _without_provenance(stage.model_.data)
-    if kind != "oscillator":
+    if not single:
         predicted, score = stage.predict(records[-1]), stage.scores(records[-1])
         assert isinstance(predicted, hy.Prediction) and isinstance(score, hy.Score)
         assert isinstance(predicted.offset, tuple) and len(predicted.offset) == 2
@@ -187,8 +200,8 @@ def test_other_kinds_agree(command: Path, tmp_path: Path, kind: str) -> None:
     subprocess.run([str(command), "simulate", str(out), str(paths[-1]), "-o", str(simulated)], check=True)
     ours = stage.model_.simulate(hy.read(paths[-1])).y
     theirs = hy.read(simulated)
-    names = ["y"] if kind == "oscillator" else ["y1_nm", "y2_nm"]
-    columns = [theirs["y"] if kind == "oscillator" else theirs[_name_in(theirs, n)] for n in names]
+    names = ["y"] if single else ["y1_nm", "y2_nm"]
+    columns = [theirs["y"] if single else theirs[_name_in(theirs, n)] for n in names]
     assert np.array_equal(np.column_stack(columns).squeeze(), ours)
 
 

@@ -19,8 +19,8 @@ use rayon::prelude::*;
 
 /// Stages of the identification.
 const PLAN: Plan = Plan(&[("force", 1.0)]);
-/// Name of the default family, and of its exponent, held at 1.
-const DEFAULT: (&str, &str) = ("dahl", "exponent");
+/// Number of the default family that is held at 1.
+const EXPONENT: &str = "exponent";
 /// Largest degree of the polynomial of the displacement.
 const HIGHEST_DEGREE: usize = 9;
 /// Window of the rate as a share of the period of the fastest swings.
@@ -153,15 +153,15 @@ fn swings(records: &[InputOutput]) -> Result<(f64, f64), ForceError> {
 fn family(options: &Options) -> HysteresisForm {
     match options.hysteresis {
         Some(form) => form.searched(),
-        None => DEFAULT.0.parse().unwrap_or_default(),
+        None => HysteresisForm::dahl(),
     }
 }
 
 /// Numbers held, those of the default included.
 fn fixed(options: &Options) -> Vec<(String, f64)> {
     let mut fixed = options.fixed.clone();
-    if options.hysteresis.is_none() && fixed.iter().all(|(name, _)| name != DEFAULT.1) {
-        fixed.push((DEFAULT.1.to_owned(), 1.0));
+    if options.hysteresis.is_none() && fixed.iter().all(|(name, _)| name != EXPONENT) {
+        fixed.push((EXPONENT.to_owned(), 1.0));
     }
     fixed
 }

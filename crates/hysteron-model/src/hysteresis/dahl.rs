@@ -5,6 +5,7 @@
 
 use hysteron_rt::branch;
 
+use super::HysteresisForm;
 use super::columns::branch_kernel;
 use super::family::{
     ColumnFamily, DriveSpan, FamilyDescription, NumberUnit, RuntimeOperator, Search, ShapeNumber,
@@ -28,6 +29,13 @@ branch_kernel!(Dahl, 2);
 /// The family.
 #[derive(Debug)]
 pub(super) struct Entry;
+
+impl HysteresisForm {
+    /// Dahl's model: friction that builds up over a displacement, the usual family for forces.
+    pub fn dahl() -> Self {
+        Self::of(&Entry, 0)
+    }
+}
 
 impl FamilyDescription for Entry {
     fn name(&self) -> &'static str {
