@@ -36,7 +36,7 @@ const LATTICE_RATES: [f64; 3] = [0.02, 0.1, 0.5];
 /// … and reaches of its compliance, as shares of the stroke.
 const LATTICE_REACHES: [f64; 4] = [1e-3, 0.01, 0.05, 0.15];
 
-/// What is searched, with what is known of the records.
+/// Rates, ends, strokes and frequencies of the displacements, which set the ranges of the search.
 struct Scales {
     fastest_rate: f64,
     ends: (f64, f64),

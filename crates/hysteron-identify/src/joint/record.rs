@@ -310,8 +310,8 @@ impl JointRecord {
         true
     }
 
-    /// What every response of a candidate needs: its hysteresis, the response of its dynamics, and the
-    /// transients.
+    /// Simulates the hysteresis of a candidate, and computes the response of its dynamics and the columns of
+    /// the transients. `false` where the candidate cannot be simulated.
     fn prepare_response(
         &self,
         form: HysteresisForm,

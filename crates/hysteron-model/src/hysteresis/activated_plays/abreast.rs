@@ -26,13 +26,9 @@ impl<'a, S: Scalar<Real = f64>> Move<'a, S> {
     /// Moves the plays at the distances `behind`.
     pub(super) fn apply(&self, set: InstructionSet, behind: &mut [S]) {
         let Self { sigma, by, interval_s, thresholds } = *self;
-        let [value, duration] = [by, interval_s];
-        // Both with respect to σ.
-        let sliding = RelaxingMove::new(
-            Dual::<f64, 1>::variable(sigma.value(), 0),
-            Dual::constant(value),
-            Dual::constant(duration),
-        );
+        // With the derivative with respect to σ, the only one of a move.
+        let own = Dual::<f64, 1>::variable(sigma.value(), 0);
+        let sliding = RelaxingMove::new(own, Dual::constant(by), Dual::constant(interval_s));
         let Some(shrinks) = sliding.shrinks() else {
             behind.iter_mut().for_each(|z| *z = z.shift(by));
             return;
@@ -40,8 +36,7 @@ impl<'a, S: Scalar<Real = f64>> Move<'a, S> {
         let mut moved = Moved::default();
         let before = &mut moved.distance;
         before.iter_mut().zip(&*behind).for_each(|(own, z)| *own = z.value());
-        let [by_sigma] = shrinks.partials;
-        let shrinks = [shrinks.value, by_sigma];
+        let shrinks = [shrinks.value, shrinks.derivative(0)];
         run_pass(set, Slide { moved: &mut moved, by, sigma: sigma.value(), shrinks, thresholds });
         let whole = || RelaxingMove::new(sigma, S::constant(by), S::constant(interval_s));
         let whole = moved.passed.contains(&1.0).then(whole);
