@@ -8,6 +8,7 @@ use hysteron_model::model_file::{Maker, ModelFile, ModelFileError, SignalUnits};
 use hysteron_model::realise::{Cost, RealiseOptions, side_by_side};
 use hysteron_model::record::Timing;
 use hysteron_numeric::number::significant;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, Serializer};
 
 use crate::baselines::{CrossValidated, Trained};
@@ -259,7 +260,7 @@ fn costs(
 }
 
 /// A comparison in numbers, for JSON. Errors are in the unit of the output.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ComparisonSummary {
     /// Names of the records.
@@ -293,7 +294,7 @@ pub struct ComparisonSummary {
 }
 
 /// A cross-validation fold: held-out samples that are scored.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FoldSummary {
     /// Its name.
@@ -305,7 +306,7 @@ pub struct FoldSummary {
 }
 
 /// A candidate of a comparison.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CandidateSummary {
     /// Its name.
@@ -347,7 +348,7 @@ pub struct CandidateSummary {
 }
 
 /// A black-box model of a comparison.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BaselineSummary {
     /// Its name.

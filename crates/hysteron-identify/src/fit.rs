@@ -10,6 +10,7 @@ use hysteron_model::model_file::{Kind, Maker};
 use hysteron_model::record::InputOutput;
 use hysteron_model::validate::Scoring;
 use hysteron_model::{Model, Start};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::coupled::{self, CoupledIdentification};
@@ -23,7 +24,7 @@ use crate::{
 };
 
 /// A kind of model and what is asked of its identification.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", content = "options", rename_all = "kebab-case")]
 pub enum Task {
     /// Hysteresis followed by linear dynamics.
@@ -141,7 +142,7 @@ pub enum FitDetails {
 }
 
 /// A parameter of an identified model.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FitParameter {
     /// Block, actuator or path it belongs to, where there are several.
     #[serde(flatten)]
@@ -163,7 +164,7 @@ pub struct FitParameter {
 }
 
 /// Part of a model that a parameter belongs to.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Place {
     /// A block of the model.

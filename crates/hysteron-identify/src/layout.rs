@@ -2,6 +2,7 @@
 
 use super::IdentifyError;
 use hysteron_optimize::{Bounds, Range};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Role of one named parameter in a search.
@@ -42,7 +43,7 @@ impl Role {
 }
 
 /// User's constraints on single parameters: `--fix NAME=VALUE` and `--bound NAME=LOW:HIGH`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Demands {
     /// Parameters held at a value.

@@ -7,6 +7,7 @@ use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{HysteresisError, HysteresisForm};
 use hysteron_model::record::{InputOutput, InterSample};
 use hysteron_optimize::Algorithm;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A record of the campaign and its role.
@@ -19,7 +20,7 @@ pub struct CampaignRecord {
 }
 
 /// Use of a record in the two-step identification.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RecordRole {
     /// Step 1: hysteresis block.
@@ -29,7 +30,7 @@ pub enum RecordRole {
 }
 
 /// Method by which a campaign with dynamics is identified.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// All records, both blocks, delay and initial states in one fit.
@@ -63,7 +64,7 @@ impl Method {
 }
 
 /// Assumption on the state before a record ([`hysteron_model::Start`] is the resulting start).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Initial {
     /// `Rest`; for a record that does not begin at 0 V, also at rest at 0 V before a step, if that fits
@@ -109,7 +110,7 @@ impl Initial {
 }
 
 /// Dynamic block asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum DynamicsChoice {
     /// Dynamics that the records support: fractional with a dynamic record, a first-order lag with a start
@@ -210,7 +211,7 @@ impl DynamicsChoice {
 }
 
 /// A value that is given or chosen from the data.
-#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Choice<T> {
     /// Chosen from the data.
@@ -221,7 +222,7 @@ pub enum Choice<T> {
 }
 
 /// Family of the hysteresis block of a Hammerstein model.
-#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum FamilyChoice {
     /// The default family; plays with activated edges where a non-uniformly sampled record holds small
@@ -285,8 +286,9 @@ impl From<HysteresisForm> for FamilyChoice {
 }
 
 /// Options of an identification; the defaults are meant to be right.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
+#[schemars(rename = "HammersteinOptions")]
 pub struct Options {
     /// Joint fit or two steps.
     pub method: Method,
@@ -326,6 +328,7 @@ pub struct Options {
     pub demands: Demands,
     /// Model whose parameters are the first start of every search; serialised as a model file.
     #[serde(with = "as_model_file")]
+    #[schemars(with = "Option<hysteron_model::model_file::ModelFile>")]
     pub start: Option<Model>,
     /// Simulation scheme of the dynamic block; `Auto`: `band-limited` in a joint fit of records that start
     /// smoothly, whose estimates do not depend on the sample rate, else `tustin`.

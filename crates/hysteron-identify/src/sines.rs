@@ -9,12 +9,13 @@ use std::ops::Range;
 use hysteron_model::record::{InputOutput, Segment};
 use hysteron_numeric::Complex64;
 use nalgebra::DMatrix;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::normal::NORMAL_975;
 
 /// Gain and phase with their standard errors.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GainPhase {
     /// Gain \[output unit per input unit\].
@@ -56,7 +57,7 @@ impl GainPhase {
 }
 
 /// Gain and phase at one sine of a record.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SineResponse {
     /// Samples of the record.
@@ -70,7 +71,7 @@ pub struct SineResponse {
 }
 
 /// The sines of one record.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RecordSines {
     /// Name of the record.

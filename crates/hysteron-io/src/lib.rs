@@ -105,7 +105,7 @@ pub use options::ReadOptions;
 pub use place::{FilePart, Place};
 pub use read::{
     PartRead, ReadOutcome, holds_named_arrays, read_drive, read_input_output, read_input_output_bytes,
-    read_part, read_record, read_record_bytes, read_reference,
+    read_part, read_record, read_record_bytes, read_reference, record_extensions,
 };
 pub use rename::{Rename, RenameError};
 pub use response_file_error::ResponseFileError;

@@ -19,6 +19,15 @@ use crate::{IoError, ReadOptions, archive, csv, gcs, hdf5, lvm, mat, npy, tdms};
 static READERS: [Reader; 7] =
     [hdf5::READER, mat::READER, npy::READER, archive::READER, tdms::READER, lvm::READER, gcs::READER];
 
+/// Usual extensions of text, and of the formats that only their content tells.
+const OTHER_EXTENSIONS: [&str; 10] =
+    ["csv", "txt", "tsv", "dat", "lvm", "xlsx", "gcs", "jpk-force", "jpk-force-map", "jpk-force-qi"];
+
+/// Usual extensions of files that hold records, in lower case. A file of another extension may hold one too.
+pub fn record_extensions() -> impl Iterator<Item = &'static str> {
+    READERS.iter().flat_map(|reader| reader.extensions.iter().copied()).chain(OTHER_EXTENSIONS)
+}
+
 /// Bytes at the start of a file that [`Reader::recognises`] looks at.
 const HEAD_BYTES: u64 = 1024;
 

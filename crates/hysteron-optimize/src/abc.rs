@@ -11,10 +11,11 @@ use super::algorithm::check_population;
 use super::colony::{Colony, Owners};
 use super::ledger::{Scratch, Search};
 use super::stream::Stream;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Options of the artificial bee colony.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AbcOptions {
     /// Food sources SN, at least 2.

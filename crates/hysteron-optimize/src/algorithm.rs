@@ -4,6 +4,7 @@ use super::{
     AbcOptions, CmaEsOptions, DeAbcOptions, DeOptions, LeastSquaresOptions, OptimizeError, PsoOptions,
     Settings,
 };
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A name that no [`Algorithm`] has.
@@ -17,7 +18,7 @@ pub struct UnknownAlgorithm {
 }
 
 /// An algorithm with its options.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Algorithm {
     /// The article's bee colony with differential mutation and chaotic scout.

@@ -15,6 +15,7 @@
 //! penalty weight has to be chosen and a minimum at a bound stays a minimum.
 
 use nalgebra::{DMatrix, SymmetricEigen};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::OptimizeError;
@@ -35,7 +36,7 @@ const WIDE: f64 = 1e3;
 const LONGEST_AXIS: f64 = 1e7;
 
 /// Options of the covariance matrix adaptation.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CmaEsOptions {
     /// Candidates of a generation λ before the first restart, at least 4; `None`: 4 + ⌊3 ln D⌋ for D

@@ -9,10 +9,11 @@ use super::algorithm::{check_option, check_population};
 use super::infinite_as_null;
 use super::ledger::{Scratch, Search};
 use super::points::Points;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Options of differential evolution.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeOptions {
     /// Members, at least 4.

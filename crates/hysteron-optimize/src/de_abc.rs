@@ -19,10 +19,11 @@ use super::colony::{Colony, Owners};
 use super::ledger::{Scratch, Search};
 use super::stream::Stream;
 use super::{OptimizeError, Settings};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Options of DE-ABC.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeAbcOptions {
     /// Food sources SN, at least 2.
@@ -36,7 +37,7 @@ pub struct DeAbcOptions {
 }
 
 /// Components changed by Eq. 8; the others stay those of x_i.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum MovedComponents {
     /// One random component: the article's wording (j selected randomly). This fails for correlated
@@ -53,7 +54,7 @@ pub enum MovedComponents {
 }
 
 /// Action of the scout on an exhausted source.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scout {
     /// Nothing: no scout.
@@ -73,7 +74,7 @@ pub enum Scout {
 
 /// Interpretation of Eq. 12, x' = x_i + c (x_max − x_min), which as printed only increases and leaves the
 /// box.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Chaos {
     /// As printed, wrapped around into the box.
@@ -84,7 +85,7 @@ pub enum Chaos {
 }
 
 /// Candidates to replace an exhausted source.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ScoutKeeps {
     /// The best of the chaotic points and of the source itself (the article).

@@ -8,11 +8,12 @@ use super::{
     root_mean_square,
 };
 use nalgebra::DMatrix;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Finite differences of residuals, where the problem supplies no derivatives. A step out of the box, or to a
 /// point that cannot be simulated, is taken to the other side.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Differences {
     /// (r(t + h) − r(t))/h: one evaluation a parameter.

@@ -12,6 +12,7 @@ use super::levenberg_marquardt::LocalFit;
 use super::outcome::Advance;
 use super::starts::fill_start;
 use super::{Bounds, Differences, OptimizeError, Settings, Starts, StopReason};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Two costs J₁ ≤ J₂ belong to the same minimum when J₂ − J₁ ≤ this · J₁ …
@@ -20,7 +21,7 @@ const SAME_RELATIVE: f64 = 1e-6;
 const SAME_ABSOLUTE: f64 = 1e-8;
 
 /// Options of least squares.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LeastSquaresOptions {
     /// Number of starts, including those of [`Settings::starts`] (all of which are used, even if more).

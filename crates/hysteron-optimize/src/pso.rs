@@ -10,10 +10,11 @@ use super::algorithm::{check_option, check_population};
 use super::infinite_as_null;
 use super::ledger::{Scratch, Search};
 use super::points::Points;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Options of the particle swarm.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PsoOptions {
     /// Particles, at least 1.

@@ -1,10 +1,11 @@
 //! Starts of local fits.
 
 use super::stream::Stream;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Distribution over the unit box of the starts added to the given ones.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Starts {
     /// Halton's sequence (doi:10.1007/BF01386213) shifted at random modulo 1 (Cranley and Patterson,

@@ -1,6 +1,7 @@
 //! The article's measurement campaign on the simulated bench.
 
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{RigRun, Truth, measure};
@@ -36,7 +37,7 @@ pub struct CampaignRun {
 
 /// Plan of the records; the default is the article's campaign (which does not print sample rate and voltage
 /// span).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CampaignPlan {
     /// Sample rate \[Hz\].

@@ -1,13 +1,14 @@
 //! True hysteresis outside the Bouc–Wen class: a stack of asymmetric play operators followed by a cubic
 //! polynomial.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// One play operator with its weight.
 ///
 /// w(t) = max(u(t) − rising, min(u(t) + falling, w(t⁻))), initially w = 0. With rising = falling = r this is
 /// the backlash of half-width r; unequal thresholds make the two branches of a loop differ.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Play {
     /// Threshold while the drive rises \[V\], ≥ 0.

@@ -1,5 +1,6 @@
 //! Truth of the simulated bench: chosen by the user, or the default that lies outside the model class.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Play;
@@ -11,7 +12,7 @@ use super::Play;
 /// command u ─► DAC ─► plant (amplifier ─► hysteresis ─► dynamics ─► delay)
 ///           ─► sensor (offset, drift, noise, ADC) ─► record
 /// ```
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Truth {
     /// The actuator with its mechanics.
@@ -25,7 +26,7 @@ pub struct Truth {
 }
 
 /// The true plant.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Plant {
@@ -39,7 +40,7 @@ pub enum Plant {
 /// v = s + quadratic·s² + cubic·s³, s = linear·u + Σ plays, then
 ///
 /// G(s) = (1 + k (s + ω_c)^−μ) · Σ_i share_i ω_i²/(s² + 2 ζ_i ω_i s + ω_i²) · e^(−τ s), Σ share = 1.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PlayStack {
     /// Corner of the amplifier's first-order lag \[Hz\]; `null`: ideal amplifier.
@@ -61,7 +62,7 @@ pub struct PlayStack {
 }
 
 /// One second-order mode.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Mode {
     /// Natural frequency \[Hz\].
@@ -73,7 +74,7 @@ pub struct Mode {
 }
 
 /// Creep factor 1 + strength · (s + 2π corner)^−order: fractional above the corner, finite at rest.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Creep {
     /// Strength k \[(rad/s)^order\].
@@ -85,7 +86,7 @@ pub struct Creep {
 }
 
 /// v of article Eq. 1 (z = 0 at 0 V), then G of Eq. 6, then a delay.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BoucWenFractional {
     /// Coefficients of u, u², … \[µm/V, µm/V², …\].
@@ -111,7 +112,7 @@ pub struct BoucWenFractional {
 }
 
 /// `coefficient · s^order`, s in rad/s.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PowerTerm {
     /// Coefficient.
@@ -121,7 +122,7 @@ pub struct PowerTerm {
 }
 
 /// Interpolation of the drive between two samples of the command.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Dac {
     /// Straight line from sample to sample: a generator that updates much faster than the recorder samples.
@@ -132,7 +133,7 @@ pub enum Dac {
 }
 
 /// The displacement sensor.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Sensor {
     /// Standard deviation of white noise \[µm\].
@@ -148,7 +149,7 @@ pub struct Sensor {
 }
 
 /// Analogue-to-digital converter: 2^bits equal steps over the range, clipping at its ends.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Adc {
     /// Resolution, 1 to 32 bits.

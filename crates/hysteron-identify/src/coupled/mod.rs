@@ -25,6 +25,7 @@ use hysteron_optimize::{
     Algorithm, Differences, LeastSquaresOptions, Problem, Settings, Stop, residual_jacobian,
 };
 use problem::{CoupledProblem, OF_ACTUATOR, OF_PATH, SettledRecord};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Grid of damping ratios, and of natural frequencies as shares of the sample rate.
@@ -39,8 +40,9 @@ const ROUNDS: usize = 3;
 const SHAPES: [(f64, f64); 2] = [(0.2, 2.0), (0.35, 0.7)];
 
 /// Options of the identification.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
+#[schemars(rename = "BranchesOptions")]
 pub struct Options {
     /// Least fit accepted, pooled over the outputs of each record \[%\].
     pub least_fit_percent: f64,

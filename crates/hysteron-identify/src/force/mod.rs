@@ -28,11 +28,13 @@ use hysteron_model::model::{Score, Simulation};
 use hysteron_model::record::InputOutput;
 use hysteron_model::validate::Scores;
 use hysteron_optimize::Outcome;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Options of the identification of a force.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
+#[schemars(rename = "ForceOptions")]
 pub struct Options {
     /// Family of the hysteresis of the displacement; `None`: `dahl` with exponent 1, one state that relaxes
     /// exponentially.

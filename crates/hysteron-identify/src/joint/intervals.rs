@@ -10,6 +10,7 @@ use super::record::JointRecord;
 use hysteron_optimize::Stop;
 use hysteron_optimize::{LeastSquaresProblem, Problem};
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Standard errors along the tangent of the valley at which z is checked, and its relative departure above
@@ -28,7 +29,7 @@ const STEPS: [f64; 2] = [18.0, 60.0];
 const ON_STAMPS: usize = 4;
 
 /// A 95 % confidence interval.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Interval {
     /// Lower end, in the parameter's unit.
@@ -40,7 +41,7 @@ pub struct Interval {
 }
 
 /// Method that gave an interval.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum IntervalMethod {
     /// 1.96 standard errors to each side; the fit is linear enough in this parameter (checked at two standard

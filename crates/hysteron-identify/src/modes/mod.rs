@@ -29,11 +29,13 @@ pub use summary::{LevelInfluence, ModeShift, ModesRecordFit};
 use super::{Finding, Searches, Watch};
 use crate::IdentifyError;
 use hysteron_model::axes::{AxesRecord, InfluenceMatrix, ScheduledModes};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Options of the identification.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
+#[schemars(rename = "ModesOptions")]
 pub struct Options {
     /// Initial pole pairs of the vector fit; `None`: chosen by their fit of the response. The result can have
     /// fewer.

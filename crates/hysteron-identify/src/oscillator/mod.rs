@@ -33,11 +33,13 @@ use hysteron_model::oscillator::{Oscillator, OscillatorState};
 use hysteron_model::record::{InputOutput, InterSample};
 use hysteron_model::validate::Scores;
 use hysteron_optimize::Outcome;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Options of the identification of an oscillator.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
+#[schemars(rename = "OscillatorOptions")]
 pub struct Options {
     /// Start of each record: at rest without force (`Rest` and `Zero`), periodic (`Periodic`; the whole
     /// record is one period where no shorter one is found), or with y, ẏ and z at the first sample estimated

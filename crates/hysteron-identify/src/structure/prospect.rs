@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::super::RecordFacts;
@@ -21,7 +22,7 @@ const LONG_S: f64 = 10.0;
 const OFF_ZERO: f64 = 0.02;
 
 /// Judgement whether a campaign determines a property.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Prospect {
     /// Topic, in a word or two.
     pub topic: Cow<'static, str>,
@@ -32,7 +33,7 @@ pub struct Prospect {
 }
 
 /// Statements about what a campaign can determine.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Prospects {
     /// Amplitudes and frequencies of each record, in words; not serialised, as the statements contain them.
     #[serde(skip)]

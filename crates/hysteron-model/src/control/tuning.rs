@@ -5,6 +5,7 @@ use super::law::{FeedbackKind, FeedbackLaw, Notch};
 use super::margins::Margins;
 use crate::realise::LinearRealisation;
 use hysteron_numeric::Complex64;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Corners tried: this many per decade, from the lowest to a tenth of the sample rate.
@@ -18,7 +19,7 @@ const HALVINGS: usize = 40;
 const GAINS: (f64, f64) = (1e-6, 1e2);
 
 /// Required stability margins of a loop.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RequiredMargins {
     /// Least gain margin, a factor.

@@ -2,6 +2,7 @@
 
 use super::form_parameter::{FormParameter, ParameterKind as Kind};
 use super::linearised::{Number, Sum};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Most elements of a [`Creep::KelvinVoigt`] chain.
@@ -15,7 +16,7 @@ pub const MOST_CREEP_ELEMENTS: usize = 4;
 /// Croft, G. Shed, S. Devasia, "Creep, hysteresis, and vibration compensation for piezoactuators", *Journal
 /// of Dynamic Systems, Measurement, and Control* 123 (2001) 35, doi:10.1115/1.1341197 (chain of springs and
 /// dampers).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Creep {
     /// C = 1.

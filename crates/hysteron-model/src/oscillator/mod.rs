@@ -29,13 +29,14 @@ pub use drive::Drive;
 pub use sensitivities::{PARTIALS, Response};
 
 use crate::hysteresis::{Admissibility, UnitShape};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Parameters of the oscillator m ÿ + c ẏ + k y + z = u, ż = α ẏ − β |ẏ| z |z|ⁿ⁻¹ − γ ẏ |z|ⁿ.
 ///
 /// Units: those of the record, u in N and y in µm, say; then m in N s²/µm, and so on. Any other pair is
 /// possible.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Oscillator {
     /// Mass m > 0 \[N s²/µm\].

@@ -30,10 +30,11 @@ use crate::dynamics::Dynamics;
 use crate::fractional::Scheme;
 use crate::hammerstein::{Model, joins_means};
 use crate::record::InterSample;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Options of a realisation.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RealiseOptions {
     /// Largest error of the response over the band, as a share of the gain at rest.

@@ -1,12 +1,13 @@
 //! An inspection as data: every key names its unit, null where the record does not determine it.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Clipping, DelayFinding, InputOutput, Inspection, LoopSense, NoiseMethod, Segment, Unit};
 use crate::finding::Finding;
 
 /// Results of the inspection of one record.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct InspectionSummary {
     /// The record's file, or its name if it has none.
     pub record: String,
@@ -47,7 +48,7 @@ pub struct InspectionSummary {
 }
 
 /// A channel; range and step in its unit.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ChannelSummary {
     /// Name of the column.
     pub name: String,
@@ -66,7 +67,7 @@ pub struct ChannelSummary {
 }
 
 /// Kind and frequencies of a drive.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DriveSummary {
     /// Name of its [kind](super::ExcitationKind::name).
     pub kind: String,
@@ -77,7 +78,7 @@ pub struct DriveSummary {
 }
 
 /// Periods of a record.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PeriodsSummary {
     /// Whole periods.
     pub count: usize,
@@ -92,7 +93,7 @@ pub struct PeriodsSummary {
 }
 
 /// Loop of output over input; stroke and opening in the output's unit.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LoopSummary {
     /// Largest less smallest output.
     pub stroke: f64,
@@ -107,7 +108,7 @@ pub struct LoopSummary {
 }
 
 /// Delay identified from a record.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "from", rename_all = "kebab-case")]
 pub enum DelaySummary {
     /// From a start out of rest.
@@ -144,7 +145,7 @@ pub enum DelaySummary {
 }
 
 /// A finding about a record.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct InspectionFinding {
     /// True if it is a warning.
     pub warning: bool,

@@ -7,6 +7,7 @@ use std::ops::Range;
 
 use realfft::num_complex::Complex;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::inspection_summary::DriveSummary;
@@ -33,7 +34,7 @@ const SINE_LINES: f64 = 2.0;
 const DRIFT_LINES: f64 = 3.0;
 
 /// A uniformly sampled stretch with one regime of the drive.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Segment {
     /// Samples of the record.
     pub samples: Range<usize>,

@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::compensator::{CompensatorOptions, Prediction};
@@ -9,7 +10,7 @@ use crate::control::{Adaptive, Forward, LawFamily, Strategy};
 use crate::unknown_name::UnknownName;
 
 /// Controller that follows a reference.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Controller {
     /// Straight line through the loop, no compensation.

@@ -1,5 +1,6 @@
 //! Options of tracking a reference, with their defaults from model and reference.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -19,7 +20,7 @@ const LEAST_SCORED: usize = 10;
 const SINES: [f64; 2] = [1e-4, 0.1];
 
 /// Options of [`track`](super::track).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrackOptions {
     /// Controllers to play; empty: all.
@@ -34,6 +35,7 @@ pub struct TrackOptions {
     pub range: Option<[f64; 2]>,
     /// Largest rate of the drive, in its unit per second; infinite: not limited.
     #[serde(with = "crate::unlimited")]
+    #[schemars(with = "Option<f64>")]
     pub slew_per_s: f64,
     /// Voltage of the device without hysteresis memory, before the reference; `None`: 0 where the range holds
     /// it, else at rest.

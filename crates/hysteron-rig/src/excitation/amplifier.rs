@@ -1,12 +1,13 @@
 //! Limits of the amplifier.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Excitation;
 use crate::RigError;
 
 /// Limits of the drive amplifier at its command input or at its output, whichever the waveform describes.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AmplifierLimits {
     /// Lowest voltage \[V\].

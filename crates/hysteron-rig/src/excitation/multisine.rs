@@ -6,13 +6,14 @@ use std::sync::Arc;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::num_complex::Complex64;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Shape;
 use super::random::{fill_range, generator, synthesise, uniform};
 
 /// Multiples of 1/period that a multisine excites inside its band.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Lines {
     /// All of them.
@@ -29,7 +30,7 @@ pub enum Lines {
 }
 
 /// Choice of the phases of a multisine.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Phases {
     /// Independent, uniform: Gaussian amplitudes, the assumption of the best linear approximation.

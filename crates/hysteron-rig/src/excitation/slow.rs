@@ -2,13 +2,14 @@
 
 use std::f64::consts::TAU;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::random::fill_range;
 use super::{SAMPLE_ROUNDING, Shape, whole_samples};
 
 /// One sine of a sum.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Tone {
     /// Frequency \[Hz\].

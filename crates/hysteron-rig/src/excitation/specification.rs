@@ -1,5 +1,6 @@
 //! Specification of an excitation, checked.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::check::Check;
@@ -7,7 +8,7 @@ use super::{Excitation, Waveform};
 use crate::RigError;
 
 /// Specification of a drive waveform; see [`ExcitationSpec::generate`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExcitationSpec {
     /// Name of the result; default: the kind of waveform.

@@ -1,11 +1,12 @@
 //! Summary of an excitation, for programs.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Excitation;
 
 /// Numbers of an [`Excitation`], without its samples.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExcitationSummary {
     /// One sentence with all numbers and units.

@@ -2,12 +2,13 @@
 
 use std::f64::consts::TAU;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{SAMPLE_ROUNDING, Shape};
 
 /// Frequency law of a sweep from f₀ to f₁ over T.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SweepLaw {
     /// f = f₀ + (f₁ − f₀) t/T.

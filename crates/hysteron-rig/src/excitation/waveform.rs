@@ -1,5 +1,6 @@
 //! The kinds of waveform and their parameters.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::check::Check;
@@ -10,7 +11,7 @@ use super::{Shape, multisine, paths, random, slow, sweep, whole_samples};
 use crate::RigError;
 
 /// The waveform between lead-in and lead-out. Amplitudes are fractions of the range `high_v − low_v`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 #[non_exhaustive]
 pub enum Waveform {
