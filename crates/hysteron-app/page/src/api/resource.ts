@@ -1,0 +1,122 @@
+// Answers of the server, kept by their address; fetched anew where an event says that they changed.
+import { useEffect, useState } from 'preact/hooks';
+import { change, get, Refusal } from './client';
+
+export interface Answer<T> {
+  value?: T;
+  error?: Refusal;
+  loading: boolean;
+}
+
+interface Entry extends Answer<unknown> {
+  listeners: Set<() => void>;
+  stale: boolean;
+  used: number;
+}
+
+const KEPT = 60;
+const entries = new Map<string, Entry>();
+let clock = 0;
+
+function entry(address: string): Entry {
+  let found = entries.get(address);
+  if (!found) {
+    found = { loading: false, stale: true, listeners: new Set(), used: 0 };
+    entries.set(address, found);
+    forgetOldest();
+  }
+  found.used = ++clock;
+  return found;
+}
+
+function forgetOldest(): void {
+  if (entries.size <= KEPT) return;
+  const unused = [...entries]
+    .filter(([, e]) => e.listeners.size === 0)
+    .sort((a, b) => a[1].used - b[1].used);
+  for (const [address] of unused.slice(0, entries.size - KEPT)) entries.delete(address);
+}
+
+/** An address, or an address and the body of a question, on two lines. */
+function ask(address: string): Promise<unknown> {
+  const [resource = '', body] = address.split('\n');
+  return body === undefined ? get(resource) : change('POST', resource, JSON.parse(body));
+}
+
+async function load(address: string): Promise<void> {
+  const e = entry(address);
+  if (e.loading) return;
+  e.loading = true;
+  e.stale = false;
+  try {
+    e.value = await ask(address);
+    e.error = undefined;
+  } catch (error) {
+    e.error = error instanceof Refusal ? error : new Refusal(0, { what: String(error) });
+    e.value = undefined;
+  }
+  e.loading = false;
+  for (const listener of [...e.listeners]) listener();
+  if (e.stale && e.listeners.size) void load(address);
+}
+
+/** Marks what begins with `prefix` as changed; what is on the page is fetched at once. */
+export function changed(prefix: string): void {
+  for (const [address, e] of entries) {
+    if (!address.startsWith(prefix) || e.loading) continue;
+    e.stale = true;
+    if (e.listeners.size) void load(address);
+  }
+}
+
+export function useResource<T>(address: string | null): Answer<T> {
+  const [, redraw] = useState(0);
+  useEffect(() => {
+    if (!address) return;
+    const e = entry(address);
+    const listener = (): void => redraw((n) => n + 1);
+    e.listeners.add(listener);
+    if (e.stale) void load(address);
+    listener();
+    return () => e.listeners.delete(listener);
+  }, [address]);
+  if (!address) return { loading: false };
+  const e = entries.get(address);
+  if (!e) return { loading: true };
+  return { value: e.value as T | undefined, error: e.error, loading: e.loading || e.stale };
+}
+
+/** The newest answer of a changing address: the one before it stays until the next is there. */
+export function useLatest<T>(address: string | null): Answer<T> {
+  const answer = useResource<T>(address);
+  const [last, keep] = useState<T | undefined>(undefined);
+  useEffect(() => {
+    if (answer.value !== undefined) keep(answer.value);
+  }, [answer.value]);
+  return { ...answer, value: answer.value ?? (answer.error ? undefined : last) };
+}
+
+/** As `useLatest`, for a question that is too long for an address. */
+export function useAnswer<T>(resource: string | null, body: unknown): Answer<T> {
+  return useLatest<T>(resource && `${resource}\n${JSON.stringify(body)}`);
+}
+
+/** Answers of several addresses. */
+export function useAll<T>(addresses: string[]): Answer<T>[] {
+  const [, redraw] = useState(0);
+  const all = addresses.join('\n\n');
+  useEffect(() => {
+    const listener = (): void => redraw((n) => n + 1);
+    const list = addresses.map(entry);
+    addresses.forEach((address, i) => {
+      list[i]?.listeners.add(listener);
+      if (list[i]?.stale) void load(address);
+    });
+    listener();
+    return () => list.forEach((e) => e.listeners.delete(listener));
+  }, [all]);
+  return addresses.map((address) => {
+    const e = entries.get(address);
+    return e ? { value: e.value as T | undefined, error: e.error, loading: e.loading } : { loading: true };
+  });
+}

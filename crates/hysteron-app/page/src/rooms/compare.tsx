@@ -1,0 +1,368 @@
+// Room 3: which structure do the records support, and what does it cost the controller?
+import { useEffect, useMemo, useState } from 'preact/hooks';
+import { change, Refusal, type Complaint } from '../api/client';
+import { useAnswer, useResource } from '../api/resource';
+import type { Candidate, Command, Comparison, Job, JobRequest, RecordEntry } from '../api/types';
+import { act, command, StopButton } from '../components/dock';
+import { Icon } from '../components/icon';
+import { Failure, Finding, Head, Lacking, Origin, Waiting } from '../components/words';
+import { count, fileName, left, prose, quantityText, seconds, significant } from '../format';
+import { Plot } from '../plot/Plot';
+import type { Spec } from '../plot/spec';
+import { address, go, route, settle } from '../route';
+import { useSignal } from '../signal';
+import { jobs, took } from '../store';
+import { deviceOf } from './identify';
+
+const TITLE = 'Compare';
+const QUESTION = 'Which structure do these records support, and what does it cost the controller?';
+
+export function Compare() {
+  const { query } = useSignal(route);
+  const list = useSignal(jobs).filter((job) => job.request.kind === 'compare');
+  const records = useResource<RecordEntry[]>('records').value;
+  const [problem, complain] = useState<Complaint | null>(null);
+  const device = records && deviceOf(query, records);
+  const usable =
+    records?.filter((r) => r.device === device && !r.error && r.settings.role !== 'unused') ?? [];
+  const job = list.find((one) => String(one.id) === query.get('job')) ?? list[0];
+  const quick = query.get('search') === null;
+  const request: JobRequest = { kind: 'compare', records: usable.map((record) => record.id), quick };
+  const preview = useAnswer<Command>(usable.length > 0 ? 'commands' : null, request).value;
+  useEffect(() => {
+    command.value = job?.command ?? preview ?? null;
+  }, [job?.id, preview]);
+
+  const begin = async (): Promise<void> => {
+    try {
+      const begun = await change<Job>('POST', 'jobs', request);
+      complain(null);
+      took(begun);
+      go({ job: String(begun.id), pick: null });
+    } catch (error) {
+      complain(error instanceof Refusal ? error.complaint : { what: String(error) });
+    }
+  };
+  const take = async (name: string): Promise<void> => {
+    const of = job?.request.records ?? usable.map((record) => record.id);
+    try {
+      const begun = await change<Job>('POST', 'jobs', { kind: 'identify', records: of, structure: name });
+      took(begun);
+      go({ job: String(begun.id) }, 'identify');
+    } catch (error) {
+      complain(error instanceof Refusal ? error.complaint : { what: String(error) });
+    }
+  };
+
+  if (!records) {
+    return (
+      <>
+        <Head title={TITLE} question={QUESTION} />
+        <Waiting height={320} />
+      </>
+    );
+  }
+  if (!job && usable.length < 2) return <Empty usable={usable} />;
+  const comparison = job?.result.comparison ?? null;
+  const runs = job?.state === 'running' || job?.state === 'waiting';
+  const pick =
+    comparison &&
+    (comparison.candidates.find((c) => c.name === query.get('pick'))?.name ?? comparison.preferred);
+  const of = job ? records.filter((record) => job.request.records.includes(record.id)) : usable;
+  return (
+    <>
+      <Head title={TITLE} question={QUESTION}>
+        <Origin simulated={of.length > 0 && of.every((record) => record.simulated)} />
+        {!runs && (
+          <label class="row">
+            <input
+              type="checkbox"
+              checked={!quick}
+              onChange={(event) => settle({ search: event.currentTarget.checked ? '1' : null })}
+            />
+            search further
+          </label>
+        )}
+        {runs && job && <StopButton job={job} primary />}
+        {!runs && (
+          <button
+            type="button"
+            class={pick ? '' : 'primary'}
+            onClick={() => void begin()}
+            disabled={usable.length < 2}
+          >
+            {job ? 'Compare again' : `Compare on ${count(usable.length, 'record')}`}
+          </button>
+        )}
+        {!runs && pick && (
+          <button type="button" class="primary" onClick={() => void take(pick)}>
+            Take {spaced(pick)}
+          </button>
+        )}
+      </Head>
+      <div class="stack">
+        {problem && <Failure problem={problem} />}
+        {job?.error && <Failure problem={job.error} />}
+        {job && runs && <Race job={job} />}
+        {!job && (
+          <p class="soft">
+            Each record is left out in turn and every structure is fitted to the others:{' '}
+            {usable.map((r) => fileName(r.id)).join(', ')}.
+          </p>
+        )}
+        {comparison && <Ranking comparison={comparison} pick={pick} runs={runs} />}
+        {job && !runs && !comparison && !job.error && (
+          <Finding
+            kind="warn"
+            actions={
+              <button type="button" onClick={() => void act(job, 'delete')}>
+                Delete
+              </button>
+            }
+          >
+            <b>The comparison was {job.state} before a structure was finished.</b>
+          </Finding>
+        )}
+      </div>
+    </>
+  );
+}
+
+const spaced = (name: string): string => name.replace(/\+/g, ' + ');
+
+function Race({ job }: { job: Job }) {
+  const stage = job.stages[job.stages.length - 1];
+  return (
+    <>
+      <Finding kind="note">
+        <b>
+          {stage ? `${stage.name}, stage ${job.stages.length}` : 'Waits in the queue'}
+          {job.left_s != null ? `, ${left(job.left_s)}` : ''}.
+        </b>{' '}
+        Order and error may still change; nothing is preferred yet.
+      </Finding>
+      <ol class="stages narrow">
+        {job.stages.slice(-12).map((one, i, shown) => (
+          <li key={`${one.name} ${one.from_s}`} class={i === shown.length - 1 ? 'now' : ''}>
+            <Icon name={i === shown.length - 1 ? 'run' : 'ok'} />
+            <span>{one.name}</span>
+            <span class="soft">{seconds(one.from_s)}</span>
+          </li>
+        ))}
+      </ol>
+    </>
+  );
+}
+
+function Ranking({
+  comparison,
+  pick,
+  runs,
+}: {
+  comparison: Comparison;
+  pick: string | null;
+  runs: boolean;
+}) {
+  const unit = comparison.output_unit;
+  const finished = comparison.candidates.filter((candidate) => candidate.error != null);
+  const spec = useMemo(() => picture(finished, unit, pick), [comparison, pick]);
+  return (
+    <>
+      {comparison.notes.length > 0 && (
+        <Finding kind={comparison.preferred ? 'good' : 'note'}>
+          {comparison.notes.map((note, i) => (
+            <p key={note}>{i === 0 ? <b>{prose(note)}</b> : prose(note)}</p>
+          ))}
+        </Finding>
+      )}
+      <div class="cols g-cmp">
+        <Table comparison={comparison} pick={pick} runs={runs} />
+        {finished.length > 0 && <Plot spec={spec} />}
+      </div>
+    </>
+  );
+}
+
+/** Places of errors on a logarithmic strip of 180 by 16. */
+function strip(comparison: Comparison): (value: number) => number {
+  const all = comparison.candidates
+    .flatMap((candidate) => candidate.fold_errors)
+    .filter((e): e is number => !!e && e > 0);
+  const low = Math.log(Math.min(comparison.noise_floor || Infinity, ...all) * 0.8);
+  const high = Math.log(Math.max(...all) * 1.2);
+  return (value) => 4 + ((Math.log(value) - low) / (high - low || 1)) * 172;
+}
+
+function Table({ comparison, pick, runs }: { comparison: Comparison; pick: string | null; runs: boolean }) {
+  const unit = comparison.output_unit;
+  const place = strip(comparison);
+  const inverse = comparison.candidates.some((candidate) => candidate.invertible);
+  return (
+    <div class="tw">
+      <table class="mid">
+        <caption>
+          Left out in turn: {count(comparison.folds.length, 'fold')}{' '}
+          <span class="soft s">simulation, not prediction</span>
+        </caption>
+        <thead>
+          <tr>
+            <th scope="col">Structure</th>
+            <th scope="col" class="n">
+              Parameters
+            </th>
+            <th scope="col" class="n">
+              Error <small>± s.e.</small>
+            </th>
+            <th scope="col">
+              Folds ○ and mean ▮<small>log scale; ┆ noise floor</small>
+            </th>
+            <th scope="col" class="n">
+              Cost <small>ns/sample</small>
+            </th>
+            {inverse && <th scope="col">Inverse</th>}
+          </tr>
+        </thead>
+        <tbody>
+          {comparison.candidates.map((candidate) => (
+            <tr
+              key={candidate.name}
+              class={`click ${candidate.name === pick ? 'sel' : ''}`}
+              onClick={() => settle({ pick: candidate.name })}
+            >
+              <td>
+                <label class="row">
+                  <input
+                    type="radio"
+                    name="pick"
+                    checked={candidate.name === pick}
+                    disabled={runs}
+                    onChange={() => settle({ pick: candidate.name })}
+                  />
+                  <span>{spaced(candidate.name)}</span>
+                </label>
+              </td>
+              <td class="n">{candidate.parameters}</td>
+              {candidate.error == null ? (
+                <td class="soft" colSpan={inverse ? 4 : 3}>
+                  {candidate.failures[0] ??
+                    (candidate.hopeless ? 'left out after its first fit: too far behind' : 'waits')}
+                </td>
+              ) : (
+                <Errors
+                  candidate={candidate}
+                  unit={unit}
+                  place={place}
+                  floor={comparison.noise_floor}
+                  inverse={inverse}
+                />
+              )}
+            </tr>
+          ))}
+        </tbody>
+      </table>
+      <p class="soft s">Blue bar: as good as the best within one standard error of the difference.</p>
+    </div>
+  );
+}
+
+function Errors(props: {
+  candidate: Candidate;
+  unit: string;
+  place: (value: number) => number;
+  floor: number;
+  inverse: boolean;
+}) {
+  const { candidate, place } = props;
+  const error = candidate.error ?? 0;
+  const scale = props.unit === 'µm' && error < 1 ? 1000 : 1;
+  const folds = candidate.fold_errors.filter((e): e is number => e != null && e > 0);
+  const own = scale === 1000 ? 'nm' : props.unit;
+  const spread = candidate.error_std_error;
+  const cost = candidate.nanoseconds_per_sample;
+  return (
+    <>
+      <td class="n">
+        {significant(error * scale, 3)}{' '}
+        {spread != null && <span class="soft">± {significant(spread * scale, 2)}</span>} {own}
+      </td>
+      <td>
+        <svg
+          class="iv folds"
+          viewBox="0 0 180 16"
+          role="img"
+          aria-label={`${folds.length} folds between ${quantityText(Math.min(...folds), props.unit)} and ${quantityText(Math.max(...folds), props.unit)}`}
+        >
+          {props.floor > 0 && (
+            <line class="floor" x1={place(props.floor)} x2={place(props.floor)} y1="0" y2="16" />
+          )}
+          {folds.map((fold, i) => (
+            <circle key={i} cx={place(fold)} cy="8" r="2.6" />
+          ))}
+          <rect
+            class={candidate.as_good_as_best ? 'best' : 'd'}
+            x={place(error) - 1.5}
+            y="1"
+            width="3"
+            height="14"
+          />
+        </svg>
+      </td>
+      <td class="n">{cost == null ? '–' : cost.toFixed(0)}</td>
+      {props.inverse && <td>{candidate.invertible ?? '–'}</td>}
+    </>
+  );
+}
+
+function picture(finished: Candidate[], unit: string, pick: string | null): Spec {
+  const list = finished.filter((candidate) => candidate.nanoseconds_per_sample != null);
+  const x = list.map((candidate) => candidate.nanoseconds_per_sample ?? 0);
+  const right = Math.max(...x, 1);
+  return {
+    key: 'cost',
+    title: 'Error against cost',
+    description: 'Lower left is better.',
+    height: 350,
+    x: { label: 'time per sample on this machine (ns)', unit: 'ns', range: [0, right * 1.5] },
+    y: { label: `error on held-out data (${unit})`, unit, log: true },
+    lines: [
+      {
+        name: 'structure ± one standard error',
+        color: 'band',
+        x,
+        y: list.map((candidate) => candidate.error),
+        errors: list.map((candidate) => candidate.error_std_error),
+        points: 4.5,
+        filled: (i) => list[i]?.name === pick,
+      },
+    ],
+    marks: list.map((candidate) => ({
+      x: candidate.nanoseconds_per_sample ?? 0,
+      y: candidate.error ?? 0,
+      text: spaced(candidate.name),
+    })),
+    loop: true,
+  };
+}
+
+function Empty({ usable }: { usable: RecordEntry[] }) {
+  useEffect(() => {
+    command.value = null;
+  }, []);
+  const [only] = usable;
+  return (
+    <>
+      <Head title={TITLE} question={QUESTION} />
+      <Lacking
+        title="Compare needs records of different content"
+        action={
+          <a class="btn primary" href={address({}, 'records')}>
+            See what to measure
+          </a>
+        }
+      >
+        Each record is left out in turn, so at least two must differ in amplitude or frequency.{' '}
+        {only ? `${fileName(only.id)} alone cannot rank structures.` : ''}
+      </Lacking>
+    </>
+  );
+}

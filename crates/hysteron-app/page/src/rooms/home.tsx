@@ -1,0 +1,316 @@
+// Room 6: how does the model run on a controller, and how can anyone repeat it?
+import { useEffect, useState } from 'preact/hooks';
+import { href, path, query } from '../api/client';
+import { useLatest, useResource } from '../api/resource';
+import type { History, ModelDetail, ModelEntry, Preview, ReportEntry } from '../api/types';
+import { command, copy } from '../components/dock';
+import { Icon } from '../components/icon';
+import { ModelChoice, NoModel, useModel } from '../components/models';
+import { Failure, Head, Origin, Waiting } from '../components/words';
+import { bytes, count, fileName, integer, prose, significant } from '../format';
+import { route, settle } from '../route';
+import { useSignal } from '../signal';
+
+const TITLE = 'Take it home';
+const QUESTION = 'How does this run on my controller, and how can anyone repeat it?';
+
+type Form = 'c' | 'rust' | 'fmu' | 'json' | 'report';
+const FORMS: [Form, string, string][] = [
+  ['c', 'C99 source', 'no malloc, only math.h; with a self-test'],
+  ['rust', 'Rust crate', 'no_std, on hysteron-rt; the same golden vectors as a test'],
+  ['fmu', 'FMU', 'FMI 2.0 and 3.0, co-simulation'],
+  ['json', 'Model file', 'JSON with errors, covariance, valid range, provenance'],
+  ['report', 'Report', 'one HTML page, figures as SVG'],
+];
+const ENDINGS: Record<Form, string> = {
+  c: '-c.zip',
+  rust: '-rust.zip',
+  fmu: '-fmu.zip',
+  json: '.json',
+  report: '.html',
+};
+const CODE: Form[] = ['c', 'rust', 'fmu'];
+
+export function Home() {
+  const { models, model } = useModel();
+  if (!models) {
+    return (
+      <>
+        <Head title={TITLE} question={QUESTION} />
+        <Waiting height={300} />
+      </>
+    );
+  }
+  if (!model) {
+    return (
+      <>
+        <Head title={TITLE} question={QUESTION} />
+        <NoModel />
+      </>
+    );
+  }
+  return <Forms models={models} model={model} />;
+}
+
+function Forms({ models, model }: { models: ModelEntry[]; model: ModelEntry }) {
+  const { query: asked } = useSignal(route);
+  const form = FORMS.find(([name]) => name === asked.get('form'))?.[0] ?? 'c';
+  const code = CODE.includes(form);
+  const settings = {
+    as: form,
+    sample_rate_hz: (code && asked.get('rate')) || undefined,
+    single: code && asked.get('double') === null ? true : undefined,
+    inverse: code && asked.get('plain') === null ? true : undefined,
+  };
+  const at = path('models', model.id);
+  const preview = useLatest<Preview>(`${at}/preview${query(settings)}`);
+  const detail = useLatest<ModelDetail>(at).value;
+  useEffect(() => {
+    command.value = preview.value?.command ?? null;
+  }, [preview.value]);
+  const title = FORMS.find(([name]) => name === form)?.[1] ?? '';
+  const size = preview.value?.files.reduce((sum, file) => sum + file.bytes, 0);
+  return (
+    <>
+      <Head title={TITLE} question={QUESTION}>
+        <Origin simulated={model.simulated} />
+        <a
+          class="btn primary"
+          href={href(`${at}/download${query(settings)}`)}
+          download={model.name + ENDINGS[form]}
+          aria-disabled={preview.error !== undefined}
+        >
+          <Icon name="down" />
+          Download {title}
+          {size ? `, ${bytes(size)}` : ''}
+        </a>
+      </Head>
+      <div class="cols g-home">
+        <div class="stack">
+          <Settings models={models} model={model} detail={detail} />
+          <fieldset>
+            <div class="tw">
+              <table class="mid">
+                <caption>Forms</caption>
+                <thead>
+                  <tr>
+                    <th scope="col">Form</th>
+                    <th scope="col">Content</th>
+                    <th scope="col">Size</th>
+                  </tr>
+                </thead>
+                <tbody>
+                  {FORMS.map(([name, label, what]) => (
+                    <tr
+                      key={name}
+                      class={`click ${name === form ? 'sel' : ''}`}
+                      onClick={() => settle({ form: name })}
+                    >
+                      <td class="nw">
+                        <label class="row">
+                          <input
+                            type="radio"
+                            name="form"
+                            checked={name === form}
+                            onChange={() => settle({ form: name, file: null })}
+                          />
+                          <b>{label}</b>
+                        </label>
+                      </td>
+                      <td class="soft">{what}</td>
+                      <td class="nw soft">
+                        {name === form && preview.value
+                          ? `${count(preview.value.files.length, 'file')}, ${bytes(size ?? 0)}`
+                          : 'made on request'}
+                      </td>
+                    </tr>
+                  ))}
+                </tbody>
+              </table>
+            </div>
+          </fieldset>
+          <Exactness preview={preview.value} detail={detail} />
+          <Reports />
+        </div>
+        <div class="stack">
+          {preview.error ? (
+            <Failure problem={preview.error.complaint} />
+          ) : (
+            <Files preview={preview.value} />
+          )}
+          <Repeat />
+        </div>
+      </div>
+    </>
+  );
+}
+
+function Settings({
+  models,
+  model,
+  detail,
+}: {
+  models: ModelEntry[];
+  model: ModelEntry;
+  detail?: ModelDetail;
+}) {
+  const { query: asked } = useSignal(route);
+  const rate = detail?.sample_rate_hz;
+  const double = asked.get('double') !== null;
+  return (
+    <div class="row wrap gaps">
+      <span class="row">
+        <span class="soft">Model</span>
+        <ModelChoice models={models} model={model} />
+      </span>
+      <label class="row">
+        <span class="soft">Controller</span>
+        <input
+          type="number"
+          class="short"
+          min="0"
+          step="any"
+          placeholder={rate ? significant(rate, 4) : ''}
+          value={asked.get('rate') ?? ''}
+          onChange={(event) => settle({ rate: event.currentTarget.value || null })}
+        />
+        Hz
+      </label>
+      <span class="seg" role="group" aria-label="Number type">
+        <button type="button" aria-pressed={!double} onClick={() => settle({ double: null })}>
+          f32
+        </button>
+        <button type="button" aria-pressed={double} onClick={() => settle({ double: '1' })}>
+          f64
+        </button>
+      </span>
+      <label class="row">
+        <input
+          type="checkbox"
+          checked={asked.get('plain') === null}
+          onChange={(event) => settle({ plain: event.currentTarget.checked ? null : '1' })}
+        />
+        with inverse
+      </label>
+    </div>
+  );
+}
+
+function Exactness({ preview, detail }: { preview?: Preview; detail?: ModelDetail }) {
+  const facts: [string, string | null | undefined][] = [
+    ['States', preview?.states != null ? integer(preview.states) : null],
+    [
+      'Realised dynamics',
+      preview?.error != null ? `within ${significant(preview.error, 2)} of the gain` : null,
+    ],
+    ['Valid', detail?.valid_range],
+  ];
+  const known = facts.filter(([, text]) => text);
+  if (known.length === 0) return null;
+  return (
+    <div>
+      <div class="ph">
+        <h2>What the code costs and how exact it is</h2>
+      </div>
+      <dl class="facts">
+        {known.map(([name, text]) => (
+          <>
+            <dt>{name}</dt>
+            <dd>{prose(text ?? '')}</dd>
+          </>
+        ))}
+      </dl>
+    </div>
+  );
+}
+
+function Files({ preview }: { preview?: Preview }) {
+  const { query: asked } = useSignal(route);
+  if (!preview) return <Waiting height={280} />;
+  const texts = preview.files.filter((file) => file.text != null);
+  const shown = texts.find((file) => file.name === asked.get('file')) ?? texts[0];
+  return (
+    <div>
+      <div class="ph">
+        <h2>Preview</h2>
+        {texts.length > 0 && (
+          <select
+            aria-label="File that is shown"
+            value={shown?.name}
+            onChange={(event) => settle({ file: event.currentTarget.value })}
+          >
+            {texts.map((file) => (
+              <option key={file.name} value={file.name}>
+                {file.name}
+              </option>
+            ))}
+          </select>
+        )}
+      </div>
+      <pre class="code" tabIndex={0} aria-label={`Preview of ${shown?.name ?? 'nothing'}`}>
+        {shown?.text ?? preview.files.map((file) => `${file.name}, ${bytes(file.bytes)}`).join('\n')}
+      </pre>
+    </div>
+  );
+}
+
+/** Everything done in this workspace, as a script. */
+export function Repeat() {
+  const { query: asked } = useSignal(route);
+  const history = useResource<History>('history').value;
+  const [copied, mark] = useState(false);
+  const python = asked.get('lang') === 'python';
+  const text = (python ? history?.python : history?.shell) ?? '';
+  return (
+    <div>
+      <div class="ph">
+        <h2>Repeat everything</h2>
+        <span class="seg" role="group" aria-label="Language of the script">
+          <button type="button" aria-pressed={!python} onClick={() => settle({ lang: null })}>
+            Shell
+          </button>
+          <button type="button" aria-pressed={python} onClick={() => settle({ lang: 'python' })}>
+            Python
+          </button>
+        </span>
+        <span class="sp" />
+        <button
+          type="button"
+          class="quiet"
+          onClick={() => {
+            copy(text);
+            mark(true);
+          }}
+        >
+          <Icon name="copy" />
+          {copied ? 'Copied' : 'Copy'}
+        </button>
+      </div>
+      <pre class="code" tabIndex={0} aria-label="Script that repeats everything">
+        {text || '# nothing was done yet'}
+      </pre>
+    </div>
+  );
+}
+
+function Reports() {
+  const reports = useResource<ReportEntry[]>('reports').value ?? [];
+  if (reports.length === 0) return null;
+  return (
+    <div>
+      <div class="ph">
+        <h2>Reports in the folder</h2>
+      </div>
+      <ul class="plain">
+        {reports.map((report) => (
+          <li key={report.id}>
+            <a href={href(path('reports', report.id))} target="_blank" rel="noreferrer">
+              {fileName(report.id)}
+            </a>{' '}
+            {bytes(report.bytes)}
+          </li>
+        ))}
+      </ul>
+    </div>
+  );
+}

@@ -1,0 +1,127 @@
+// Settings of a fit: records as chips, four choices, and a drawer with every option of the library.
+import { useMemo, useState } from 'preact/hooks';
+import { useResource } from '../../api/resource';
+import type { Choice, Options, RecordEntry } from '../../api/types';
+import { Icon } from '../../components/icon';
+import { SchemaForm } from '../../components/SchemaForm';
+import { words } from '../../components/schema';
+import { fileName } from '../../format';
+import { route, settle } from '../../route';
+import { useSignal } from '../../signal';
+import { ask, asked, optionsOf, usual, type Task } from './task';
+
+const FIRST = ['hysteresis', 'dynamics', 'delay_s', 'degree'];
+
+export function Settings(props: { records: RecordEntry[]; out: RecordEntry[]; running: boolean }) {
+  const offered = useResource<Options>('options').value;
+  useSignal(route);
+  return (
+    <form class="set" aria-label="Settings" onSubmit={(event) => event.preventDefault()}>
+      <fieldset disabled={props.running} class="set">
+        <Chips records={props.records} out={props.out} />
+        {offered && <Choices offered={offered} />}
+      </fieldset>
+    </form>
+  );
+}
+
+function Chips({ records, out }: { records: RecordEntry[]; out: RecordEntry[] }) {
+  const leave = (list: RecordEntry[]): void =>
+    settle({ out: list.map((record) => record.id).join(',') || null });
+  return (
+    <div class="f">
+      <span>Records</span>
+      <ul class="chips">
+        {records.map((record) => (
+          <li key={record.id} class="tag">
+            {fileName(record.id)}
+            <button
+              type="button"
+              class="off"
+              aria-label={`Take ${fileName(record.id)} out`}
+              title="Take out of this fit"
+              onClick={() => leave([...out, record])}
+            >
+              <Icon name="close" />
+            </button>
+          </li>
+        ))}
+      </ul>
+      {out.length > 0 && (
+        <small>
+          Left out: {out.map((record) => fileName(record.id)).join(', ')}.{' '}
+          <button type="button" class="link" onClick={() => leave([])}>
+            Take them in again
+          </button>
+        </small>
+      )}
+    </div>
+  );
+}
+
+function Choices({ offered }: { offered: Options }) {
+  const [wanted, search] = useState('');
+  const task = asked(offered);
+  const schema = useMemo(() => optionsOf(offered.task, task.kind), [offered, task.kind]);
+  const choices = useMemo(
+    () =>
+      Object.fromEntries(offered.choices.map((entry) => [entry.option, entry.choices])) as Record<
+        string,
+        Choice[]
+      >,
+    [offered],
+  );
+  const kinds = offered.defaults as unknown as Task[];
+  const first = schema ? FIRST.filter((name) => name in (schema.properties ?? {})) : [];
+  const change = (options: Record<string, unknown>): void => ask(offered, { kind: task.kind, options });
+  return (
+    <>
+      <label class="f">
+        <span>Structure</span>
+        <select
+          value={task.kind}
+          onChange={(event) => ask(offered, usual(offered, event.currentTarget.value))}
+        >
+          {kinds.map((other) => (
+            <option key={other.kind} value={other.kind}>
+              {words(other.kind)}
+            </option>
+          ))}
+        </select>
+      </label>
+      {schema && (
+        <>
+          <SchemaForm
+            schema={schema}
+            root={offered.task}
+            value={task.options}
+            change={change}
+            only={first}
+            choices={choices}
+          />
+          <details>
+            <summary>All options</summary>
+            <div class="set">
+              <input
+                type="text"
+                placeholder="Find an option"
+                aria-label="Find an option"
+                value={wanted}
+                onInput={(event) => search(event.currentTarget.value)}
+              />
+              <SchemaForm
+                schema={schema}
+                root={offered.task}
+                value={task.options}
+                change={change}
+                wanted={wanted}
+                without={first}
+                choices={choices}
+              />
+            </div>
+          </details>
+        </>
+      )}
+    </>
+  );
+}

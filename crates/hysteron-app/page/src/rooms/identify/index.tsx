@@ -1,0 +1,223 @@
+// Room 2: which model describes these records, and how sure is each number?
+import { useEffect, useState } from 'preact/hooks';
+import { change, Refusal, type Complaint } from '../../api/client';
+import { useAnswer, useResource } from '../../api/resource';
+import type { Command, Job, JobRequest, ModelEntry, Options, RecordEntry } from '../../api/types';
+import { act, command, StopButton } from '../../components/dock';
+import { Failure, Head, Lacking, Origin, Waiting } from '../../components/words';
+import { count, fileName } from '../../format';
+import { address, go, route } from '../../route';
+import { useSignal } from '../../signal';
+import { jobs, took } from '../../store';
+import { isFit } from '../records/roles';
+import { About, Done } from './Done';
+import { Live } from './Live';
+import { Settings } from './Settings';
+import { asked } from './task';
+
+const TITLE = 'Identify';
+const QUESTION = 'Which model describes these records, and how sure is each number?';
+
+/** The device that is meant: by the URL, by the chosen record, else the first that has a record to fit. */
+export function deviceOf(query: URLSearchParams, records: RecordEntry[]): string | undefined {
+  const named = query.get('device');
+  if (named) return named === '.' ? '' : named;
+  const chosen = records.find((record) => record.id === query.get('r'));
+  return (chosen ?? records.find(isFit))?.device;
+}
+
+export function Identify() {
+  const { query } = useSignal(route);
+  const list = useSignal(jobs).filter((job) => job.request.kind === 'identify');
+  const records = useResource<RecordEntry[]>('records').value;
+  const models = useResource<ModelEntry[]>('models').value;
+  const offered = useResource<Options>('options').value;
+  const [problem, complain] = useState<Complaint | null>(null);
+
+  const active = list.find((job) => job.state === 'running') ?? list.find((job) => job.state === 'waiting');
+  const named = list.find((job) => String(job.id) === query.get('job'));
+  const device = records && deviceOf(query, records);
+  const model =
+    models?.find((entry) => entry.id === query.get('m')) ??
+    (query.get('new') ? undefined : newest(models?.filter((entry) => entry.device === device)));
+  const fresh = query.get('new') !== null;
+  const job = named ?? (query.get('m') || fresh ? undefined : active);
+
+  // The model of a fit that is watched is shown as soon as it is there.
+  const finished = job?.state === 'done' ? job.result.models[0] : undefined;
+  useEffect(() => {
+    if (finished) go({ m: finished, job: null, new: null });
+  }, [finished]);
+
+  const own = records?.filter((record) => record.device === device && isFit(record)) ?? [];
+  const leftOut = new Set(query.get('out')?.split(',') ?? []);
+  const taken = own.filter((record) => !leftOut.has(record.id));
+  const request: JobRequest | null =
+    offered && taken.length > 0
+      ? { kind: 'identify', records: taken.map((record) => record.id), task: asked(offered) }
+      : null;
+  const preview = useAnswer<Command>(request && !job ? 'commands' : null, request).value;
+  useEffect(() => {
+    command.value = job?.command ?? preview ?? null;
+  }, [job?.id, preview]);
+
+  const begin = async (): Promise<void> => {
+    if (!request) return;
+    try {
+      const begun = await change<Job>('POST', 'jobs', request);
+      complain(null);
+      took(begun);
+      go({ job: String(begun.id), m: null, new: null, rec: null, 'z.loop': null, 'z.t': null });
+    } catch (error) {
+      complain(error instanceof Refusal ? error.complaint : { what: String(error) });
+    }
+  };
+
+  if (!records || !models) return <Loading />;
+  if (own.length === 0 && !model && !job) return <Empty />;
+  const shownModel = job ? undefined : model;
+  const held = records.filter((record) => record.device === device && record.settings.role === 'validate');
+  const runs = job?.state === 'running' || job?.state === 'waiting';
+  const simulated = taken.length > 0 && taken.every((record) => record.simulated);
+  return (
+    <>
+      <Head title={TITLE} question={QUESTION}>
+        <Origin simulated={shownModel ? shownModel.simulated : simulated} />
+        <Tabs models={models} job={job ?? active} shown={job ? undefined : shownModel?.id} />
+        {job?.resumable && (
+          <button type="button" class="primary" onClick={() => void act(job, 'resume')}>
+            Go on
+          </button>
+        )}
+        {job && runs && <StopButton job={job} primary />}
+        {shownModel && (
+          <>
+            <button type="button" onClick={() => void begin()} disabled={!request}>
+              Identify again
+            </button>
+            {held.length > 0 ? (
+              <a class="btn primary" href={address({ m: shownModel.id }, 'validate')}>
+                Validate on {count(held.length, 'record')}
+              </a>
+            ) : (
+              <a class="btn primary" href={address({}, 'records')}>
+                Add a record to validate on
+              </a>
+            )}
+          </>
+        )}
+        {!shownModel && !runs && !job?.resumable && (
+          <button type="button" class="primary" onClick={() => void begin()} disabled={!request}>
+            Identify from {count(taken.length, 'record')}
+          </button>
+        )}
+      </Head>
+      <div class="cols g-id">
+        <div class="stack">
+          <Settings records={taken} out={own.filter((record) => leftOut.has(record.id))} running={runs} />
+          {shownModel && <About id={shownModel.id} />}
+        </div>
+        <div class="stack">
+          {problem && <Failure problem={problem} />}
+          {job ? (
+            <Live job={job} />
+          ) : shownModel ? (
+            <Done key={shownModel.id} id={shownModel.id} records={records} />
+          ) : (
+            <Ready records={taken} />
+          )}
+        </div>
+      </div>
+    </>
+  );
+}
+
+function newest(models: ModelEntry[] | undefined): ModelEntry | undefined {
+  return models && [...models].sort((a, b) => b.modified.localeCompare(a.modified))[0];
+}
+
+function Tabs({ models, job, shown }: { models: ModelEntry[]; job?: Job; shown?: string }) {
+  const live = job && job.state !== 'done' ? job : undefined;
+  if (models.length === 0 && !live) return null;
+  const value = shown ?? (live ? `job ${live.id}` : '');
+  return (
+    <select
+      aria-label="Model that is shown"
+      value={value}
+      onChange={(event) => {
+        const name = event.currentTarget.value;
+        if (name === '') go({ m: null, job: null, new: '1' });
+        else if (name.startsWith('job ')) go({ m: null, job: name.slice(4), new: null });
+        else go({ m: name, job: null, new: null, rec: null, 'z.loop': null, 'z.t': null });
+      }}
+    >
+      {live && (
+        <option value={`job ${live.id}`}>
+          {live.name}, {live.state}
+        </option>
+      )}
+      {models.map((model) => (
+        <option key={model.id} value={model.id}>
+          {model.device ? `${model.device}/${model.name}` : model.name}
+        </option>
+      ))}
+      <option value="">a new model…</option>
+    </select>
+  );
+}
+
+function Ready({ records }: { records: RecordEntry[] }) {
+  return (
+    <div class="stack">
+      <p class="soft">
+        {count(records.length, 'record')}: {records.map((record) => fileName(record.id)).join(', ')}. The
+        settings are the usual ones, chosen by what the records support; the fit is shown as it happens and
+        can be stopped at any time.
+      </p>
+      <div class="cols g-plots">
+        <Waiting height={356} />
+        <Waiting height={356} />
+      </div>
+    </div>
+  );
+}
+
+function Loading() {
+  return (
+    <>
+      <Head title={TITLE} question={QUESTION} />
+      <div class="cols g-id">
+        <Waiting height={360} />
+        <div class="stack">
+          <Waiting height={72} />
+          <div class="cols g-plots">
+            <Waiting height={406} />
+            <Waiting height={406} />
+          </div>
+        </div>
+      </div>
+    </>
+  );
+}
+
+function Empty() {
+  useEffect(() => {
+    command.value = null;
+  }, []);
+  return (
+    <>
+      <Head title={TITLE} question={QUESTION} />
+      <Lacking
+        title="No record has the role “fit” yet"
+        action={
+          <a class="btn primary" href={address({}, 'records')}>
+            Choose records
+          </a>
+        }
+      >
+        A model needs at least one record with a slow loop. For dynamics it needs a faster one too, such as
+        a sweep.
+      </Lacking>
+    </>
+  );
+}

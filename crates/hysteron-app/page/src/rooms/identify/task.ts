@@ -1,0 +1,48 @@
+// What is asked of a fit: a kind of model with its options, kept in the URL where it differs from the usual.
+import type { Options, Schema } from '../../api/types';
+import { kindOf, resolved } from '../../components/schema';
+import { route, settle } from '../../route';
+
+export interface Task {
+  kind: string;
+  options: Record<string, unknown>;
+}
+
+export function usual(offered: Options, kind?: string): Task {
+  const list = offered.defaults as unknown as Task[];
+  return list.find((task) => task.kind === kind) ?? list[0] ?? { kind: 'hammerstein', options: {} };
+}
+
+/** The usual task of the chosen kind with the options of the URL. */
+export function asked(offered: Options): Task {
+  const base = usual(offered, route.value.query.get('kind') ?? undefined);
+  try {
+    const changes = JSON.parse(route.value.query.get('o') ?? '{}') as Record<string, unknown>;
+    return { kind: base.kind, options: { ...base.options, ...changes } };
+  } catch {
+    return base;
+  }
+}
+
+export function ask(offered: Options, task: Task): void {
+  const base = usual(offered, task.kind);
+  const changes = Object.entries(task.options).filter(
+    ([name, value]) => JSON.stringify(value) !== JSON.stringify(base.options[name]),
+  );
+  settle({
+    kind: task.kind === usual(offered).kind ? null : task.kind,
+    o: changes.length > 0 ? JSON.stringify(Object.fromEntries(changes)) : null,
+  });
+}
+
+/** Schema of the options of a kind. */
+export function optionsOf(schema: Schema, kind: string): Schema | null {
+  for (const variant of schema.oneOf ?? schema.anyOf ?? []) {
+    const own = resolved(variant, schema);
+    const name = own.properties?.kind && resolved(own.properties.kind, schema);
+    const is =
+      name?.const === kind || (kindOf(name ?? {}, schema).kind === 'choice' && name?.enum?.[0] === kind);
+    if (is && own.properties?.options) return resolved(own.properties.options, schema);
+  }
+  return null;
+}

@@ -1,0 +1,348 @@
+// Room 4: how right is the model on records it has not seen?
+import { useEffect, useMemo } from 'preact/hooks';
+import { path, query } from '../api/client';
+import { useAll, useAnswer, useLatest, useResource } from '../api/resource';
+import type {
+  GainPhase,
+  Judged,
+  ModelCurves,
+  ModelEntry,
+  RecordEntry,
+  Responses,
+  Scored,
+} from '../api/types';
+import { command } from '../components/dock';
+import { ModelChoice, NoModel, useModel } from '../components/models';
+import { Failure, Finding, Head, Lacking, Origin, Waiting } from '../components/words';
+import { fileName, prose, quantity, significant } from '../format';
+import { Plot } from '../plot/Plot';
+import type { Line, Spec } from '../plot/spec';
+import { zoomOf } from '../plot/zoom';
+import { address, go, route, settle } from '../route';
+import { useSignal } from '../signal';
+import { loopOf, recordsOf, residualOf, timeOf } from './identify/Done';
+
+const TITLE = 'Validate';
+const QUESTION = 'How right is the model on records it has not seen?';
+
+export function Validate() {
+  const { models, model } = useModel();
+  const records = useResource<RecordEntry[]>('records').value;
+  if (!models || !records) {
+    return (
+      <>
+        <Head title={TITLE} question={QUESTION} />
+        <Waiting height={180} />
+      </>
+    );
+  }
+  if (!model) {
+    return (
+      <>
+        <Head title={TITLE} question={QUESTION} />
+        <NoModel />
+      </>
+    );
+  }
+  return <Judgement models={models} model={model} records={records} />;
+}
+
+function Judgement({
+  models,
+  model,
+  records,
+}: {
+  models: ModelEntry[];
+  model: ModelEntry;
+  records: RecordEntry[];
+}) {
+  const { query: asked } = useSignal(route);
+  const fitted = recordsOf(model, records);
+  const usable = records.filter((record) => record.device === model.device && !record.error);
+  const held = usable.filter((record) => record.settings.role === 'validate' && !fitted.includes(record));
+  const added = (asked.get('also')?.split(',') ?? []).map((id) =>
+    records.find((record) => record.id === id),
+  );
+  const judged = [
+    ...held,
+    ...added.filter((record) => record !== undefined && !held.includes(record)),
+  ] as RecordEntry[];
+  const others = usable.filter((record) => !judged.includes(record));
+  const scored = useAnswer<Scored>(judged.length > 0 ? `${path('models', model.id)}/scores` : null, {
+    records: judged.map((record) => record.id),
+  });
+  useEffect(() => {
+    command.value = scored.value?.command ?? null;
+  }, [scored.value]);
+  const chosen = judged.find((record) => record.id === asked.get('rec')) ?? judged[0];
+  const add = (id: string): void =>
+    settle({
+      also: [...judged.filter((record) => !held.includes(record)).map((record) => record.id), id].join(','),
+    });
+  return (
+    <>
+      <Head title={TITLE} question={QUESTION}>
+        <Origin simulated={model.simulated} />
+        <ModelChoice models={models} model={model} />
+        <Add records={others} fitted={fitted} add={add} />
+        <a class="btn primary" href={address({}, 'follow')}>
+          Follow a reference
+        </a>
+      </Head>
+      {judged.length === 0 ? (
+        <Lacking
+          title="Every record was used for the fit"
+          action={
+            <a class="btn primary" href={address({}, 'records')}>
+              Choose or add a record
+            </a>
+          }
+        >
+          Scores on the records of the fit flatter the model. Give one record the role “validate” and
+          identify without it, or measure another: another amplitude or frequency says most.
+        </Lacking>
+      ) : (
+        <div class="stack">
+          {scored.error && <Failure problem={scored.error.complaint} />}
+          {!scored.value && !scored.error && <Waiting height={180} />}
+          {scored.value && (
+            <Scores scored={scored.value} chosen={chosen?.id} fitted={fitted} name={model.name} />
+          )}
+          {chosen && <Curves key={chosen.id} model={model.id} record={chosen.id} />}
+          <Response model={model.id} records={judged} />
+        </div>
+      )}
+    </>
+  );
+}
+
+function Add({
+  records,
+  fitted,
+  add,
+}: {
+  records: RecordEntry[];
+  fitted: RecordEntry[];
+  add: (id: string) => void;
+}) {
+  if (records.length === 0) return null;
+  return (
+    <select
+      aria-label="Add a record to validate on"
+      value=""
+      onChange={(event) => {
+        if (event.currentTarget.value) add(event.currentTarget.value);
+        event.currentTarget.value = '';
+      }}
+    >
+      <option value="">Add a record…</option>
+      {records.map((record) => (
+        <option key={record.id} value={record.id}>
+          {fileName(record.id)}
+          {fitted.includes(record) ? ' (of the fit)' : ''}
+        </option>
+      ))}
+    </select>
+  );
+}
+
+function Scores(props: { scored: Scored; chosen?: string; fitted: RecordEntry[]; name: string }) {
+  const { scored } = props;
+  const rows = scored.records;
+  const units = rows.map((row) => row.score?.unit ?? '');
+  const define = (name: string): string | undefined =>
+    scored.definitions.find((definition) => definition.name.toLowerCase() === name.toLowerCase())?.text;
+  const band = rows.some((row) => row.in_band_percent != null);
+  const nanometres = rows.every((row) => !row.score || (row.score.unit === 'µm' && row.score.rmse < 1));
+  const unit = nanometres ? 'nm' : units.find(Boolean);
+  return (
+    <div class="cols g-cmp">
+      <div>
+        <div class="tw">
+          <table>
+            <caption>{props.name}, scores of a simulation from the start of each record</caption>
+            <thead>
+              <tr>
+                <th scope="col">Record</th>
+                <Column name="RMSE" unit={unit} text={define('RMSE')} />
+                <Column name="% of" unit="stroke" text={define('RMSE / stroke')} />
+                <Column name="largest error" unit={unit} text={define('max error')} />
+                <Column name="fit" unit="%" text={define('fit')} />
+                {band && <Column name="in band" unit="%, 95 expected" text={define('in band')} />}
+              </tr>
+            </thead>
+            <tbody>
+              {rows.map((row) => (
+                <ScoreRow key={row.record} row={row} band={band} nanometres={nanometres} {...props} />
+              ))}
+            </tbody>
+          </table>
+        </div>
+        <details>
+          <summary>Definitions</summary>
+          <dl class="facts">
+            {scored.definitions.map((definition) => (
+              <>
+                <dt>{definition.name}</dt>
+                <dd>{prose(definition.text)}</dd>
+              </>
+            ))}
+          </dl>
+        </details>
+      </div>
+      <div class="finds">
+        {rows.map((row) => (
+          <Verdict key={row.record} row={row} />
+        ))}
+      </div>
+    </div>
+  );
+}
+
+function Column({ name, unit, text }: { name: string; unit?: string; text?: string }) {
+  return (
+    <th scope="col" class="n">
+      {text ? (
+        <abbr class="def" title={text}>
+          {name}
+        </abbr>
+      ) : (
+        name
+      )}
+      <small>{unit}</small>
+    </th>
+  );
+}
+
+function ScoreRow(props: {
+  row: Judged;
+  band: boolean;
+  nanometres: boolean;
+  chosen?: string;
+  fitted: RecordEntry[];
+}) {
+  const { row } = props;
+  const { score } = row;
+  const error = (value: number): string =>
+    props.nanometres ? significant(value * 1000, 3) : quantity(value, '', 3)[0];
+  const percent = (value: number | null | undefined, digits: number): string =>
+    value == null ? '–' : value.toFixed(digits);
+  const choose = (): void => go({ rec: row.record, 'z.loop': null, 'z.t': null });
+  return (
+    <tr class={`click ${row.record === props.chosen ? 'sel' : ''}`} onClick={choose}>
+      <td>
+        <button type="button" class="link" aria-pressed={row.record === props.chosen}>
+          {fileName(row.record)}
+        </button>
+        {props.fitted.some((record) => record.id === row.record) && (
+          <span class="tag warn">of the fit</span>
+        )}
+      </td>
+      {score ? (
+        <>
+          <td class="n">{error(score.rmse)}</td>
+          <td class="n">{percent(score.rmse_percent_of_stroke, 2)}</td>
+          <td class="n">{error(score.max_abs_error)}</td>
+          <td class="n">{percent(score.fit_percent, 2)}</td>
+          {props.band && <td class="n">{percent(row.in_band_percent, 1)}</td>}
+        </>
+      ) : (
+        <td colSpan={props.band ? 5 : 4} class="soft">
+          {row.error?.what ?? 'not scored'}
+        </td>
+      )}
+    </tr>
+  );
+}
+
+function Verdict({ row }: { row: Judged }) {
+  if (!row.verdict && row.remarks.length === 0) return null;
+  return (
+    <Finding kind={row.remarks.length > 0 ? 'warn' : 'note'}>
+      <b class="mono">{fileName(row.record)}</b> {row.verdict ? prose(row.verdict) : ''}
+      {row.remarks.map((remark) => (
+        <p key={remark}>{prose(remark)}</p>
+      ))}
+    </Finding>
+  );
+}
+
+function Curves({ model, record }: { model: string; record: string }) {
+  const at = `${path('models', model)}/curves`;
+  const zoom = zoomOf('t');
+  const window = { from: zoom?.x[0], to: zoom?.x[1], pixels: 1000 };
+  const loop = useLatest<ModelCurves>(at + query({ record, view: 'loop', pixels: 700 }));
+  const time = useLatest<ModelCurves>(at + query({ record, view: 'time', ...window }));
+  const residual = useLatest<ModelCurves>(at + query({ record, view: 'residual', ...window }));
+  const titled = (spec: Spec | null): Spec | null =>
+    spec && { ...spec, title: spec.title.replace(/^Loop/, `Loop, ${fileName(record)}`) };
+  const loopSpec = useMemo(() => titled(loopOf(loop.value)), [loop.value]);
+  const timeSpec = useMemo(() => timeOf(time.value), [time.value]);
+  const residualSpec = useMemo(() => residualOf(residual.value), [residual.value]);
+  const failed = loop.error ?? time.error ?? residual.error;
+  if (failed) return <Failure problem={failed.complaint} />;
+  return (
+    <div class="cols g-plots hr">
+      {loopSpec ? <Plot spec={loopSpec} /> : <Waiting height={406} />}
+      <div>
+        {timeSpec ? <Plot spec={timeSpec} /> : <Waiting height={216} />}
+        {residualSpec ? <Plot spec={residualSpec} /> : <Waiting height={204} />}
+      </div>
+    </div>
+  );
+}
+
+/** Gain and phase at the frequencies of the records, where they have any. */
+function Response({ model, records }: { model: string; records: RecordEntry[] }) {
+  const addresses = records.map(
+    (record) => `${path('models', model)}/response${query({ record: record.id })}`,
+  );
+  const answers = useAll<Responses>(addresses);
+  const rows = answers.flatMap((answer) => answer.value?.rows ?? []);
+  if (rows.length === 0) return null;
+  const unit = answers.find((answer) => answer.value)?.value?.unit ?? '';
+  const sorted = [...rows].sort((a, b) => a.frequency_hz - b.frequency_hz);
+  const line = (
+    name: string,
+    of: (row: (typeof sorted)[0]) => GainPhase,
+    what: 'gain' | 'phase_deg',
+  ): Line => ({
+    name,
+    color: name === 'model' ? 'model' : 'measured',
+    x: sorted.map((row) => row.frequency_hz),
+    y: sorted.map((row) => of(row)[what]),
+    errors:
+      name === 'model'
+        ? undefined
+        : sorted.map((row) => (what === 'gain' ? of(row).gain_std_error : of(row).phase_std_error_deg)),
+    points: name === 'model' ? 2 : 6,
+    filled: name === 'model' ? () => true : undefined,
+  });
+  const spec = (
+    key: string,
+    title: string,
+    label: string,
+    own: string,
+    what: 'gain' | 'phase_deg',
+  ): Spec => ({
+    key,
+    title,
+    description: 'Measured and model at each frequency.',
+    height: 206,
+    x: { label: 'frequency (Hz)', unit: 'Hz', log: true },
+    y: { label, unit: own },
+    lines: [line('measured', (row) => row.measured, what), line('model', (row) => row.model, what)],
+  });
+  return (
+    <div class="hr">
+      <div class="cols g-2">
+        <Plot spec={spec('gain', 'Gain at the records’ frequencies', `gain (${unit})`, unit, 'gain')} />
+        <Plot spec={spec('phase', 'Phase', 'phase (°)', '°', 'phase_deg')} />
+      </div>
+      <p class="soft s">
+        First harmonic at the amplitude of each record; hysteresis makes it depend on amplitude, so that it
+        is no transfer function.
+      </p>
+    </div>
+  );
+}
