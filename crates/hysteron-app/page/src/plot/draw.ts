@@ -19,6 +19,7 @@ export function line(plot: uPlot, drawn: Line): void {
   clipped(plot, (ctx, ratio) => {
     ctx.strokeStyle = token(drawn.color);
     ctx.lineJoin = 'round';
+    ctx.lineCap = drawn.dash ? 'butt' : 'round';
     if (drawn.points) return dots(plot, drawn, ctx, ratio);
     ctx.lineWidth = (drawn.width ?? 1.5) * ratio;
     ctx.setLineDash((drawn.dash ?? []).map((length) => length * ratio));
@@ -40,7 +41,11 @@ function path(plot: uPlot, drawn: Line): Path2D {
     const left = plot.valToPos(drawn.x[i] as number, 'x', true);
     const top = plot.valToPos(y, 'y', true);
     if (joined && !breaks.has(i)) result.lineTo(left, top);
-    else result.moveTo(left, top);
+    else {
+      result.moveTo(left, top);
+      // A sample between two breaks is a point.
+      result.lineTo(left, top);
+    }
     joined = true;
   }
   return result;

@@ -81,9 +81,10 @@ export class Figure {
       return;
     }
     this.plot.batch(() => {
+      // A redraw sets the scale across to what it was: the new one has to come after it.
+      this.plot.redraw(true, true);
       this.plot.setScale('x', { min: this.view.x[0], max: this.view.x[1] });
       this.plot.setScale('y', { min: this.view.y[0], max: this.view.y[1] });
-      this.plot.redraw(true, true);
     });
   }
 

@@ -174,8 +174,9 @@ function Bench({ offered }: { offered: Options }) {
 function Seen({ record, made }: { record: string; made: Made }) {
   const entry = useLatest<RecordEntry>(path('records', record)).value;
   const curve = useLatest<Curve>(
-    entry &&
-      `${path('records', record)}/curve${parameters({ x: entry.input, y: entry.output, pixels: 700 })}`,
+    entry
+      ? `${path('records', record)}/curve${parameters({ x: entry.input, y: entry.output, pixels: 700 })}`
+      : null,
   ).value;
   if (!curve) return <Waiting height={330} />;
   return (

@@ -86,15 +86,14 @@ function Now({ job, shown }: { job: Job; shown: Running | null }) {
   const record = useLatest<RecordDetail>(latest ? path('records', latest.record) : null).value;
   const floor = record?.inspection?.noise_floor_rms;
   const unit = latest?.residual.up.unit ?? job.unit;
-  const name = latest ? fileName(latest.record) : '';
   const list: Quantity[] = [];
   const add = (label: string, value: number | null | undefined, own: string, note: string): void => {
     const [number, symbol] = value == null ? ['–', ''] : quantity(value, own);
     list.push({ label, value: number, unit: symbol, note });
   };
-  add('RMSE so far', latest?.rmse, unit, name ? `on what is drawn of ${name}` : '');
-  add('best cost', job.cost, job.unit, 'weighted; of this stage’s data');
-  add('noise floor', floor, unit, floor == null ? '' : `of ${name}; nothing gets below`);
+  add('RMSE so far', latest?.rmse, unit, 'of the loop that is drawn');
+  add('best cost', job.cost, job.unit, 'weighted, of this stage');
+  add('noise floor', floor, unit, floor == null ? '' : 'nothing gets below');
   const [time, symbol] = seconds(job.elapsed_s).split(' ');
   const runs = job.state === 'running';
   list.push({

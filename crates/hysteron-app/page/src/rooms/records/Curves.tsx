@@ -94,7 +94,7 @@ function over(curve: Curve, record: RecordDetail, output: boolean): Spec {
       label: output ? hertz(segment.sample_rate_hz) : undefined,
     })),
     masks: record.settings.masks,
-    tools: output ? ['zoom', 'pan', 'mask', 'cut'] : ['zoom', 'pan'],
+    tools: output ? ['zoom', 'pan', 'mask', 'cut'] : [],
     chosen: (tool, from, to) => {
       if (tool === 'mask') void settings(record.id, { masks: [...record.settings.masks, [from, to]] });
       else void settings(record.id, { from_s: from, to_s: to }).then(() => setZoom('t', null));

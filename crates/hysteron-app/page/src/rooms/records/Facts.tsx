@@ -131,6 +131,7 @@ export function Determines({ prospects, of }: { prospects: Prospects; of: number
 /** Warnings of the inspection, then choices made while the file was read. */
 export function Remarks({ record }: { record: RecordDetail }) {
   const warnings = record.inspection?.findings.filter((finding) => finding.warning) ?? [];
+  if (warnings.length + record.notes.length === 0) return null;
   return (
     <div class="finds">
       {warnings.map((finding) => (

@@ -1,0 +1,157 @@
+// Controllers that follow the reference on the simulated bench.
+import { useState } from 'preact/hooks';
+import { change, Refusal, type Complaint } from '../../api/client';
+import type { Tracked, TrackedController } from '../../api/types';
+import { Failure } from '../../components/words';
+import { prose, quantityText, significant } from '../../format';
+import { Plot, Swatch } from '../../plot/Plot';
+import type { Line, Spec } from '../../plot/spec';
+import { asLine } from '../records/Curves';
+
+export function Bench(props: {
+  at: string;
+  reference: unknown;
+  range: number[] | null;
+  slew: number | null;
+  bandwidth: number | null;
+}) {
+  const [tracked, keep] = useState<Tracked | null>(null);
+  const [problem, complain] = useState<Complaint | null>(null);
+  const [busy, mark] = useState(false);
+  const [chosen, choose] = useState<string[]>([]);
+  const simulate = async (): Promise<void> => {
+    mark(true);
+    const options: Record<string, unknown> = {};
+    if (props.range) options.range = props.range;
+    if (props.slew) options.slew_per_s = props.slew;
+    if (props.bandwidth) options.bandwidth_hz = props.bandwidth;
+    try {
+      const answer = await change<Tracked>('POST', `${props.at}/track`, {
+        reference: props.reference,
+        options,
+      });
+      const ranked = [...answer.controllers].sort((a, b) => (a.rms ?? Infinity) - (b.rms ?? Infinity));
+      keep({ ...answer, controllers: ranked });
+      choose(ranked.slice(0, 1).map((controller) => controller.name));
+      complain(null);
+    } catch (error) {
+      complain(error instanceof Refusal ? error.complaint : { what: String(error) });
+    }
+    mark(false);
+  };
+  if (!tracked) {
+    return (
+      <div class="card">
+        <h2>Controllers on the simulated bench</h2>
+        <p class="soft gap">
+          The prediction is of the model with itself. On the bench, whose truth lies outside every model
+          class, the controllers show what a device may add.
+        </p>
+        <button type="button" onClick={() => void simulate()} aria-disabled={busy}>
+          {busy ? 'Simulating all controllers…' : 'Simulate the controllers'}
+        </button>
+        {problem && <Failure problem={problem} />}
+      </div>
+    );
+  }
+  const toggle = (name: string): void =>
+    choose(chosen.includes(name) ? chosen.filter((other) => other !== name) : [...chosen.slice(-2), name]);
+  return <Controllers tracked={tracked} chosen={chosen} toggle={toggle} />;
+}
+
+const STROKES: Pick<Line, 'color' | 'dash' | 'width'>[] = [
+  { color: 'band', width: 1.8 },
+  { color: 'residual', dash: [6, 2], width: 1.6 },
+  { color: 'k6', dash: [2, 2], width: 1.8 },
+];
+
+function Controllers(props: { tracked: Tracked; chosen: string[]; toggle: (name: string) => void }) {
+  const { tracked, chosen } = props;
+  const shown = chosen
+    .map((name) => tracked.controllers.find((controller) => controller.name === name))
+    .filter((controller): controller is TrackedController => controller !== undefined);
+  const unit = tracked.output_unit;
+  const spec: Spec = {
+    key: 'bench',
+    title: 'Error on the bench',
+    description: 'Reference minus displacement of the chosen controllers.',
+    height: 216,
+    flat: true,
+    zero: true,
+    x: { label: 'time (s)', unit: 's' },
+    y: { label: `reference − y (${unit})`, unit },
+    lines: shown.map((controller, i) => ({
+      ...asLine(controller.curves.error, 'band', 1.5, controller.name),
+      ...STROKES[i % STROKES.length],
+    })),
+  };
+  return (
+    <div class="stack">
+      {shown.length > 0 && <Plot spec={spec} />}
+      <div class="tw">
+        <table class="mid">
+          <caption>
+            Controllers on the simulated bench <span class="tag sim">simulated</span>
+          </caption>
+          <thead>
+            <tr>
+              <th scope="col">Controller</th>
+              <th scope="col" class="n">
+                Error rms
+              </th>
+              <th scope="col" class="n">
+                largest
+              </th>
+              <th scope="col" class="n">
+                Gain <small>margin</small>
+              </th>
+            </tr>
+          </thead>
+          <tbody>
+            {tracked.controllers.map((controller) => {
+              const at = chosen.indexOf(controller.name);
+              return (
+                <tr key={controller.name} class={at >= 0 ? 'sel' : ''}>
+                  <td title={controller.summary}>
+                    <label class="row">
+                      <input
+                        type="checkbox"
+                        checked={at >= 0}
+                        onChange={() => props.toggle(controller.name)}
+                      />
+                      {controller.name}
+                      {at >= 0 && (
+                        <span class="lg">
+                          <Swatch line={STROKES[at % STROKES.length] as Line} />
+                        </span>
+                      )}
+                      {controller.samples_held_back > 0 && <span class="tag warn">at limit</span>}
+                    </label>
+                  </td>
+                  {controller.runs_away ? (
+                    <td colSpan={2} class="soft">
+                      fails to follow
+                    </td>
+                  ) : (
+                    <>
+                      <td class="n">{controller.rms != null ? quantityText(controller.rms, unit) : '–'}</td>
+                      <td class="n">{controller.max != null ? quantityText(controller.max, unit) : '–'}</td>
+                    </>
+                  )}
+                  <td class="n">
+                    {controller.gain_margin != null ? significant(controller.gain_margin, 2) : 'none'}
+                  </td>
+                </tr>
+              );
+            })}
+          </tbody>
+        </table>
+        <p class="soft s">
+          {prose(tracked.plant)} Scored from {significant(tracked.scored_s[0])} to{' '}
+          {significant(tracked.scored_s[1])} s.
+          {tracked.left_out.length > 0 ? ` Left out: ${tracked.left_out.join('; ')}.` : ''}
+        </p>
+      </div>
+    </div>
+  );
+}

@@ -1,0 +1,111 @@
+// What is to be followed, and the limits of the drive.
+import { useResource } from '../../api/resource';
+import type { ModelDetail, Options, RecordEntry } from '../../api/types';
+import { SchemaForm } from '../../components/SchemaForm';
+import { fileName, significant } from '../../format';
+import { settle } from '../../route';
+import { uploadReference } from '../records/uploads';
+
+export type Specification = Record<string, unknown>;
+
+export interface Limits {
+  low: string;
+  high: string;
+  slew: string;
+  bandwidth: string;
+}
+
+export function ReferenceForm(props: {
+  specification: Specification;
+  file?: RecordEntry;
+  records: RecordEntry[];
+}) {
+  const options = useResource<Options>('options').value;
+  const change = (specification: Specification): void => settle({ ref: JSON.stringify(specification) });
+  return (
+    <div class="row wrap gaps">
+      <label class="row">
+        <span class="soft">Reference</span>
+        <select
+          value={props.file?.id ?? ''}
+          onChange={(event) => settle({ ref: event.currentTarget.value || null })}
+        >
+          <option value="">a waveform</option>
+          {props.records.map((record) => (
+            <option key={record.id} value={record.id}>
+              {record.settings.role === 'reference'
+                ? fileName(record.id)
+                : `output of ${fileName(record.id)}`}
+            </option>
+          ))}
+        </select>
+      </label>
+      <label class="btn upload">
+        Upload a reference…
+        <input
+          type="file"
+          class="vh"
+          onChange={(event) => {
+            const file = event.currentTarget.files?.[0];
+            if (file) void uploadReference(file).then((id) => id && settle({ ref: id }));
+            event.currentTarget.value = '';
+          }}
+        />
+      </label>
+      {!props.file && options && (
+        <details class="grow">
+          <summary>
+            Waveform: {String((props.specification.waveform as { kind?: string })?.kind ?? '')}
+          </summary>
+          <div class="set threes">
+            <SchemaForm
+              schema={options.drive}
+              root={options.drive}
+              value={props.specification}
+              change={change}
+              without={['name', 'soft_start_s', 'soft_end_s']}
+              labels={{
+                low_v: 'least value (unit of the output)',
+                high_v: 'greatest value (unit of the output)',
+              }}
+            />
+          </div>
+        </details>
+      )}
+    </div>
+  );
+}
+
+export function LimitsForm({ limits, detail }: { limits: Limits; detail: ModelDetail }) {
+  const field = (name: keyof Limits, label: string, placeholder: string, key: string) => (
+    <input
+      type="number"
+      step="any"
+      class="short"
+      aria-label={label}
+      placeholder={placeholder}
+      value={limits[name]}
+      onChange={(event) => settle({ [key]: event.currentTarget.value || null })}
+    />
+  );
+  const [low, high] = detail.drive_range ?? [];
+  const unit = detail.input_unit;
+  return (
+    <div class="row wrap gaps">
+      <span class="row">
+        <span class="soft">Drive</span>
+        {field('low', `Least drive in ${unit}`, low != null ? significant(low) : '', 'low')}
+        <span class="soft">to</span>
+        {field('high', `Greatest drive in ${unit}`, high != null ? significant(high) : '', 'high')} {unit}
+      </span>
+      <span class="row">
+        <span class="soft">Slew at most</span>
+        {field('slew', `Largest slew rate in ${unit} per second`, 'no limit', 'slew')} {unit}/s
+      </span>
+      <span class="row">
+        <span class="soft">Follows up to</span>
+        {field('bandwidth', 'Bandwidth in Hz', 'as usual', 'bandwidth')} Hz
+      </span>
+    </div>
+  );
+}
