@@ -3,7 +3,8 @@ SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
 .PHONY: FORCE help demo check test test-python kept-outputs python-tools wheel docs bench-python \
-  export-tools bench study article figures clean check-toolchain check-components
+  export-tools bench study article figures clean check-toolchain check-components \
+  page page-tools test-browser
 
 RECORD := examples/piezo-p885-200hz/identification_1hz.csv
 CYCLES := $(wildcard examples/afm-z-scanner/cycle_1_300hz_0*.csv)
@@ -100,6 +101,26 @@ test: check
 	$(MAKE) test-python docs
 	$(MAKE) export-tools
 	cargo test -p hysteron-export --locked --test '*'
+
+PAGE := crates/hysteron-app/page
+page-tools:
+	@command -v node >/dev/null || { echo "error: node is not installed"; \
+	  echo "  try: your system's package, e.g. 'apt-get install nodejs npm' (20 or newer)"; exit 1; }
+	@cmp -s $(PAGE)/package-lock.json $(PAGE)/node_modules/.installed || { \
+	  cd $(PAGE) && npm ci --silent && cp package-lock.json node_modules/.installed; }
+
+page: page-tools ## the page of `hysteron app`, from TypeScript into crates/hysteron-app/page/dist
+	cd $(PAGE) && npm run --silent build
+
+# A browser of the system; the driver downloads none.
+CHROMIUM := $(shell command -v chromium || command -v chromium-browser || command -v google-chrome)
+test-browser: page-tools ## the page in a real browser: newcomer, keyboard, accessibility, bad files, pictures in out/
+	@test -n "$(CHROMIUM)" || { echo "error: no chromium is installed"; \
+	  echo "  try: your system's package, e.g. 'apt-get install chromium'"; exit 1; }
+	cd $(PAGE) && npm run --silent check
+	cargo build --locked -p hysteron-cli
+	cd $(PAGE) && CHROMIUM=$(CHROMIUM) HYSTERON=$(abspath target/debug/hysteron) \
+	  OUT=$(abspath $(OUT))/browser npm test --silent
 
 article: $(HYSTERON) ## reproduce the article on the simulated bench: tables, figures, page
 	$(HYSTERON) article --out-dir $(OUT)/article

@@ -6,6 +6,7 @@ import type { Candidate, Command, Comparison, Job, JobRequest, RecordEntry } fro
 import { act, command, StopButton } from '../components/dock';
 import { Icon } from '../components/icon';
 import { Failure, Finding, Head, Lacking, Origin, Waiting } from '../components/words';
+import { TableBox } from '../components/window';
 import { count, fileName, left, prose, quantityText, seconds, significant } from '../format';
 import { Plot } from '../plot/Plot';
 import type { Spec } from '../plot/spec';
@@ -198,7 +199,7 @@ function Table({ comparison, pick, runs }: { comparison: Comparison; pick: strin
   const place = strip(comparison);
   const inverse = comparison.candidates.some((candidate) => candidate.invertible);
   return (
-    <div class="tw">
+    <TableBox label="Ranking">
       <table class="mid">
         <caption>
           Left out in turn: {count(comparison.folds.length, 'fold')}{' '}
@@ -261,7 +262,7 @@ function Table({ comparison, pick, runs }: { comparison: Comparison; pick: strin
         </tbody>
       </table>
       <p class="soft s">Blue bar: as good as the best within one standard error of the difference.</p>
-    </div>
+    </TableBox>
   );
 }
 

@@ -7,6 +7,7 @@ import { command, copy } from '../components/dock';
 import { Icon } from '../components/icon';
 import { ModelChoice, NoModel, useModel } from '../components/models';
 import { Failure, Head, Origin, Waiting } from '../components/words';
+import { TableBox } from '../components/window';
 import { bytes, count, fileName, integer, prose, significant } from '../format';
 import { route, settle } from '../route';
 import { useSignal } from '../signal';
@@ -89,7 +90,7 @@ function Forms({ models, model }: { models: ModelEntry[]; model: ModelEntry }) {
         <div class="stack">
           <Settings models={models} model={model} detail={detail} />
           <fieldset>
-            <div class="tw">
+            <TableBox label="Forms">
               <table class="mid">
                 <caption>Forms</caption>
                 <thead>
@@ -127,7 +128,7 @@ function Forms({ models, model }: { models: ModelEntry[]; model: ModelEntry }) {
                   ))}
                 </tbody>
               </table>
-            </div>
+            </TableBox>
           </fieldset>
           <Exactness preview={preview.value} detail={detail} />
           <Reports />

@@ -14,6 +14,7 @@ import type {
 import { command } from '../components/dock';
 import { ModelChoice, NoModel, useModel } from '../components/models';
 import { Failure, Finding, Head, Lacking, Origin, Waiting } from '../components/words';
+import { TableBox } from '../components/window';
 import { fileName, prose, quantity, significant } from '../format';
 import { Plot } from '../plot/Plot';
 import type { Line, Spec } from '../plot/spec';
@@ -158,7 +159,7 @@ function Scores(props: { scored: Scored; chosen?: string; fitted: RecordEntry[];
   return (
     <div class="cols g-cmp">
       <div>
-        <div class="tw">
+        <TableBox label="Scores">
           <table>
             <caption>{props.name}, scores of a simulation from the start of each record</caption>
             <thead>
@@ -177,7 +178,7 @@ function Scores(props: { scored: Scored; chosen?: string; fitted: RecordEntry[];
               ))}
             </tbody>
           </table>
-        </div>
+        </TableBox>
         <details>
           <summary>Definitions</summary>
           <dl class="facts">

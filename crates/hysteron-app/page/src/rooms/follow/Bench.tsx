@@ -3,6 +3,7 @@ import { useState } from 'preact/hooks';
 import { change, Refusal, type Complaint } from '../../api/client';
 import type { Tracked, TrackedController } from '../../api/types';
 import { Failure } from '../../components/words';
+import { TableBox } from '../../components/window';
 import { prose, quantityText, significant } from '../../format';
 import { Plot, Swatch } from '../../plot/Plot';
 import type { Line, Spec } from '../../plot/spec';
@@ -88,7 +89,7 @@ function Controllers(props: { tracked: Tracked; chosen: string[]; toggle: (name:
   return (
     <div class="stack">
       {shown.length > 0 && <Plot spec={spec} />}
-      <div class="tw">
+      <TableBox label="Controllers">
         <table class="mid">
           <caption>
             Controllers on the simulated bench <span class="tag sim">simulated</span>
@@ -151,7 +152,7 @@ function Controllers(props: { tracked: Tracked; chosen: string[]; toggle: (name:
           {significant(tracked.scored_s[1])} s.
           {tracked.left_out.length > 0 ? ` Left out: ${tracked.left_out.join('; ')}.` : ''}
         </p>
-      </div>
+      </TableBox>
     </div>
   );
 }

@@ -1,5 +1,6 @@
 // Numbers of a model with their errors and 95 % intervals.
 import type { ModelDetail, ParameterRow } from '../../api/types';
+import { TableBox } from '../../components/window';
 import { significant, unitText } from '../../format';
 
 /** Half the width of a linear bar, as a share of the value. */
@@ -12,7 +13,7 @@ export function Parameters({ model }: { model: ModelDetail }) {
   const places = rows.some((row) => row.place);
   const open = rows.some((row) => row.held || row.at_limit);
   return (
-    <div class="tw">
+    <TableBox label="Parameters">
       <table class="params">
         <caption>
           Parameters{' '}
@@ -57,7 +58,7 @@ export function Parameters({ model }: { model: ModelDetail }) {
           ))}
         </tbody>
       </table>
-    </div>
+    </TableBox>
   );
 }
 

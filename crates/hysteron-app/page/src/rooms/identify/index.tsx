@@ -5,6 +5,7 @@ import { useAnswer, useResource } from '../../api/resource';
 import type { Command, Job, JobRequest, ModelEntry, Options, RecordEntry } from '../../api/types';
 import { act, command, StopButton } from '../../components/dock';
 import { Failure, Head, Lacking, Origin, Waiting } from '../../components/words';
+import { Fold } from '../../components/window';
 import { count, fileName } from '../../format';
 import { address, go, route } from '../../route';
 import { useSignal } from '../../signal';
@@ -114,7 +115,9 @@ export function Identify() {
       </Head>
       <div class="cols g-id">
         <div class="stack">
-          <Settings records={taken} out={own.filter((record) => leftOut.has(record.id))} running={runs} />
+          <Fold title={`Settings, ${count(taken.length, 'record')}`} folded={shownModel !== undefined}>
+            <Settings records={taken} out={own.filter((record) => leftOut.has(record.id))} running={runs} />
+          </Fold>
           {shownModel && <About id={shownModel.id} />}
         </div>
         <div class="stack">

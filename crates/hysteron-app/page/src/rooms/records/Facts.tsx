@@ -2,6 +2,7 @@
 import { Finding, LibraryFinding } from '../../components/words';
 import type { Inspection, Prospects, RecordDetail } from '../../api/types';
 import { capital } from '../../components/words';
+import { TableBox } from '../../components/window';
 import { hertz, integer, prose, quantityText, seconds, significant, unitText } from '../../format';
 
 function drive(inspection: Inspection): string {
@@ -94,7 +95,7 @@ const YES: Record<string, [string, string]> = {
 export function Determines({ prospects, of }: { prospects: Prospects; of: number }) {
   const title = of === 1 ? 'What this record determines' : `What these ${of} records determine together`;
   return (
-    <div class="tw">
+    <TableBox label="What is determined">
       <table>
         <caption>{title}</caption>
         <thead>
@@ -124,7 +125,7 @@ export function Determines({ prospects, of }: { prospects: Prospects; of: number
           })}
         </tbody>
       </table>
-    </div>
+    </TableBox>
   );
 }
 
