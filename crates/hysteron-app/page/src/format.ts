@@ -121,3 +121,10 @@ export function fileName(id: string): string {
 export function stem(id: string): string {
   return fileName(id).replace(/\.[^.]+$/, '');
 }
+
+/** A number that the library has printed. */
+export function printed(text: string | null): string {
+  return (text ?? '').replace(/-(?=\d)/g, MINUS).replace(/e(−?\d+)$/, (_, power: string) => {
+    return ` × 10${superscript(Number(power.replace(MINUS, '-')))}`;
+  });
+}

@@ -55,6 +55,8 @@ export interface RecordEntry {
   warning: string | null;
   error: Problem | null;
   simulated: boolean;
+  /** The file is being read for the first time. */
+  reading?: boolean;
 }
 
 export interface Channel {
@@ -350,7 +352,7 @@ export interface ModelDetail extends ModelEntry {
 
 export interface ModelCurves {
   record: string;
-  view: 'loop' | 'time' | 'residual';
+  view: 'loop' | 'time' | 'residual' | 'residual-loop';
   series: { name: string; curve: Curve }[];
   scores: Score;
   fitted: boolean;

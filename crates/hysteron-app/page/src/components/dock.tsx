@@ -20,6 +20,11 @@ export function copy(text: string): void {
   );
 }
 
+/** Kind and name of a job, once where they are the same. */
+export function titleOf(job: Job): string {
+  return job.name === job.request.kind ? job.name : `${job.request.kind} ${job.name}`;
+}
+
 export async function act(job: Job, what: 'stop' | 'resume' | 'delete'): Promise<void> {
   const at = path('jobs', String(job.id));
   try {
@@ -94,7 +99,7 @@ function JobBar() {
         <span class="st" />
         <span class="tx soft">
           {last
-            ? `No job runs. Last: ${last.request.kind} ${last.name}, ${ENDED[last.state] ?? ''}, ${seconds(last.elapsed_s)}`
+            ? `No job runs. Last: ${titleOf(last)}, ${ENDED[last.state] ?? ''}, ${seconds(last.elapsed_s)}`
             : 'No job runs.'}
         </span>
         <span class="sp" />

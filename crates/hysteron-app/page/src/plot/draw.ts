@@ -1,5 +1,6 @@
 // Strokes on the canvas of a figure. Places are in pixels of the device: `pxRatio` to one of the page.
 import uPlot from 'uplot';
+import { placed } from './labels';
 import type { Line, Spec } from './spec';
 
 const style = (): CSSStyleDeclaration => getComputedStyle(document.documentElement);
@@ -133,10 +134,20 @@ export function frame(plot: uPlot, spec: Spec): void {
   ctx.font = `${12 * ratio}px ${token('sans')}`;
   ctx.fillStyle = token('ink');
   ctx.textBaseline = 'alphabetic';
-  for (const mark of spec.marks ?? []) {
-    ctx.textAlign = mark.left ? 'right' : 'left';
-    const left = plot.valToPos(mark.x, 'x', true) + (mark.left ? -9 : 9) * ratio;
-    ctx.fillText(mark.text, left, plot.valToPos(mark.y, 'y', true) + 4 * ratio);
+  const points = (spec.marks ?? []).map(({ x, y, text }) => ({
+    left: plot.valToPos(x, 'x', true) / ratio,
+    top: plot.valToPos(y, 'y', true) / ratio,
+    text,
+  }));
+  const area = {
+    left: bbox.left / ratio,
+    right: (bbox.left + bbox.width) / ratio,
+    top: bbox.top / ratio,
+    bottom: (bbox.top + bbox.height) / ratio,
+  };
+  for (const word of placed(points, area, (text) => ctx.measureText(text).width / ratio)) {
+    ctx.textAlign = word.end ? 'right' : 'left';
+    ctx.fillText(word.text, word.left * ratio, word.top * ratio);
   }
   ctx.textAlign = 'left';
   ctx.fillText(spec.y.label, 2 * ratio, 13 * ratio);

@@ -60,7 +60,7 @@ export interface Spec {
   masks?: Range[];
   stretches?: { from: number; to: number; label?: string }[];
   levels?: { y: number; label?: string }[];
-  marks?: { x: number; y: number; text: string; left?: boolean }[];
+  marks?: { x: number; y: number; text: string }[];
   /** The axes stay as they are while this stays. */
   hold?: string;
   tools?: Tool[];

@@ -1,4 +1,5 @@
 // A figure as an SVG file, with the colours of the theme that is shown.
+import { placed } from './labels';
 import { ticks } from './ticks';
 import type { Line, Spec, View } from './spec';
 
@@ -67,6 +68,12 @@ export function svg(spec: Spec, view: View, width: number): string {
     tag('path', { d: path(line, x, y), fill: 'none', stroke, 'stroke-width': line.width ?? 1.5, ...dash });
   }
   parts.push('</g>');
+  const area = { left: LEFT, right: LEFT + w, top: TOP, bottom: TOP + h };
+  const words = (spec.marks ?? []).map((mark) => ({ left: x(mark.x), top: y(mark.y), text: mark.text }));
+  for (const word of placed(words, area, (text) => text.length * 6.2)) {
+    const anchor = word.end ? 'end' : 'start';
+    tag('text', { x: word.left, y: word.top, 'text-anchor': anchor, fill: token('ink') }, word.text);
+  }
   tag('rect', { x: LEFT, y: TOP, width: w, height: h, fill: 'none', stroke: token('rule2') });
   tag('text', { x: 2, y: 13, fill: token('ink') }, spec.y.label);
   if (!spec.x.hide) {

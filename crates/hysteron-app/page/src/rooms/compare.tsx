@@ -23,10 +23,11 @@ export function Compare() {
   const list = useSignal(jobs).filter((job) => job.request.kind === 'compare');
   const records = useResource<RecordEntry[]>('records').value;
   const [problem, complain] = useState<Complaint | null>(null);
-  const device = records && deviceOf(query, records);
+  const job = list.find((one) => String(one.id) === query.get('job')) ?? list[0];
+  const compared = records?.find((record) => record.id === job?.request.records[0]);
+  const device = query.get('device') || !compared ? records && deviceOf(query, records) : compared.device;
   const usable =
     records?.filter((r) => r.device === device && !r.error && r.settings.role !== 'unused') ?? [];
-  const job = list.find((one) => String(one.id) === query.get('job')) ?? list[0];
   const quick = query.get('search') === null;
   const request: JobRequest = { kind: 'compare', records: usable.map((record) => record.id), quick };
   const preview = useAnswer<Command>(usable.length > 0 ? 'commands' : null, request).value;

@@ -1,7 +1,7 @@
 // Jobs of this workspace with their commands.
 import { useEffect } from 'preact/hooks';
 import type { Job } from '../api/types';
-import { act, command } from '../components/dock';
+import { act, command, titleOf } from '../components/dock';
 import { Failure, Head } from '../components/words';
 import { seconds } from '../format';
 import { address } from '../route';
@@ -42,9 +42,7 @@ function Entry({ job }: { job: Job }) {
     <li class="card">
       <div class="row">
         <a href={place}>
-          <b>
-            {job.request.kind} {job.name}
-          </b>
+          <b>{titleOf(job)}</b>
         </a>
         <span class={`tag ${job.state === 'failed' ? 'bad' : job.state === 'done' ? 'good' : ''}`}>
           {job.state}

@@ -99,13 +99,13 @@ function Fit({ id, record }: { id: string; record: string }) {
   const zoom = zoomOf('t');
   const window = { from: zoom?.x[0], to: zoom?.x[1], pixels: 1000 };
   const loop = useLatest<ModelCurves>(at + query({ record, view: 'loop', pixels: 700 }));
-  const time = useLatest<ModelCurves>(at + query({ record, view: 'time', ...window }));
+  const across = useLatest<ModelCurves>(at + query({ record, view: 'residual-loop', pixels: 700 }));
   const residual = useLatest<ModelCurves>(at + query({ record, view: 'residual', ...window }));
   const detail = useLatest<RecordDetail>(path('records', record)).value;
   const loopSpec = useMemo(() => loopOf(loop.value), [loop.value]);
-  const timeSpec = useMemo(() => timeOf(time.value), [time.value]);
+  const acrossSpec = useMemo(() => acrossOf(across.value), [across.value]);
   const residualSpec = useMemo(() => residualOf(residual.value), [residual.value]);
-  const failed = loop.error ?? time.error ?? residual.error;
+  const failed = loop.error ?? residual.error ?? across.error;
   if (failed) return <Failure problem={failed.complaint} />;
   return (
     <>
@@ -117,8 +117,8 @@ function Fit({ id, record }: { id: string; record: string }) {
       <div class="cols g-plots">
         {loopSpec ? <Plot spec={loopSpec} /> : <Waiting height={406} />}
         <div>
-          {timeSpec ? <Plot spec={timeSpec} /> : <Waiting height={200} />}
-          {residualSpec ? <Plot spec={residualSpec} /> : <Waiting height={200} />}
+          {residualSpec ? <Plot spec={residualSpec} /> : <Waiting height={204} />}
+          {acrossSpec ? <Plot spec={acrossSpec} /> : <Waiting height={204} />}
         </div>
       </div>
       {loop.value && loop.value.remarks.length > 0 && (
@@ -200,7 +200,7 @@ export function residualOf(curves: ModelCurves | undefined): Spec | null {
   const most = Math.max(Math.abs(residual.up.low), Math.abs(residual.up.high)) * 1.05 || 1;
   return {
     key: 't',
-    title: 'Residual',
+    title: 'Residual over time',
     description: 'Measured minus model over time.',
     height: 178,
     flat: true,
@@ -210,6 +210,23 @@ export function residualOf(curves: ModelCurves | undefined): Spec | null {
     lines: [asLine(residual, 'residual', 1)],
     band: bandOf(curves),
     tools: ['zoom', 'pan'],
+  };
+}
+
+function acrossOf(curves: ModelCurves | undefined): Spec | null {
+  const residual = curveOf(curves, 'residual');
+  if (!residual) return null;
+  const most = Math.max(Math.abs(residual.up.low), Math.abs(residual.up.high)) * 1.05 || 1;
+  return {
+    key: 'across',
+    title: 'Residual over the drive',
+    description: 'Measured minus model over the drive: what the shape of the loop misses.',
+    height: 178,
+    loop: true,
+    zero: true,
+    x: { label: axisLabel('drive', residual.across), unit: residual.across.unit },
+    y: { label: `measured − model (${residual.up.unit})`, unit: residual.up.unit, range: [-most, most] },
+    lines: [asLine(residual, 'residual', 0.9)],
   };
 }
 

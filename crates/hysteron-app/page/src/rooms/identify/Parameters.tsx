@@ -1,7 +1,7 @@
 // Numbers of a model with their errors and 95 % intervals.
 import type { ModelDetail, ParameterRow } from '../../api/types';
 import { TableBox } from '../../components/window';
-import { significant, unitText } from '../../format';
+import { printed, significant, unitText } from '../../format';
 
 /** Half the width of a linear bar, as a share of the value. */
 const HALF = 0.5;
@@ -11,7 +11,7 @@ const DECADES = 1;
 export function Parameters({ model }: { model: ModelDetail }) {
   const rows = model.parameters;
   const places = rows.some((row) => row.place);
-  const open = rows.some((row) => row.held || row.at_limit);
+  const open = rows.some((row) => row.at_limit);
   return (
     <TableBox label="Parameters">
       <table class="params">
@@ -45,15 +45,13 @@ export function Parameters({ model }: { model: ModelDetail }) {
               <td>
                 {row.name} {row.meaning && <small class="soft">{row.meaning}</small>}
               </td>
-              <td class="n">{row.text}</td>
-              <td class="n soft">{row.held ? 'held' : row.std_error_text}</td>
+              <td class="n">{printed(row.text)}</td>
+              <td class="n soft">{row.held ? 'held' : printed(row.std_error_text)}</td>
               <td class="nw">{unitText(row.unit)}</td>
               <td>
                 <IntervalBar row={row} />
               </td>
-              {open && (
-                <td class="soft">{row.at_limit ? 'at the end of its range' : row.held ? 'held' : ''}</td>
-              )}
+              {open && <td class="soft">{row.at_limit ? 'at the end of its range' : ''}</td>}
             </tr>
           ))}
         </tbody>

@@ -1,15 +1,17 @@
 // Room 2: which model describes these records, and how sure is each number?
 import { useEffect, useState } from 'preact/hooks';
-import { change, Refusal, type Complaint } from '../../api/client';
-import { useAnswer, useResource } from '../../api/resource';
-import type { Command, Job, JobRequest, ModelEntry, Options, RecordEntry } from '../../api/types';
+import { change, path, query, Refusal, type Complaint } from '../../api/client';
+import { useAnswer, useLatest, useResource } from '../../api/resource';
+import type { Command, Curve, Job, JobRequest, ModelEntry, Options, RecordEntry } from '../../api/types';
 import { act, command, StopButton } from '../../components/dock';
 import { Failure, Head, Lacking, Origin, Waiting } from '../../components/words';
 import { Fold } from '../../components/window';
 import { count, fileName } from '../../format';
+import { Plot } from '../../plot/Plot';
 import { address, go, route } from '../../route';
 import { useSignal } from '../../signal';
 import { jobs, took } from '../../store';
+import { asLine, axisLabel } from '../records/Curves';
 import { isFit } from '../records/roles';
 import { About, Done } from './Done';
 import { Live } from './Live';
@@ -28,7 +30,7 @@ export function deviceOf(query: URLSearchParams, records: RecordEntry[]): string
 }
 
 export function Identify() {
-  const { query } = useSignal(route);
+  const { query: asks } = useSignal(route);
   const list = useSignal(jobs).filter((job) => job.request.kind === 'identify');
   const records = useResource<RecordEntry[]>('records').value;
   const models = useResource<ModelEntry[]>('models').value;
@@ -36,13 +38,13 @@ export function Identify() {
   const [problem, complain] = useState<Complaint | null>(null);
 
   const active = list.find((job) => job.state === 'running') ?? list.find((job) => job.state === 'waiting');
-  const named = list.find((job) => String(job.id) === query.get('job'));
-  const device = records && deviceOf(query, records);
+  const named = list.find((job) => String(job.id) === asks.get('job'));
+  const wanted = models?.find((entry) => entry.id === asks.get('m'));
+  const device = wanted?.device ?? (records && deviceOf(asks, records));
   const model =
-    models?.find((entry) => entry.id === query.get('m')) ??
-    (query.get('new') ? undefined : newest(models?.filter((entry) => entry.device === device)));
-  const fresh = query.get('new') !== null;
-  const job = named ?? (query.get('m') || fresh ? undefined : active);
+    wanted ?? (asks.get('new') ? undefined : newest(models?.filter((entry) => entry.device === device)));
+  const fresh = asks.get('new') !== null;
+  const job = named ?? (asks.get('m') || fresh ? undefined : active);
 
   // The model of a fit that is watched is shown as soon as it is there.
   const finished = job?.state === 'done' ? job.result.models[0] : undefined;
@@ -51,7 +53,7 @@ export function Identify() {
   }, [finished]);
 
   const own = records?.filter((record) => record.device === device && isFit(record)) ?? [];
-  const leftOut = new Set(query.get('out')?.split(',') ?? []);
+  const leftOut = new Set(asks.get('out')?.split(',') ?? []);
   const taken = own.filter((record) => !leftOut.has(record.id));
   const request: JobRequest | null =
     offered && taken.length > 0
@@ -177,11 +179,32 @@ function Ready({ records }: { records: RecordEntry[] }) {
         settings are the usual ones, chosen by what the records support; the fit is shown as it happens and
         can be stopped at any time.
       </p>
-      <div class="cols g-plots">
-        <Waiting height={356} />
-        <Waiting height={356} />
+      <div class="cols g-2">
+        {records.slice(0, 4).map((record) => (
+          <Glimpse key={record.id} record={record} />
+        ))}
       </div>
     </div>
+  );
+}
+
+/** The loop of a record that will be fitted. */
+function Glimpse({ record }: { record: RecordEntry }) {
+  const from = query({ x: record.input, y: record.output, pixels: 600 });
+  const curve = useLatest<Curve>(`${path('records', record.id)}/curve${from}`).value;
+  if (!curve) return <Waiting height={286} />;
+  return (
+    <Plot
+      spec={{
+        key: record.id,
+        title: `${fileName(record.id)}: ${curve.shown}`,
+        height: 260,
+        loop: true,
+        x: { label: axisLabel('drive', curve.across), unit: curve.across.unit },
+        y: { label: axisLabel('output', curve.up), unit: curve.up.unit },
+        lines: [asLine(curve, 'measured', 1.5)],
+      }}
+    />
   );
 }
 

@@ -108,7 +108,9 @@ function Chip(props: {
 }) {
   const { record, part } = props;
   const [over, set] = useState(false);
-  const facts = record.error ? (
+  const facts = record.reading ? (
+    <span>reading</span>
+  ) : record.error ? (
     <span>{record.error.where ?? 'not read'}</span>
   ) : (
     <>
@@ -140,7 +142,13 @@ function Chip(props: {
         if (moved && moved !== record.id) void settings(moved, { continues: record.id });
       }}
     >
-      {record.error ? <Icon name="bad" /> : <Glyph points={record.glyph} />}
+      {record.reading ? (
+        <span class="sk" />
+      ) : record.error ? (
+        <Icon name="bad" />
+      ) : (
+        <Glyph points={record.glyph} />
+      )}
       <span class="nm">
         {part ? '↳ ' : ''}
         {fileName(record.id)}

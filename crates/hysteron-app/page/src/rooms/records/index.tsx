@@ -5,7 +5,7 @@ import { changed, useAnswer, useLatest, useResource } from '../../api/resource';
 import type { RecordDetail, RecordEntry, Together, Workspace } from '../../api/types';
 import { command } from '../../components/dock';
 import { Failure, Finding, Head, Waiting } from '../../components/words';
-import { count, prose } from '../../format';
+import { count, fileName, prose } from '../../format';
 import { address, go, route } from '../../route';
 import { useSignal } from '../../signal';
 import { Curves } from './Curves';
@@ -98,7 +98,7 @@ function Detail({
     command.value = record?.command ?? null;
   }, [record]);
   if (answer.error) return <Failure problem={answer.error.complaint} />;
-  if (!record) return <Boxes name={entry.id} />;
+  if (!record || entry.reading) return <Boxes name={fileName(entry.id)} />;
   const prospects = together ? joint.value?.prospects : record.prospects;
   return (
     <div class="stack">

@@ -17,7 +17,9 @@ export function roleName(role: Role): string {
 }
 
 export function isFit(record: RecordEntry): boolean {
-  return !record.error && ['auto', 'quasi-static', 'dynamic'].includes(record.settings.role);
+  return (
+    !record.error && !record.reading && ['auto', 'quasi-static', 'dynamic'].includes(record.settings.role)
+  );
 }
 
 /** Records of the same device, in whose folder `of` is. */
