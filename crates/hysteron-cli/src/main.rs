@@ -9,6 +9,7 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 mod adapt;
 mod advice;
+mod app;
 mod article;
 mod axes;
 mod choices;
@@ -82,6 +83,7 @@ enum Command {
     Rig(rig::Rig),
     Optimizers(optimizers::Optimizers),
     Article(article::Article),
+    App(app::App),
     Completions(completions::Completions),
     Schema(schema::Schema),
 }
@@ -105,6 +107,7 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Rig(c) => c.run(),
         Command::Optimizers(c) => c.run(),
         Command::Article(c) => c.run(),
+        Command::App(c) => c.run(),
         Command::Completions(c) => c.run(),
         Command::Schema(c) => c.run(),
     }

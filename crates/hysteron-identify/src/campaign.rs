@@ -2,7 +2,7 @@
 
 use super::options::{CampaignRecord, DynamicsChoice, Options, RecordRole};
 use super::{IdentifyError, RecordFacts};
-use hysteron_model::record::MeasurementRun;
+use hysteron_model::record::{InputOutput, MeasurementRun};
 use rayon::prelude::*;
 
 /// Fewest valid samples of a usable record.
@@ -77,6 +77,15 @@ pub(super) fn roles(campaign: &[CampaignRecord], facts: &[RecordFacts]) -> Vec<R
             })
         })
         .collect()
+}
+
+/// Roles of records in an identification, recognised by their drives: the slowest records are quasi-static
+/// unless broadband, the others carry dynamics.
+pub fn recognised_roles(records: &[InputOutput]) -> Vec<RecordRole> {
+    let campaign: Vec<CampaignRecord> =
+        records.iter().map(|data| CampaignRecord { data: data.clone(), role: None }).collect();
+    let facts: Vec<RecordFacts> = records.iter().map(|data| RecordFacts::new(data.clone())).collect();
+    roles(&campaign, &facts)
 }
 
 /// The records of one role.

@@ -49,6 +49,7 @@ mod uncertainty;
 mod watch;
 mod written;
 
+pub use campaign::recognised_roles;
 pub use compared::{
     BaselineSummary, CandidateCost, CandidateSummary, Compared, ComparisonSummary, FoldSummary,
 };

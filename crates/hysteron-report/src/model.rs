@@ -25,8 +25,7 @@ const SHOWN: [(&str, &str, bool); 4] = [
 /// # Errors
 /// [`ModelFileError`] where the data of the model are not sound.
 pub fn report(name: &str, model: &Model, findings: &[Finding]) -> Result<Page, ModelFileError> {
-    let data = serde_json::to_value(Document::from(model.clone()))
-        .map_err(|e| ModelFileError::Syntax { path: String::new(), problem: e })?;
+    let data = data_of(model)?;
     let mut page = Page::new(name).subtitled(format!("Model of the kind \"{}\"", model.kind()));
     let notes = findings.iter().map(|finding| match finding.kind {
         FindingKind::Warning => Block::warning(&finding.text),
@@ -49,33 +48,67 @@ pub fn report(name: &str, model: &Model, findings: &[Finding]) -> Result<Page, M
     Ok(page.section(section.blocks(command)).footer_line(&provenance.program))
 }
 
+/// A number of a model, by its place in the data.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Number {
+    /// Its place: `hysteresis.parameters.alpha`.
+    pub path: String,
+    /// Its value.
+    pub value: f64,
+    /// Standard error, where it is known.
+    pub std_error: Option<f64>,
+    /// Unit as printed; empty for a pure number.
+    pub unit: String,
+}
+
+/// Every number of a model that has a unit.
+///
+/// # Errors
+/// [`ModelFileError`] where the data of the model are not sound.
+pub fn numbers_of(model: &Model) -> Result<Vec<Number>, ModelFileError> {
+    let mut found = Vec::new();
+    quantities("", &data_of(model)?, &mut found);
+    Ok(found)
+}
+
+fn data_of(model: &Model) -> Result<Value, ModelFileError> {
+    serde_json::to_value(Document::from(model.clone()))
+        .map_err(|e| ModelFileError::Syntax { path: String::new(), problem: e })
+}
+
 /// Every number that has a unit, by its place in the data.
 fn numbers(data: &Value) -> Table {
-    let mut rows = Vec::new();
-    quantities("", data, &mut rows);
+    let mut found = Vec::new();
+    quantities("", data, &mut found);
+    let rows = found.into_iter().map(|Number { path, value, std_error, unit }| {
+        let (value, error) = with_std_error(value, std_error);
+        [path, value, error, unit]
+    });
     let columns = [
         Column::text("number"),
         Column::number("value", ""),
         Column::number("std. error", ""),
         Column::text("unit"),
     ];
-    rows.into_iter().fold(Table::new(columns), |table, row| table.row(row))
+    rows.fold(Table::new(columns), |table, row| table.row(row))
 }
 
-fn quantities(path: &str, data: &Value, rows: &mut Vec<[String; 4]>) {
+fn quantities(path: &str, data: &Value, found: &mut Vec<Number>) {
     let below = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
     match data {
         Value::Object(object) => match (object.get("value"), object.get("unit")) {
             (Some(Value::Number(value)), Some(Value::String(unit))) => {
-                let error = object.get("std_error").and_then(Value::as_f64);
-                let (value, error) = with_std_error(value.as_f64().unwrap_or(f64::NAN), error);
-                let unit = if unit == "1" { String::new() } else { typographic(unit) };
-                rows.push([path.to_owned(), value, error, unit]);
+                found.push(Number {
+                    path: path.to_owned(),
+                    value: value.as_f64().unwrap_or(f64::NAN),
+                    std_error: object.get("std_error").and_then(Value::as_f64),
+                    unit: if unit == "1" { String::new() } else { typographic(unit) },
+                });
             }
-            _ => object.iter().for_each(|(key, value)| quantities(&below(key), value, rows)),
+            _ => object.iter().for_each(|(key, value)| quantities(&below(key), value, found)),
         },
         Value::Array(list) => {
-            list.iter().enumerate().for_each(|(i, v)| quantities(&format!("{path}[{i}]"), v, rows));
+            list.iter().enumerate().for_each(|(i, v)| quantities(&format!("{path}[{i}]"), v, found));
         }
         _ => {}
     }

@@ -78,8 +78,6 @@ pub struct ParameterRow {
     pub place: Option<String>,
     /// Its name.
     pub name: String,
-    /// What it means, in a few words.
-    pub meaning: Option<String>,
     /// Its value.
     pub value: f64,
     /// Value as printed, with the digits that its error allows.
@@ -191,8 +189,10 @@ pub enum View {
     Loop,
     /// Output over time, measured and model, with the band.
     Time,
-    /// Measured − model over time.
+    /// Measured − model over time, with the band about 0.
     Residual,
+    /// Measured − model over input.
+    ResidualLoop,
 }
 
 /// Query of the curves of a model on a record.
@@ -228,6 +228,8 @@ pub struct ModelCurves {
     pub fitted: bool,
     /// Start that was assumed, and where the model extrapolates.
     pub remarks: Vec<String>,
+    /// Command that scores the same.
+    pub command: Command,
 }
 
 /// A named curve.

@@ -33,6 +33,7 @@ mod schema_and_completions_are_printed;
 mod several_axes_are_identified;
 mod simulate_writes_a_record;
 mod structures_are_compared;
+mod the_page_is_served;
 mod track_follows_in_closed_loop;
 mod tutorial_runs;
 mod usage_errors_exit_2;

@@ -1,0 +1,85 @@
+//! Records of the simulated bench, and drives, in the workspace.
+
+use hysteron_io::atomic_file::write_atomically_with;
+use hysteron_io::{save_json, write_csv_to, write_record};
+use hysteron_model::record::{TimeBase, Unit};
+use hysteron_rig::{CampaignRun, Role as Purpose, run_campaign};
+
+use crate::api::{BenchMade, BenchRequest, DriveMade, DriveRequest, RecordSettings, Role};
+use crate::command;
+use crate::draw::{Along, over_time};
+use crate::refused::{Answer, Refused};
+use crate::workspace::Workspace;
+
+/// Folder of the records unless named otherwise.
+const FOLDER: &str = "bench";
+/// Width of the drawing unless given \[pixels\].
+const PIXELS: usize = 800;
+
+/// Measures a campaign on the simulated bench; records of the same name go to the trash folder.
+///
+/// # Errors
+/// For a truth or a plan that cannot be simulated; if the files cannot be written.
+pub(crate) fn measure(workspace: &Workspace, request: &BenchRequest) -> Answer<BenchMade> {
+    let folder = if request.folder.is_empty() { FOLDER } else { &request.folder };
+    let place = workspace.path(folder)?;
+    let runs = run_campaign(&request.truth, &request.plan, request.seed).map_err(Refused::bad)?;
+    std::fs::create_dir_all(&place).map_err(Refused::failed)?;
+    save_json(&place.join("truth.json"), &request.truth, true).map_err(Refused::failed)?;
+    save_json(&place.join("plan.json"), &request.plan, true).map_err(Refused::failed)?;
+    let mut made = BenchMade { records: Vec::new(), samples: 0, command: command::rig(folder, request.seed) };
+    for CampaignRun { run, role, .. } in &runs {
+        let id = format!("{folder}/{}.csv", run.record.name);
+        let path = workspace.path(&id)?;
+        if path.exists() {
+            workspace.discard(&id)?;
+        }
+        write_atomically_with(&path, |out| {
+            for comment in &run.comments {
+                writeln!(out, "# {comment}")?;
+            }
+            write_csv_to(out, &run.record)
+        })
+        .map_err(Refused::failed)?;
+        let role = match role {
+            Purpose::QuasiStatic | Purpose::Sweep => Role::Auto,
+            Purpose::Validation { .. } | Purpose::Tracking | Purpose::NestedLoops => Role::Validate,
+        };
+        workspace.history.keep_settings(&id, &RecordSettings { role, ..RecordSettings::default() })?;
+        made.samples += run.record.len();
+        made.records.push(id);
+    }
+    workspace.history.add_action(&made.command)?;
+    workspace.look();
+    Ok(made)
+}
+
+/// Makes a drive.
+///
+/// # Errors
+/// For a specification that cannot be met; if the file cannot be written.
+pub(crate) fn make_drive(workspace: &Workspace, request: &DriveRequest) -> Answer<DriveMade> {
+    let made = request.specification.generate().map_err(Refused::bad)?;
+    if let Some(file) = &request.save {
+        let path = workspace.path(file)?;
+        if !["csv", "npz", "mat"].iter().any(|ending| file.ends_with(&format!(".{ending}"))) {
+            return Err(Refused::bad("a drive is written as .csv, .npz or .mat"));
+        }
+        if path.exists() {
+            return Err(Refused::conflict(format!("`{file}` is there already")));
+        }
+        if let Some(parent) = path.parent() {
+            std::fs::create_dir_all(parent).map_err(Refused::failed)?;
+        }
+        write_record(&path, &made.to_record()).map_err(Refused::failed)?;
+        workspace.look();
+    }
+    let time = TimeBase::uniform(made.sample_rate_hz);
+    let along = Along::new("u", &Unit::new("V"), &made.samples_v);
+    let pixels = request.pixels.unwrap_or(PIXELS);
+    Ok(DriveMade {
+        summary: made.summary(),
+        drive: over_time(&time, &along, 0..made.samples_v.len(), pixels),
+        file: request.save.clone(),
+    })
+}

@@ -1,0 +1,229 @@
+//! The commands that do what the page does, for a shell in the workspace's folder and in Python.
+
+mod fit;
+mod script;
+
+pub(crate) use fit::{compare, identify};
+pub(crate) use script::scripts;
+
+use crate::api::{Command, DownloadQuery, FollowRequest, Form, RecordEntry, ScoresRequest};
+
+/// Name of the file of a reference that is drawn, not read.
+const REFERENCE: &str = "reference.csv";
+
+/// A word quoted for a shell.
+pub(crate) fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
+}
+
+/// A text as a Python string.
+pub(crate) fn text(value: &str) -> String {
+    serde_json::to_string(value).unwrap_or_default()
+}
+
+/// A command line being written.
+#[derive(Default)]
+struct Words(Vec<String>);
+
+impl Words {
+    fn new(command: &str) -> Self {
+        Self(vec!["hysteron".to_owned(), command.to_owned()])
+    }
+
+    fn word(mut self, word: &str) -> Self {
+        // A name that looks like a flag.
+        let word = if word.starts_with('-') { format!("./{word}") } else { word.to_owned() };
+        self.0.push(quoted(&word));
+        self
+    }
+
+    fn words<'a>(self, words: impl IntoIterator<Item = &'a str>) -> Self {
+        words.into_iter().fold(self, Self::word)
+    }
+
+    fn flag(mut self, flag: &str) -> Self {
+        self.0.push(flag.to_owned());
+        self
+    }
+
+    fn with(mut self, flag: &str, value: impl ToString) -> Self {
+        self.0.push(flag.to_owned());
+        self.0.push(quoted(&value.to_string()));
+        self
+    }
+
+    fn maybe(self, flag: &str, value: Option<impl ToString>) -> Self {
+        match value {
+            Some(value) => self.with(flag, value),
+            None => self,
+        }
+    }
+
+    fn when(self, flag: &str, condition: bool) -> Self {
+        if condition { self.flag(flag) } else { self }
+    }
+
+    /// Columns, scales and cut, where the records agree on them.
+    fn columns(self, records: &[RecordEntry]) -> Self {
+        let Some(first) = records.first().map(|record| &record.settings) else { return self };
+        let mut words = self
+            .maybe("--time", first.time.as_ref())
+            .maybe("--input", first.input.as_ref())
+            .maybe("--output", first.output.as_ref())
+            .maybe("--sample-rate", first.sample_rate_hz)
+            .maybe("--from", first.from_s)
+            .maybe("--to", first.to_s);
+        for scale in &first.scales {
+            words = words.with("--scale", scale);
+        }
+        words
+    }
+
+    fn done(self) -> String {
+        self.0.join(" ")
+    }
+}
+
+/// Arguments of a Python call being written.
+#[derive(Default)]
+struct Arguments(Vec<String>);
+
+impl Arguments {
+    fn text(mut self, name: &str, value: Option<&String>) -> Self {
+        self.0.extend(value.map(|value| format!("{name}={}", text(value))));
+        self
+    }
+
+    fn value(mut self, name: &str, value: Option<impl ToString>) -> Self {
+        self.0.extend(value.map(|value| format!("{name}={}", value.to_string())));
+        self
+    }
+
+    fn when(mut self, name: &str, condition: bool) -> Self {
+        self.0.extend(condition.then(|| format!("{name}=True")));
+        self
+    }
+
+    fn plain(mut self, value: String) -> Self {
+        self.0.push(value);
+        self
+    }
+
+    fn done(self) -> String {
+        self.0.join(", ")
+    }
+}
+
+/// `hy.read([…])` of records.
+fn read(records: &[RecordEntry]) -> String {
+    let ids: Vec<String> = records.iter().map(|record| text(&record.id)).collect();
+    let settings = records.first().map(|record| record.settings.clone()).unwrap_or_default();
+    let arguments = Arguments::default()
+        .plain(format!("[{}]", ids.join(", ")))
+        .text("time", settings.time.as_ref())
+        .text("input", settings.input.as_ref())
+        .text("output", settings.output.as_ref())
+        .value("fs", settings.sample_rate_hz)
+        .value("start", settings.from_s)
+        .value("stop", settings.to_s);
+    format!("hy.read({})", arguments.done())
+}
+
+fn ids(records: &[RecordEntry]) -> impl Iterator<Item = &str> {
+    records.iter().map(|record| record.id.as_str())
+}
+
+/// `hysteron inspect`.
+pub(crate) fn inspect(records: &[RecordEntry]) -> Command {
+    Command {
+        shell: Words::new("inspect").words(ids(records)).columns(records).done(),
+        python: format!("print(hy.inspect({}))", read(records)),
+    }
+}
+
+/// `hysteron validate`.
+pub(crate) fn validate(model: &str, records: &[RecordEntry], request: &ScoresRequest) -> Command {
+    let words = Words::new("validate").word(model).words(ids(records));
+    let words = words.maybe("--skip", request.skip_s).when("--fixed-offset", request.fixed_offset);
+    let arguments = Arguments::default()
+        .plain(read(records))
+        .value("skip", request.skip_s)
+        .when("fixed_offset", request.fixed_offset);
+    Command {
+        shell: words.columns(records).done(),
+        python: format!("print(hy.load({}).scores({}))", text(model), arguments.done()),
+    }
+}
+
+/// `hysteron invert`.
+pub(crate) fn invert(model: &str, request: &FollowRequest, reference: Option<&str>) -> Command {
+    let file = request.save.as_deref().unwrap_or("drive.csv");
+    let reference = reference.unwrap_or(REFERENCE);
+    let range = request.range.map(|[low, high]| format!("{low}:{high}"));
+    let words = Words::new("invert").word(model).word(reference).with("-o", file);
+    let words = words.maybe("--range", range).maybe("--slew", request.slew_per_s);
+    let words = words.maybe("--bandwidth", request.bandwidth_hz).when("--periodic", request.periodic);
+    let arguments = Arguments::default()
+        .plain(format!("hy.read({})", text(reference)))
+        .value("limits", request.range.map(|[low, high]| format!("({low}, {high})")))
+        .value("slew", request.slew_per_s)
+        .value("bandwidth", request.bandwidth_hz)
+        .when("periodic", request.periodic)
+        .value("rest", request.rest_voltage);
+    Command {
+        shell: words.maybe("--rest-voltage", request.rest_voltage).done(),
+        python: format!("drive = hy.load({}).invert({})", text(model), arguments.done()),
+    }
+}
+
+/// `hysteron export`.
+pub(crate) fn export(model: &str, name: &str, query: &DownloadQuery) -> Command {
+    let form = match query.form {
+        Form::C => "c",
+        Form::Rust => "rust",
+        Form::Fmu => "fmu",
+        Form::Json | Form::Report => return Command::default(),
+    };
+    let range = query.low.zip(query.high).filter(|_| query.inverse);
+    let words = Words::new("export").word(model).with("--to", form).with("-o", name);
+    let words = if query.single { words.with("--float", "f32") } else { words };
+    let words = words.maybe("--sample-rate", query.sample_rate_hz).when("--inverse", query.inverse);
+    let words = words.maybe("--range", range.map(|(low, high)| format!("{low}:{high}")));
+    let arguments = Arguments::default()
+        .plain(text(name))
+        .plain(text(form))
+        .value("fs", query.sample_rate_hz)
+        .value("float_type", query.single.then_some("\"f32\""))
+        .when("inverse", query.inverse)
+        .value("limits", range.map(|(low, high)| format!("({low}, {high})")));
+    Command {
+        shell: words.maybe("--slew", query.slew_per_s.filter(|_| query.inverse)).done(),
+        python: format!("hy.load({}).export({})", text(model), arguments.done()),
+    }
+}
+
+/// `hysteron rig`.
+pub(crate) fn rig(folder: &str, seed: u64) -> Command {
+    let (truth, plan) = (format!("{folder}/truth.json"), format!("{folder}/plan.json"));
+    let words = Words::new("rig").with("--out-dir", folder).with("--seed", seed);
+    let shell = words.with("--truth", truth).with("--plan", plan).done();
+    let python = format!("# {shell}");
+    Command { shell, python }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_cannot_end_its_word() {
+        assert_eq!(quoted("a b'; rm *.csv"), r"'a b'\''; rm *.csv'");
+        assert_eq!(Words::new("inspect").word("-x.csv").done(), "hysteron inspect ./-x.csv");
+        assert_eq!(text("a\"\n"), r#""a\"\n""#);
+    }
+}

@@ -1,0 +1,32 @@
+//! Why the server could not be started.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+/// Error of opening the workspace or of listening.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum AppError {
+    /// The folder cannot be made or read.
+    #[error("the folder {} cannot be used: {source}", .folder.display())]
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// The system's error.
+        source: std::io::Error,
+    },
+    /// The history file is no such file, or cannot be written.
+    #[error("the history of the workspace (hysteron.sqlite) cannot be used: {0}")]
+    History(#[from] rusqlite::Error),
+    /// The address is taken or not of this machine.
+    #[error("{address} cannot be listened on: {source}")]
+    Listen {
+        /// The address.
+        address: SocketAddr,
+        /// The system's error.
+        source: std::io::Error,
+    },
+    /// The system refuses something else that a server needs.
+    #[error("the server cannot run: {0}")]
+    System(#[from] std::io::Error),
+}

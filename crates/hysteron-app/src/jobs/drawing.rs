@@ -1,0 +1,189 @@
+//! Draws the best model so far and keeps checkpoints, on a thread of its own, so that the fit does not wait.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::{Scope, ScopedJoinHandle};
+use std::time::{Duration, Instant};
+
+use hysteron_identify::Searches;
+use hysteron_io::{save_json, save_model};
+use hysteron_model::record::{InputOutput, find_periods};
+use hysteron_model::validate::{Scoring, score};
+use hysteron_model::{Model, Start};
+
+use super::Jobs;
+use crate::api::{Axis, CostPoint, Curve, LiveLoop, LiveUpdate};
+use crate::draw::{Along, over, over_time};
+use crate::notice::Notice;
+
+/// Samples that are simulated for a drawing: a few milliseconds.
+const MOST_SAMPLES: usize = 10_000;
+/// Width of the drawings \[pixels\].
+const PIXELS: usize = 400;
+/// Share of one processor that drawing may take.
+const SHARE: u32 = 25;
+
+/// What is drawn of a running fit.
+#[derive(Default)]
+pub(super) struct Drawn {
+    pub costs: Vec<CostPoint>,
+    pub measured: Option<Curve>,
+    pub latest: Option<LiveLoop>,
+}
+
+/// Work of the thread.
+enum Work {
+    Draw { model: Box<Model>, stage: usize, update: Box<LiveUpdate> },
+    Keep { searches: Box<Searches>, model: Option<Box<Model>> },
+}
+
+/// The thread.
+pub(super) struct Drawing<'s> {
+    work: SyncSender<Work>,
+    busy: Arc<AtomicBool>,
+    thread: ScopedJoinHandle<'s, ()>,
+}
+
+impl<'s> Drawing<'s> {
+    /// Begins to draw for the job `id` on the record `drawn`, and to keep checkpoints at the paths `keep`: the
+    /// model, and the searches.
+    pub(super) fn begin<'e>(
+        scope: &'s Scope<'s, 'e>,
+        jobs: &'s Jobs,
+        id: i64,
+        drawn: Option<(String, InputOutput)>,
+        keep: (PathBuf, PathBuf),
+    ) -> Self {
+        let (work, coming) = sync_channel(2);
+        let busy = Arc::new(AtomicBool::new(false));
+        let own = Arc::clone(&busy);
+        let thread = scope.spawn(move || run(jobs, id, drawn, &keep, &coming, &own));
+        Self { work, busy, thread }
+    }
+
+    /// True if a drawing would not wait.
+    pub(super) fn is_free(&self) -> bool {
+        !self.busy.load(Ordering::Acquire)
+    }
+
+    /// Draws a model; left out where the thread is busy.
+    pub(super) fn draw(&self, model: Model, stage: usize, update: LiveUpdate) {
+        let work = Work::Draw { model: Box::new(model), stage, update: Box::new(update) };
+        self.busy.store(true, Ordering::Release);
+        if self.work.try_send(work).is_err() {
+            self.busy.store(false, Ordering::Release);
+        }
+    }
+
+    /// Keeps a checkpoint; the next one follows where the thread is busy.
+    pub(super) fn keep(&self, searches: Searches, model: Option<Model>) {
+        let _ = self.work.try_send(Work::Keep { searches: Box::new(searches), model: model.map(Box::new) });
+    }
+
+    /// Ends the thread when its work is done.
+    pub(super) fn end(self) {
+        let Self { work, thread, .. } = self;
+        drop(work);
+        let _ = thread.join();
+    }
+}
+
+fn run(
+    jobs: &Jobs,
+    id: i64,
+    drawn: Option<(String, InputOutput)>,
+    (partial, searches_file): &(PathBuf, PathBuf),
+    coming: &Receiver<Work>,
+    busy: &AtomicBool,
+) {
+    let mut easel = drawn.and_then(|(record, data)| Easel::new(record, data));
+    if let Some(easel) = &easel
+        && let Some(running) = &mut jobs.state().running
+    {
+        running.drawn.measured = Some(easel.measured());
+    }
+    while let Ok(work) = coming.recv() {
+        match work {
+            Work::Draw { model, stage, mut update } => {
+                let begun = Instant::now();
+                let is_heard = jobs.workspace.notices.is_heard();
+                update.latest = easel.as_mut().filter(|_| is_heard).and_then(|e| e.draw(&model, stage));
+                if let (Some(running), Some(latest)) = (&mut jobs.state().running, &update.latest)
+                    && running.id == id
+                {
+                    running.drawn.latest = Some(latest.clone());
+                }
+                jobs.workspace.notices.send(Notice::Live(update));
+                // The fit has the processors for the rest of the time.
+                std::thread::sleep((begun.elapsed() * SHARE).min(Duration::from_millis(500)));
+                busy.store(false, Ordering::Release);
+            }
+            Work::Keep { searches, model } => {
+                // One that cannot be written is followed by another.
+                let _ = save_json(searches_file, &*searches, false);
+                if let Some(model) = model {
+                    let _ = save_model(partial, &model);
+                }
+            }
+        }
+    }
+}
+
+/// The record that is drawn on.
+struct Easel {
+    record: String,
+    data: InputOutput,
+    stage: Option<usize>,
+    residual_axis: Axis,
+}
+
+impl Easel {
+    /// A record, or its first periods where it is long.
+    fn new(record: String, data: InputOutput) -> Option<Self> {
+        let data = if data.len() <= MOST_SAMPLES {
+            data
+        } else {
+            let period = find_periods(&data).map_or(1, |periods| periods.period_samples.round() as usize);
+            let whole = (MOST_SAMPLES / period.max(1)).max(1) * period.max(1);
+            data.cropped(0..whole.min(MOST_SAMPLES)).ok()?
+        };
+        Some(Self { record, data, stage: None, residual_axis: Axis::default() })
+    }
+
+    fn measured(&self) -> Curve {
+        let u = Along::new(&self.data.input, &self.data.u_unit, &self.data.u);
+        let y = Along::new(&self.data.output, &self.data.y_unit, &self.data.y);
+        over(&u, &y, 0..self.data.len(), PIXELS, None)
+    }
+
+    fn draw(&mut self, model: &Model, stage: usize) -> Option<LiveLoop> {
+        let data = &self.data;
+        let found = model.simulate(&data.clone().into(), Start::AsIdentified).ok()?;
+        let simulated = found.outputs.first()?;
+        let scores = score(data, simulated, &Scoring::default()).ok()?;
+        let shown: Vec<f64> = simulated.iter().map(|y| y + scores.offset).collect();
+        let residual: Vec<f64> = data.y.iter().zip(&shown).map(|(y, model)| y - model).collect();
+        let u = Along::new(&data.input, &data.u_unit, &data.u);
+        let y = Along::new(&data.output, &data.y_unit, &shown);
+        let e = Along::new("residual", &data.y_unit, &residual);
+        let all = 0..data.len();
+        let residual_curve = over_time(&data.time, &e, all.clone(), PIXELS);
+        // Axes change only where a stage begins.
+        if self.stage != Some(stage) {
+            self.stage = Some(stage);
+            let reach = scores.max_abs_error;
+            let up = residual_curve.up.clone();
+            self.residual_axis = Axis { low: -reach, high: reach, ..up };
+        }
+        Some(LiveLoop {
+            record: self.record.clone(),
+            stage,
+            model: over(&u, &y, all, PIXELS, None),
+            residual: residual_curve,
+            rmse: scores.rmse,
+            residual_axis: self.residual_axis.clone(),
+        })
+    }
+}

@@ -1,0 +1,166 @@
+//! What a job is to do, decided when it is queued: options, names of what it writes, commands.
+
+use std::path::PathBuf;
+
+use hysteron_identify::structure::Candidate;
+use hysteron_identify::{FamilyChoice, Options, Task};
+
+use crate::api::{Command, Job, JobRequest, RecordEntry};
+use crate::command;
+use crate::refused::{Answer, Refused};
+use crate::workspace::{Workspace, device_of, stem_of};
+
+/// A job to be queued.
+pub(super) struct Plan {
+    pub request: JobRequest,
+    pub name: String,
+    pub command: Command,
+    pub unit: String,
+}
+
+/// Completes a request.
+///
+/// # Errors
+/// For records that are not there, names that are none, structures that are unknown.
+pub(super) fn plan(workspace: &Workspace, request: JobRequest) -> Answer<Plan> {
+    match request {
+        JobRequest::Identify { records, task, structure, model, inputs, outputs, report } => {
+            let entries = entries(workspace, &records)?;
+            let task = task_of(task, structure.as_deref(), &entries)?;
+            if task.takes_several_axes() && (inputs.is_empty() || outputs.is_empty()) {
+                return Err(Refused::bad("a model of several axes needs the columns of inputs and outputs"));
+            }
+            let model = match model {
+                Some(model) => named_model(workspace, &model)?,
+                None => free_name(workspace, &entries, &task)?,
+            };
+            let page = report.then(|| beside(&model, "html"));
+            let axes = (&inputs[..], &outputs[..]);
+            let command = command::identify(&entries, &task, &model, axes, page.as_deref());
+            let name = stem_of(&model).to_owned();
+            let unit = unit(&entries);
+            let (task, model) = (Some(task), Some(model));
+            let request =
+                JobRequest::Identify { records, task, structure: None, model, inputs, outputs, report };
+            Ok(Plan { request, name, command, unit })
+        }
+        JobRequest::Compare { records, candidates, quick, time_limit_s, continued, report } => {
+            let entries = entries(workspace, &records)?;
+            candidates.iter().try_for_each(|name| candidate(name).map(drop))?;
+            if time_limit_s.is_some_and(|limit| !(limit.is_finite() && limit > 0.0)) {
+                return Err(Refused::bad("the time limit must be a positive number of seconds"));
+            }
+            if let Some(report) = &report {
+                workspace.path(report)?;
+                if !report.ends_with(".html") {
+                    return Err(Refused::bad("a report's name ends in .html"));
+                }
+            }
+            let continued = continued || continue_one_another(&entries);
+            let page = report.as_deref();
+            let command = command::compare(&entries, &candidates, quick, time_limit_s, continued, page);
+            let request = JobRequest::Compare { records, candidates, quick, time_limit_s, continued, report };
+            Ok(Plan { request, name: "compare".to_owned(), command, unit: unit(&entries) })
+        }
+    }
+}
+
+fn entries(workspace: &Workspace, records: &[String]) -> Answer<Vec<RecordEntry>> {
+    if records.is_empty() {
+        return Err(Refused::bad("no record is given"));
+    }
+    records.iter().map(|id| workspace.entry(id)).collect()
+}
+
+fn unit(entries: &[RecordEntry]) -> String {
+    entries.first().map_or_else(String::new, |entry| entry.output_unit.clone())
+}
+
+/// A structure by its name.
+///
+/// # Errors
+/// For an unknown one.
+pub(super) fn candidate(name: &str) -> Answer<Candidate> {
+    name.parse().map_err(Refused::bad)
+}
+
+fn task_of(task: Option<Task>, structure: Option<&str>, entries: &[RecordEntry]) -> Answer<Task> {
+    let mut task = match (task, structure) {
+        (Some(_), Some(_)) => return Err(Refused::bad("give a task or a structure, not both")),
+        (Some(task), None) => task,
+        (None, Some(name)) => Task::Hammerstein(Box::new(candidate(name)?.options(&Options::default()))),
+        (None, None) => Task::Hammerstein(Box::default()),
+    };
+    if let Task::Hammerstein(options) = &mut task {
+        options.continued |= continue_one_another(entries);
+    }
+    Ok(task)
+}
+
+fn continue_one_another(entries: &[RecordEntry]) -> bool {
+    let among = |id: &String| entries.iter().any(|entry| entry.id == *id);
+    entries.iter().any(|entry| entry.settings.continues.as_ref().is_some_and(among))
+}
+
+fn named_model(workspace: &Workspace, model: &str) -> Answer<String> {
+    let model = if model.ends_with(".json") { model.to_owned() } else { format!("{model}.json") };
+    workspace.path(&model)?;
+    if model.ends_with(".partial.json") || model.ends_with(".searches.json") {
+        return Err(Refused::bad("this ending is that of interrupted fits").hint("Choose another name."));
+    }
+    Ok(model)
+}
+
+/// A name after the first record and the structure that is asked for, and a number where it is taken.
+fn free_name(workspace: &Workspace, entries: &[RecordEntry], task: &Task) -> Answer<String> {
+    let first = entries.first().map_or("model", |entry| entry.id.as_str());
+    let mut stem = stem_of(first).to_owned();
+    match task {
+        Task::Hammerstein(options) => {
+            if options.hysteresis != FamilyChoice::Usual {
+                stem += &format!("-{}", options.hysteresis.name());
+            }
+            if options.dynamics != Options::default().dynamics {
+                stem += &format!("-{}", options.dynamics.name());
+            }
+        }
+        task => stem += &format!("-{}", task.kind().name()),
+    }
+    let folder = device_of(first);
+    let place = if folder.is_empty() { String::new() } else { format!("{folder}/") };
+    let names = (1..).map(|k: u32| match k {
+        1 => format!("{place}{stem}.json"),
+        k => format!("{place}{stem}-{k}.json"),
+    });
+    let is_free =
+        |id: &String| workspace.path(id).is_ok_and(|path| !path.exists() && !partial_path(&path).exists());
+    names.take(10_000).find(is_free).ok_or_else(|| Refused::conflict("no name is free for the model"))
+}
+
+/// The identifier beside a model, of another ending.
+pub(super) fn beside(model: &str, ending: &str) -> String {
+    format!("{}.{ending}", model.strip_suffix(".json").unwrap_or(model))
+}
+
+fn partial_path(path: &std::path::Path) -> PathBuf {
+    path.with_extension("partial.json")
+}
+
+fn model_of(job: &Job) -> Option<&String> {
+    match &job.request {
+        JobRequest::Identify { model, .. } => model.as_ref(),
+        JobRequest::Compare { .. } => None,
+    }
+}
+
+/// File of the searches of a fit that did not come to its end.
+pub(super) fn searches_of(workspace: &Workspace, job: &Job) -> Option<PathBuf> {
+    let path = workspace.path(&beside(model_of(job)?, "searches.json")).ok()?;
+    path.is_file().then_some(path)
+}
+
+/// Identifier of the best model so far of a fit that did not come to its end.
+pub(super) fn partial_of(workspace: &Workspace, job: &Job) -> Option<String> {
+    let id = beside(model_of(job)?, "partial.json");
+    workspace.path(&id).ok()?.is_file().then_some(id)
+}

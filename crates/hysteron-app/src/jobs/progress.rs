@@ -1,0 +1,116 @@
+//! The watch of a job: what the library reports becomes the state of the job, drawings and checkpoints.
+
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+use hysteron_identify::{Event, Stop, Watch};
+
+use super::Jobs;
+use super::drawing::Drawing;
+use crate::api::{CostPoint, LiveUpdate, Stage};
+use crate::notice::Notice;
+
+/// Time between two updates, somewhat below a fifth of a second.
+const BETWEEN: Duration = Duration::from_millis(150);
+/// Time between two checkpoints.
+const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(2);
+/// Most points of the curve of costs: beyond it, every other one is left out.
+const MOST_COSTS: usize = 2000;
+
+/// A watch that keeps the job `id` current.
+pub(super) fn watch<'a>(jobs: &'a Jobs, id: i64, stop: &Stop, drawing: &'a Drawing<'_>) -> Watch<'a> {
+    let begun = Instant::now();
+    let mut told: Option<Instant> = None;
+    let mut kept = begun;
+    let told = move |event: &Event<'_>| {
+        let now = Instant::now();
+        let is_new_stage = jobs.is_new_stage(id, event.stage);
+        if is_new_stage || told.is_none_or(|told| now - told >= BETWEEN) {
+            told = Some(now);
+            let update = jobs.progressed(id, event, begun.elapsed(), is_new_stage);
+            let stage = update.cost.as_ref().map_or(0, |cost| cost.stage);
+            let model = if drawing.is_free() { event.model() } else { None };
+            match model {
+                Some(model) => drawing.draw(model, stage, update),
+                None => jobs.workspace.notices.send(Notice::Live(Box::new(update))),
+            }
+        }
+        if now - kept >= BETWEEN_CHECKPOINTS
+            && let Some(searches) = event.searches()
+        {
+            kept = now;
+            drawing.keep(searches, event.model());
+        }
+        ControlFlow::Continue(())
+    };
+    Watch::new(told).stopped_by(stop)
+}
+
+impl Jobs {
+    fn is_new_stage(&self, id: i64, stage: &str) -> bool {
+        let state = self.state();
+        let last = state.jobs.get(&id).and_then(|job| job.stages.last());
+        last.is_none_or(|last| last.name != stage)
+    }
+
+    /// Takes what an event reports into the job; returns the event for the pages.
+    fn progressed(&self, id: i64, event: &Event<'_>, elapsed: Duration, is_new_stage: bool) -> LiveUpdate {
+        let time_s = elapsed.as_secs_f64();
+        let left_s = event.time_left(elapsed).map(|left| left.as_secs_f64());
+        let mut update = LiveUpdate {
+            job: id,
+            fraction: event.fraction,
+            left_s,
+            stage: event.stage.to_owned(),
+            cost: None,
+            latest: None,
+        };
+        let mut state = self.state();
+        let Some(job) = state.jobs.get_mut(&id) else { return update };
+        if is_new_stage {
+            job.stages.push(Stage { name: event.stage.to_owned(), from_s: time_s, cost: None });
+        }
+        job.fraction = event.fraction;
+        job.left_s = left_s;
+        let stage = job.stages.len().saturating_sub(1);
+        if let Some(cost) = event.cost {
+            job.cost = Some(cost);
+            if let Some(last) = job.stages.last_mut() {
+                last.cost = Some(last.cost.map_or(cost, |before| before.min(cost)));
+            }
+            update.cost = Some(CostPoint { time_s, cost, stage });
+        }
+        let job = is_new_stage.then(|| job.clone());
+        if let (Some(running), Some(point)) = (&mut state.running, update.cost) {
+            running.drawn.costs.push(point);
+            if running.drawn.costs.len() > MOST_COSTS {
+                let mut k = 0;
+                running.drawn.costs.retain(|_| {
+                    k += 1;
+                    k % 2 == 0
+                });
+            }
+        }
+        drop(state);
+        if let Some(job) = job {
+            self.tell(&job);
+        }
+        update
+    }
+
+    /// A watch without drawings, for work without intermediate models.
+    pub(super) fn plain_watch(&self, id: i64, stop: &Stop) -> Watch<'_> {
+        let begun = Instant::now();
+        let mut told: Option<Instant> = None;
+        let told = move |event: &Event<'_>| {
+            let is_new_stage = self.is_new_stage(id, event.stage);
+            if is_new_stage || told.is_none_or(|told| told.elapsed() >= BETWEEN) {
+                told = Some(Instant::now());
+                let update = self.progressed(id, event, begun.elapsed(), is_new_stage);
+                self.workspace.notices.send(Notice::Live(Box::new(update)));
+            }
+            ControlFlow::Continue(())
+        };
+        Watch::new(told).stopped_by(stop)
+    }
+}

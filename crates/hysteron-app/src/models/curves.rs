@@ -1,0 +1,137 @@
+//! Curves and frequency response of a model on a record.
+
+use hysteron_identify::SineResponse;
+use hysteron_model::Start;
+use hysteron_model::model::Signals;
+use hysteron_model::record::{InputOutput, Unit};
+use hysteron_model::validate::Scoring;
+
+use super::score::{band, remarks, score_of, signals};
+use super::training_scores;
+use crate::api::{
+    Command, ModelCurves, ModelCurvesQuery, ResponseRow, Responses, ScoresRequest, Series, View,
+};
+use crate::command;
+use crate::draw::{Along, between, over, over_time};
+use crate::refused::{Answer, Refused};
+use crate::workspace::Workspace;
+
+/// Curves of a model on a record of one input and one output, with the scores of the same series.
+///
+/// # Errors
+/// If model or record are none, or do not go together.
+pub(crate) fn curves(workspace: &Workspace, id: &str, query: &ModelCurvesQuery) -> Answer<ModelCurves> {
+    let model = super::load(workspace, id)?;
+    let signals = signals(workspace, &model, &query.record)?;
+    let Signals::Single(record) = &signals else {
+        return Err(Refused::bad("curves are drawn of models of one input and one output"));
+    };
+    let found = model.score(&signals, Start::AsIdentified, &Scoring::default()).map_err(Refused::cannot)?;
+    // What is drawn is what was scored: the library returns both together.
+    let series = found.series(&signals).map_err(Refused::failed)?;
+    let channel = |name: &str| {
+        let channel = series.channel(name).map(|channel| channel.samples.as_slice());
+        channel.ok_or_else(|| Refused::failed("the simulation has no such series"))
+    };
+    let (simulated, residual) = (channel("y_model")?, channel("residual")?);
+    let part = between(&record.time, record.len(), query.from, query.to);
+    let drawn = Drawn { record, part, pixels: query.pixels };
+    let series = match query.view {
+        View::Loop => vec![drawn.over_input("measured", &record.y), drawn.over_input("model", simulated)],
+        View::ResidualLoop => vec![drawn.over_input("residual", residual)],
+        View::Time | View::Residual => {
+            let is_residual = query.view == View::Residual;
+            let mut all = if is_residual {
+                vec![drawn.in_time("residual", residual)]
+            } else {
+                vec![drawn.in_time("measured", &record.y), drawn.in_time("model", simulated)]
+            };
+            let band = band(&model, &record.u, &record.time, &found.simulation.start);
+            if let Some(width) = band.filter(|band| band.noise > 0.0).map(|band| band.of_measurement()) {
+                let edge = |sign: f64| -> Vec<f64> {
+                    let middle = |y: &f64| if is_residual { 0.0 } else { *y };
+                    simulated.iter().zip(&width).map(|(y, width)| middle(y) + sign * width).collect()
+                };
+                all.push(drawn.in_time("band-low", &edge(-1.0)));
+                all.push(drawn.in_time("band-high", &edge(1.0)));
+            }
+            all
+        }
+    };
+    let scores = score_of(&query.record, &found);
+    let fitted_on = training_scores(&super::data(&model), "");
+    let is_same = |name: &str| {
+        let last = |path: &str| path.rsplit('/').next().unwrap_or_default().to_owned();
+        last(name) == last(&query.record)
+    };
+    Ok(ModelCurves {
+        record: query.record.clone(),
+        view: query.view,
+        series,
+        scores,
+        fitted: fitted_on.iter().any(|score| is_same(&score.record)),
+        remarks: remarks(&model, &found),
+        command: command_of(workspace, id, &query.record)?,
+    })
+}
+
+/// Command that scores the model on the record.
+fn command_of(workspace: &Workspace, id: &str, record: &str) -> Answer<Command> {
+    let entry = workspace.entry(record)?;
+    let request = ScoresRequest { records: vec![record.to_owned()], skip_s: None, fixed_offset: false };
+    Ok(command::validate(id, &[entry], &request))
+}
+
+struct Drawn<'a> {
+    record: &'a InputOutput,
+    part: std::ops::Range<usize>,
+    pixels: usize,
+}
+
+impl Drawn<'_> {
+    fn output<'a>(&'a self, y: &'a [f64]) -> Along<'a> {
+        Along::new(&self.record.output, &self.record.y_unit, y)
+    }
+
+    fn over_input(&self, name: &str, y: &[f64]) -> Series {
+        let u = Along::new(&self.record.input, &self.record.u_unit, &self.record.u);
+        let curve = over(&u, &self.output(y), self.part.clone(), self.pixels, None);
+        Series { name: name.to_owned(), curve }
+    }
+
+    fn in_time(&self, name: &str, y: &[f64]) -> Series {
+        let curve = over_time(&self.record.time, &self.output(y), self.part.clone(), self.pixels);
+        Series { name: name.to_owned(), curve }
+    }
+}
+
+/// Gain and phase at the oscillations of a record, measured and of the model.
+///
+/// # Errors
+/// Those of [`curves`].
+pub(crate) fn response(workspace: &Workspace, id: &str, record_id: &str) -> Answer<Responses> {
+    let model = super::load(workspace, id)?;
+    let signals = signals(workspace, &model, record_id)?;
+    let Signals::Single(record) = &signals else {
+        return Err(Refused::bad("gain and phase are of models of one input and one output"));
+    };
+    let found = model.score(&signals, Start::AsIdentified, &Scoring::default()).map_err(Refused::cannot)?;
+    let simulated = found.simulation.outputs.first().map_or(&[][..], Vec::as_slice);
+    let rows = SineResponse::of_record(record, simulated);
+    let unit = match (record.y_unit.symbol(), record.u_unit.symbol()) {
+        ("", _) | (_, "") => Unit::new("").to_string(),
+        _ => format!("{}/{}", record.y_unit, record.u_unit),
+    };
+    Ok(Responses {
+        record: record_id.to_owned(),
+        unit,
+        rows: rows
+            .into_iter()
+            .map(|row| ResponseRow {
+                frequency_hz: row.frequency_hz,
+                measured: row.measured,
+                model: row.model,
+            })
+            .collect(),
+    })
+}

@@ -1,0 +1,125 @@
+//! Scores of a model on records.
+
+use hysteron_identify::PredictionBand;
+use hysteron_model::axes::AxesRecord;
+use hysteron_model::model::{Score as Found, Signals};
+use hysteron_model::record::{InputOutput, TimeBase};
+use hysteron_model::validate::{OffsetTreatment, Scoring, definitions};
+use hysteron_model::{Model, Start};
+use hysteron_report::record_curves::is_simulated;
+
+use crate::api::{Judged, Problem, Score, ScoreDefinition, Scored, ScoresRequest};
+use crate::command;
+use crate::problem::remedy;
+use crate::refused::{Answer, Refused};
+use crate::workspace::Workspace;
+
+/// Inputs and outputs of a record, in the order of the model.
+///
+/// # Errors
+/// If the record is none for this model.
+pub(super) fn signals(workspace: &Workspace, model: &Model, id: &str) -> Answer<Signals> {
+    let read = workspace.read(id)?;
+    Ok(match model.channels() {
+        Some((inputs, outputs)) => {
+            AxesRecord::new(&read.record, inputs, outputs).map_err(Refused::bad)?.into()
+        }
+        None => read.data()?.clone().into(),
+    })
+}
+
+/// The API's score of a library's.
+pub(super) fn score_of(record: &str, found: &Found) -> Score {
+    let summary = found.summary();
+    Score {
+        record: record.to_owned(),
+        unit: found.unit.to_string(),
+        samples: summary.samples,
+        rmse: summary.errors.rmse,
+        max_abs_error: summary.errors.max_abs_error,
+        rmse_percent_of_stroke: summary.errors.rmse_percent_of_stroke,
+        max_percent_of_stroke: summary.errors.max_percent_of_stroke,
+        fit_percent: summary.errors.fit_percent,
+        offset: summary.errors.offset,
+    }
+}
+
+/// Remarks of a simulation, in words.
+pub(super) fn remarks(model: &Model, found: &Found) -> Vec<String> {
+    let words = |remark: &hysteron_model::model::Remark| {
+        let (text, advice) = remark.in_words(model);
+        match advice {
+            Some(advice) => format!("{text} {}", remedy(&advice)),
+            None => text,
+        }
+    };
+    found.simulation.remarks.iter().map(words).collect()
+}
+
+/// The band of the output, where the model file gives one.
+pub(super) fn band(model: &Model, u: &[f64], time: &TimeBase, start: &Start) -> Option<PredictionBand> {
+    let Model::Hammerstein(body) = model else { return None };
+    body.data().correlation.as_ref()?;
+    PredictionBand::of_file(body.data(), u, time, start).ok()
+}
+
+fn in_band(model: &Model, record: &InputOutput, found: &Found, skip_s: f64) -> Option<f64> {
+    let band = band(model, &record.u, &record.time, &found.simulation.start)?;
+    (band.noise > 0.0).then(|| band.holds(record, found, skip_s).inside_percent)
+}
+
+fn judged(workspace: &Workspace, model: &Model, id: &str, scoring: &Scoring) -> Answer<Judged> {
+    let signals = signals(workspace, model, id)?;
+    let found = model.score(&signals, Start::AsIdentified, scoring).map_err(Refused::cannot)?;
+    let in_band_percent = match &signals {
+        Signals::Single(record) => in_band(model, record, &found, scoring.skip_s.unwrap_or(0.0)),
+        Signals::Several(_) => None,
+    };
+    let verdict = found.verdict.as_ref().map(|v| format!("{}: {}", v.judgement.name(), v.why));
+    Ok(Judged {
+        record: id.to_owned(),
+        score: Some(score_of(id, &found)),
+        verdict,
+        remarks: remarks(model, &found),
+        in_band_percent,
+        simulated: is_simulated(id),
+        error: None,
+    })
+}
+
+/// Scores of a model on records. A record that cannot be scored does not stop the others.
+///
+/// # Errors
+/// If the model is none.
+pub(crate) fn scores(workspace: &Workspace, id: &str, request: &ScoresRequest) -> Answer<Scored> {
+    let model = super::load(workspace, id)?;
+    let offset = if request.fixed_offset { OffsetTreatment::Fixed } else { OffsetTreatment::Estimated };
+    let scoring = Scoring { skip_s: request.skip_s, offset };
+    let one = |record: &String| {
+        judged(workspace, &model, record, &scoring)
+            .unwrap_or_else(|refused| failed(record, refused.into_problem()))
+    };
+    let records = request.records.iter().map(one).collect();
+    let entries: Vec<_> = request.records.iter().filter_map(|id| workspace.entry(id).ok()).collect();
+    let command = command::validate(id, &entries, request);
+    workspace.history.add_action(&command)?;
+    Ok(Scored { records, definitions: defined(), command })
+}
+
+fn failed(record: &str, problem: Problem) -> Judged {
+    Judged {
+        record: record.to_owned(),
+        score: None,
+        verdict: None,
+        remarks: Vec::new(),
+        in_band_percent: None,
+        simulated: is_simulated(record),
+        error: Some(problem),
+    }
+}
+
+fn defined() -> Vec<ScoreDefinition> {
+    let each = definitions().iter();
+    each.map(|d| ScoreDefinition { name: d.key.to_owned(), text: format!("{}: {}", d.name, d.meaning) })
+        .collect()
+}

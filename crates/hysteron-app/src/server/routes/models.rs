@@ -1,0 +1,133 @@
+//! Models.
+
+use std::sync::Arc;
+
+use axum::Json;
+use axum::extract::{Path, State};
+use axum::response::Response;
+use hysteron_report::model::report;
+
+use crate::api::{
+    DownloadQuery, Form, ModelCurves, ModelCurvesQuery, ModelDetail, ModelEntry, ModelPatch, Preview,
+    ResponseQuery, Responses, Scored, ScoresRequest, Trashed,
+};
+use crate::models::{archive, curves, detail, list, load, preview, rename, response, scores};
+use crate::refused::{Answer, Refused};
+use crate::server::Shared;
+use crate::server::answer::{Ask, Input, attached, compute, run};
+use crate::server::operation::Operation;
+use crate::workspace::stem_of;
+
+pub(in crate::server) fn operations() -> Vec<Operation> {
+    vec![
+        Operation::get("/api/v1/models", "The models.", all).answers::<Vec<ModelEntry>>(),
+        Operation::get("/api/v1/models/{id}", "A model in full.", one).answers::<ModelDetail>(),
+        Operation::patch("/api/v1/models/{id}", "Renames a model.", patch)
+            .takes::<ModelPatch>()
+            .answers::<ModelEntry>(),
+        Operation::delete("/api/v1/models/{id}", "Moves a model to the trash folder.", delete)
+            .answers::<Trashed>(),
+        Operation::get("/api/v1/models/{id}/curves", "A model on a record, with the scores.", on_record)
+            .asks::<ModelCurvesQuery>()
+            .answers::<ModelCurves>(),
+        Operation::post("/api/v1/models/{id}/scores", "Scores on records.", on_records)
+            .takes::<ScoresRequest>()
+            .answers::<Scored>(),
+        Operation::get("/api/v1/models/{id}/response", "Gain and phase at a record's sines.", sines)
+            .asks::<ResponseQuery>()
+            .answers::<Responses>(),
+        Operation::get("/api/v1/models/{id}/preview", "The files of an export.", files)
+            .asks::<DownloadQuery>()
+            .answers::<Preview>(),
+        Operation::get("/api/v1/models/{id}/download", "Model file, report or export.", download)
+            .asks::<DownloadQuery>()
+            .answers_with("application/octet-stream"),
+    ]
+}
+
+async fn all(State(shared): State<Arc<Shared>>) -> Answer<Json<Vec<ModelEntry>>> {
+    compute(move || Ok(list(&shared.workspace))).await
+}
+
+async fn one(State(shared): State<Arc<Shared>>, Path(id): Path<String>) -> Answer<Json<ModelDetail>> {
+    compute(move || detail(&shared.workspace, &id)).await
+}
+
+async fn patch(
+    State(shared): State<Arc<Shared>>,
+    Path(id): Path<String>,
+    Input(patch): Input<ModelPatch>,
+) -> Answer<Json<ModelEntry>> {
+    compute(move || rename(&shared.workspace, &id, &patch.name)).await
+}
+
+async fn delete(State(shared): State<Arc<Shared>>, Path(id): Path<String>) -> Answer<Json<Trashed>> {
+    compute(move || shared.workspace.discard(&id)).await
+}
+
+async fn on_record(
+    State(shared): State<Arc<Shared>>,
+    Path(id): Path<String>,
+    Ask(query): Ask<ModelCurvesQuery>,
+) -> Answer<Json<ModelCurves>> {
+    compute(move || curves(&shared.workspace, &id, &query)).await
+}
+
+async fn on_records(
+    State(shared): State<Arc<Shared>>,
+    Path(id): Path<String>,
+    Input(request): Input<ScoresRequest>,
+) -> Answer<Json<Scored>> {
+    compute(move || scores(&shared.workspace, &id, &request)).await
+}
+
+async fn sines(
+    State(shared): State<Arc<Shared>>,
+    Path(id): Path<String>,
+    Ask(query): Ask<ResponseQuery>,
+) -> Answer<Json<Responses>> {
+    compute(move || response(&shared.workspace, &id, &query.record)).await
+}
+
+async fn files(
+    State(shared): State<Arc<Shared>>,
+    Path(id): Path<String>,
+    Ask(query): Ask<DownloadQuery>,
+) -> Answer<Json<Preview>> {
+    compute(move || preview(&shared.workspace, &id, &query)).await
+}
+
+async fn download(
+    State(shared): State<Arc<Shared>>,
+    Path(id): Path<String>,
+    Ask(query): Ask<DownloadQuery>,
+) -> Answer<Response> {
+    let (name, kind, bytes) = run(move || {
+        let workspace = &shared.workspace;
+        Ok(match query.form {
+            Form::Json => {
+                let bytes = std::fs::read(workspace.existing(&id)?).map_err(Refused::failed)?;
+                (format!("{}.json", stem_of(&id)), "application/json", bytes)
+            }
+            Form::Report => {
+                // The report of the fit, where one was written; else that of the model's data.
+                let beside = format!("{}.html", id.strip_suffix(".json").unwrap_or(&id));
+                let bytes = match workspace.existing(&beside) {
+                    Ok(path) => std::fs::read(path).map_err(Refused::failed)?,
+                    Err(_) => {
+                        let found = detail(workspace, &id)?.findings;
+                        let page = report(stem_of(&id), &load(workspace, &id)?, &found);
+                        page.map_err(Refused::failed)?.to_html().into_bytes()
+                    }
+                };
+                (format!("{}.html", stem_of(&id)), "text/html; charset=utf-8", bytes)
+            }
+            Form::C | Form::Rust | Form::Fmu => {
+                let (name, bytes) = archive(workspace, &id, &query)?;
+                (name, "application/zip", bytes)
+            }
+        })
+    })
+    .await?;
+    Ok(attached(&name, kind, bytes))
+}

@@ -1,0 +1,77 @@
+//! Measured examples, inside the program, copied into the workspace on request.
+
+use hysteron_io::atomic_file::write_atomically;
+
+use super::{Workspace, shown};
+use crate::api::{ExampleOpened, RecordSettings};
+use crate::refused::{Answer, Refused};
+
+/// A file of the examples of the repository.
+macro_rules! file {
+    ($folder:literal, $name:literal) => {
+        ($name, include_bytes!(concat!("../../../../examples/", $folder, "/", $name)).as_slice())
+    };
+}
+
+/// Records of a real device with their licence.
+pub(crate) struct MeasuredExample {
+    pub name: &'static str,
+    pub title: &'static str,
+    /// Columns of input and output, where the files hold more.
+    columns: Option<(&'static str, &'static str)>,
+    records: &'static [(&'static str, &'static [u8])],
+    licence: (&'static str, &'static [u8]),
+}
+
+/// All of them.
+pub(crate) static EXAMPLES: [MeasuredExample; 2] = [
+    MeasuredExample {
+        name: "piezo-p885-200hz",
+        title: "P-885 stack, a loop of 1 Hz from rest",
+        columns: None,
+        records: &[file!("piezo-p885-200hz", "identification_1hz.csv")],
+        licence: file!("piezo-p885-200hz", "README.md"),
+    },
+    MeasuredExample {
+        name: "afm-z-scanner",
+        title: "AFM z scanner, ramps, rests and sines of 1 to 300 Hz",
+        columns: Some(("u_V", "y_um")),
+        records: &[
+            file!("afm-z-scanner", "cycle_1_300hz_01.csv"),
+            file!("afm-z-scanner", "cycle_1_300hz_02.csv"),
+            file!("afm-z-scanner", "cycle_1_300hz_03.csv"),
+        ],
+        licence: file!("afm-z-scanner", "README.md"),
+    },
+];
+
+/// Copies an example into the workspace. Records of several files continue one another.
+///
+/// # Errors
+/// For an unknown name; if a file cannot be written. One that is there is left as it is.
+pub(crate) fn open_example(workspace: &Workspace, name: &str) -> Answer<ExampleOpened> {
+    let example = EXAMPLES.iter().find(|example| example.name == name);
+    let unknown = || Refused::missing(format!("no example is called `{}`", shown(name)));
+    let example = example.ok_or_else(unknown)?;
+    let folder = workspace.path(example.name)?;
+    let failed = |e: &dyn std::fmt::Display| Refused::failed(format!("the example cannot be copied: {e}"));
+    std::fs::create_dir_all(&folder).map_err(|e| failed(&e))?;
+    for (file, bytes) in example.records.iter().chain([&example.licence]) {
+        let path = folder.join(file);
+        if !path.exists() {
+            write_atomically(&path, bytes).map_err(|e| failed(&e))?;
+        }
+    }
+    let ids = example.records.iter().map(|(file, _)| format!("{}/{file}", example.name));
+    let records: Vec<String> = ids.collect();
+    if let Some((input, output)) = example.columns {
+        for (k, id) in records.iter().enumerate() {
+            let continues = k.checked_sub(1).map(|before| records[before].clone());
+            let (input, output) = (Some(input.to_owned()), Some(output.to_owned()));
+            let settings = RecordSettings { input, output, continues, ..RecordSettings::default() };
+            workspace.history.keep_settings(id, &settings)?;
+        }
+    }
+    workspace.look();
+    Ok(ExampleOpened { records })
+}

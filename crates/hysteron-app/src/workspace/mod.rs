@@ -1,0 +1,96 @@
+//! A workspace: a plain folder of records, models and reports, with a history beside them.
+
+mod examples;
+mod history;
+mod names;
+mod read;
+mod records;
+mod scan;
+mod trash;
+mod upload;
+
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+pub(crate) use examples::{EXAMPLES, open_example};
+pub(crate) use history::History;
+pub(crate) use names::{HISTORY, device_of, path_of, shown, stem_of};
+pub(crate) use read::ReadRecord;
+pub(crate) use scan::{Found, Kind, Listing};
+pub(crate) use upload::too_large;
+
+use crate::error::AppError;
+use crate::notice::{Change, Notices};
+use crate::refused::{Answer, Refused};
+use read::Cache;
+
+/// An open workspace.
+pub(crate) struct Workspace {
+    folder: PathBuf,
+    pub(crate) history: History,
+    pub(crate) notices: Notices,
+    cache: Mutex<Cache>,
+    listing: Mutex<Listing>,
+    pub(crate) max_upload_bytes: u64,
+}
+
+impl Workspace {
+    /// Opens the folder, which is made where it is missing.
+    ///
+    /// # Errors
+    /// If folder or history cannot be made or read.
+    pub(crate) fn open(folder: &Path, max_upload_bytes: u64, memory: u64) -> Result<Self, AppError> {
+        let cannot = |source| AppError::Folder { folder: folder.to_path_buf(), source };
+        std::fs::create_dir_all(folder).map_err(cannot)?;
+        let folder = folder.canonicalize().map_err(cannot)?;
+        let history = History::open(&folder.join(HISTORY))?;
+        Ok(Self {
+            history,
+            notices: Notices::default(),
+            cache: Mutex::new(Cache::new(memory)),
+            listing: Mutex::new(Listing::default()),
+            folder,
+            max_upload_bytes,
+        })
+    }
+
+    /// The folder.
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The path of an identifier.
+    ///
+    /// # Errors
+    /// For one that is none.
+    pub(crate) fn path(&self, id: &str) -> Answer<PathBuf> {
+        path_of(&self.folder, id)
+    }
+
+    /// The path of a file that is there.
+    ///
+    /// # Errors
+    /// For one that is not.
+    pub(crate) fn existing(&self, id: &str) -> Answer<PathBuf> {
+        let path = self.path(id)?;
+        if !path.is_file() {
+            return Err(Refused::missing(format!("there is no `{}` in the workspace", shown(id))));
+        }
+        Ok(path)
+    }
+
+    /// Looks at the folder again and tells the pages what has changed.
+    pub(crate) fn look(&self) -> Listing {
+        let found = scan::scan(&self.folder);
+        let mut last = self.listing.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        for (kind, change) in
+            [(Kind::Record, Change::Records), (Kind::Model, Change::Models), (Kind::Report, Change::Reports)]
+        {
+            if found.of(kind).ne(last.of(kind)) {
+                self.notices.changed(change);
+            }
+        }
+        last.clone_from(&found);
+        found
+    }
+}

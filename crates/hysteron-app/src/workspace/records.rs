@@ -1,0 +1,174 @@
+//! Entries of records in the list, and a record in full.
+
+use hysteron_identify::structure::prospects;
+use hysteron_io::{ReadOptions, contents};
+use hysteron_model::record::{Inspection, Periods};
+use hysteron_report::record_curves::is_simulated;
+
+use super::scan::{Found, Kind, file_at};
+use super::{ReadRecord, Workspace, device_of};
+use crate::api::{Column, ColumnUse, Command, Gap, RecordDetail, RecordEntry, RecordSettings};
+use crate::command;
+use crate::draw::glyph;
+use crate::refused::{Answer, Refused};
+
+impl Workspace {
+    /// The records: what is known of each, at once. A record that was not read yet is marked, and the
+    /// identifiers of those are returned too.
+    ///
+    /// # Errors
+    /// If the history cannot be read.
+    pub(crate) fn records(&self) -> Answer<(Vec<RecordEntry>, Vec<String>)> {
+        let mut unread = Vec::new();
+        let mut entries = Vec::new();
+        for found in self.look().of(Kind::Record) {
+            let settings = self.history.settings(&found.id)?;
+            let known = self.history.seen(&found.id, &self.stamp(found, &settings))?;
+            entries.push(known.unwrap_or_else(|| {
+                unread.push(found.id.clone());
+                RecordEntry { reading: true, ..bare(found, settings) }
+            }));
+        }
+        Ok((entries, unread))
+    }
+
+    /// The entry of a record, which is read where it is not known.
+    ///
+    /// # Errors
+    /// If there is no such record.
+    pub(crate) fn entry(&self, id: &str) -> Answer<RecordEntry> {
+        let found = self.found_record(id)?;
+        let settings = self.history.settings(id)?;
+        let stamp = self.stamp(&found, &settings);
+        if let Some(known) = self.history.seen(id, &stamp)? {
+            return Ok(known);
+        }
+        let entry = match self.read(id) {
+            Ok(read) => described(bare(&found, settings), &read),
+            Err(refused) => RecordEntry { error: Some(refused.into_problem()), ..bare(&found, settings) },
+        };
+        self.history.keep_seen(id, &stamp, &entry)?;
+        Ok(entry)
+    }
+
+    /// The file of a record.
+    ///
+    /// # Errors
+    /// If there is no such record.
+    pub(crate) fn found_record(&self, id: &str) -> Answer<Found> {
+        let path = self.existing(id)?;
+        let found = file_at(self.folder(), &path).filter(|found| found.kind == Kind::Record);
+        found.ok_or_else(|| Refused::missing(format!("`{}` is no record", super::shown(id))))
+    }
+
+    /// A record in full.
+    ///
+    /// # Errors
+    /// If there is no such record.
+    pub(crate) fn detail(&self, id: &str) -> Answer<RecordDetail> {
+        let entry = self.entry(id)?;
+        let options = ReadOptions { time: entry.settings.time.clone(), ..ReadOptions::default() };
+        let listed = contents(&self.path(id)?, &options).unwrap_or_default();
+        let mut detail = RecordDetail {
+            columns: listed.into_iter().map(column).collect(),
+            inspection: None,
+            gaps: Vec::new(),
+            notes: Vec::new(),
+            prospects: None,
+            command: command::inspect(std::slice::from_ref(&entry)),
+            entry,
+        };
+        if let Ok(read) = self.read(id) {
+            detail.notes.clone_from(&read.notes);
+            if let (Ok(data), Ok(inspection)) = (read.data(), read.inspection()) {
+                detail.inspection = Some(inspection.summary(data));
+                let gaps = data.time.gaps().into_iter();
+                detail.gaps = gaps.map(|gap| Gap { from_s: gap.from_s, to_s: gap.to_s }).collect();
+                detail.prospects = Some(prospects(std::slice::from_ref(data)));
+                mark_used(&mut detail.columns, &detail.entry);
+            }
+        }
+        Ok(detail)
+    }
+
+    /// Command that prints what is known of records.
+    pub(crate) fn inspect_command(&self, ids: &[String]) -> Answer<Command> {
+        let entries = ids.iter().map(|id| self.entry(id)).collect::<Answer<Vec<_>>>()?;
+        Ok(command::inspect(&entries))
+    }
+}
+
+fn column(content: hysteron_io::Content) -> Column {
+    let hysteron_io::Content { path, shape, unit, kind } = content;
+    Column { path, shape, unit, kind, used_as: None }
+}
+
+/// Marks the columns that are input and output: a name is a column's path, or its end, with or without unit.
+fn mark_used(columns: &mut [Column], entry: &RecordEntry) {
+    let named = |path: &str, name: &str| {
+        let last = path.rsplit(['/', '.', '!']).next().unwrap_or(path);
+        let bare = hysteron_model::record::split_header(last).0;
+        path == name || last == name || bare == name
+    };
+    for (name, used) in [(&entry.input, ColumnUse::Input), (&entry.output, ColumnUse::Output)] {
+        let Some(name) = name else { continue };
+        if let Some(column) = columns.iter_mut().find(|column| named(&column.path, name)) {
+            column.used_as = Some(used);
+        }
+    }
+}
+
+/// What is known without reading the file.
+fn bare(found: &Found, settings: RecordSettings) -> RecordEntry {
+    RecordEntry {
+        id: found.id.clone(),
+        device: device_of(&found.id).to_owned(),
+        bytes: found.bytes,
+        modified: found.modified(),
+        reading: false,
+        samples: 0,
+        duration_s: None,
+        rate_hz: None,
+        segments: 0,
+        input: None,
+        input_unit: String::new(),
+        output: None,
+        output_unit: String::new(),
+        settings,
+        glyph: Vec::new(),
+        warning: None,
+        error: None,
+        simulated: is_simulated(found.id.rsplit('/').next().unwrap_or_default()),
+    }
+}
+
+fn described(entry: RecordEntry, read: &ReadRecord) -> RecordEntry {
+    let samples = read.record.len();
+    let (data, inspection) = match (&read.data, read.inspection()) {
+        (Ok(data), Ok(inspection)) => (data, inspection),
+        (Err(problem), _) => return RecordEntry { samples, error: Some(problem.clone()), ..entry },
+        (_, Err(refused)) => {
+            return RecordEntry { samples, error: Some(refused.into_problem()), ..entry };
+        }
+    };
+    RecordEntry {
+        samples,
+        duration_s: inspection.duration_s,
+        rate_hz: inspection.sample_rate_hz,
+        segments: inspection.segments.len().max(1),
+        input: Some(data.input.clone()),
+        input_unit: data.u_unit.to_string(),
+        output: Some(data.output.clone()),
+        output_unit: data.y_unit.to_string(),
+        glyph: glyph(data, period(inspection)),
+        warning: inspection.findings.iter().find(|f| f.is_warning()).map(|f| f.text.clone()),
+        ..entry
+    }
+}
+
+/// Samples of a settled period.
+fn period(inspection: &Inspection) -> Option<usize> {
+    let settled = |periods: &Periods| periods.count > periods.settling;
+    let periods = inspection.periods.filter(settled)?;
+    Some(periods.period_samples.round() as usize)
+}

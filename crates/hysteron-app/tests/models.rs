@@ -1,0 +1,240 @@
+//! From records to a model, its scores, curves, drive and code; jobs on the way.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "tests stop at the first surprise"
+)]
+
+mod common;
+
+use common::{Server, encoded, events, loops, serve};
+use serde_json::{Value, json};
+
+fn with_model() -> Server {
+    let server = Server::start();
+    server.upload("loop.csv", loops(1200).as_bytes()).done();
+    server.upload("unseen.csv", loops(800).as_bytes()).done();
+    server.identified("loop.csv", "stage.json");
+    server
+}
+
+fn waveform(amplitude: f64) -> Value {
+    let waveform = json!({"kind": "sine", "frequency_hz": 1.0, "periods": 2.0});
+    json!({"from": "waveform", "specification":
+        {"sample_rate_hz": 200.0, "low_v": 5.0, "high_v": 5.0 + amplitude, "waveform": waveform}})
+}
+
+#[test]
+fn the_chain_from_record_to_code() {
+    let server = with_model();
+    let listed = server.get("/api/v1/models").done();
+    let entry = &listed[0];
+    assert_eq!(
+        (&entry["id"], &entry["kind"], &entry["unit"]),
+        (&json!("stage.json"), &json!("hammerstein"), &json!("µm"))
+    );
+    assert_eq!(entry["records"], json!(["loop.csv"]));
+    assert!(
+        entry["command"].as_str().unwrap().starts_with("hysteron identify loop.csv -o stage.json"),
+        "{entry}"
+    );
+    let detail = server.get("/api/v1/models/stage.json").done();
+    assert!(detail["parameters"].as_array().unwrap().len() > 3);
+    assert!(!detail["findings"].as_array().unwrap().is_empty());
+    assert_eq!(detail["file"]["format"], "hysteron-model");
+    let curves = "/api/v1/models/stage.json/curves?record=unseen.csv&view=";
+    for (view, names) in [("loop", vec!["measured", "model"]), ("residual-loop", vec!["residual"])] {
+        let drawn = server.get(&format!("{curves}{view}")).done();
+        let found: Vec<&str> =
+            drawn["series"].as_array().unwrap().iter().map(|s| s["name"].as_str().unwrap()).collect();
+        assert_eq!(found, names);
+    }
+    let scores = json!({"records": ["unseen.csv", "none.csv"]});
+    let scored = server.post("/api/v1/models/stage.json/scores", &scores).done();
+    let residual = server.get(&format!("{curves}residual")).done();
+    assert_eq!(residual["scores"]["rmse"], scored["records"][0]["score"]["rmse"]);
+    // What is drawn is what was scored.
+    let e: Vec<f64> = serde_json::from_value(residual["series"][0]["curve"]["y"].clone()).unwrap();
+    let largest = e.iter().fold(0.0, |largest: f64, e| largest.max(e.abs()));
+    assert!((largest - residual["scores"]["max_abs_error"].as_f64().unwrap()).abs() < 1e-9, "{largest}");
+    assert!(scored["records"][1]["error"]["what"].as_str().unwrap().contains("none.csv"));
+    assert!(scored["definitions"].as_array().unwrap().len() > 5);
+    let response = server.get("/api/v1/models/stage.json/response?record=unseen.csv").done();
+    assert!(response["rows"].is_array());
+    let follow = json!({"reference": waveform(10.0), "save": "drive.csv"});
+    let followed = server.post("/api/v1/models/stage.json/follow", &follow).done();
+    assert_eq!(followed["samples"], 400);
+    assert!(followed["predicted_max_error"].as_f64().unwrap() < 0.2, "{followed}");
+    assert!(!followed["shown"].as_array().unwrap().is_empty());
+    assert_eq!(followed["command"]["shell"], "hysteron invert stage.json drive-reference.csv -o drive.csv");
+    assert!(server.path("drive.csv").is_file() && server.path("drive-reference.csv").is_file());
+    let again = json!({"reference": {"from": "record", "id": "drive-reference.csv"}});
+    let again = server.post("/api/v1/models/stage.json/follow", &again).done();
+    assert_eq!(again["drive_high"], followed["drive_high"]);
+    let track = json!({"reference": waveform(10.0), "on_model": true, "options": {"controllers": ["uncompensated", "feedforward"]}});
+    let tracked = server.post("/api/v1/models/stage.json/track", &track).done();
+    let rms = |k: usize| tracked["controllers"][k]["rms"].as_f64().unwrap();
+    assert!(rms(1) < rms(0), "{} {}", rms(0), rms(1));
+    let preview = server.get("/api/v1/models/stage.json/preview?as=c&inverse=true").done();
+    let names: Vec<&str> =
+        preview["files"].as_array().unwrap().iter().map(|f| f["name"].as_str().unwrap()).collect();
+    assert!(names.contains(&"stage.h") && names.contains(&"stage_inverse.c"), "{names:?}");
+    let zip = server.get("/api/v1/models/stage.json/download?as=c");
+    assert!(zip.body.starts_with(b"PK") && zip.head.contains("filename=\"stage-c.zip\""), "{}", zip.head);
+    let json = server.get("/api/v1/models/stage.json/download?as=json");
+    assert_eq!(json.body, std::fs::read(server.path("stage.json")).unwrap());
+    let report = server.get("/api/v1/models/stage.json/download?as=report");
+    assert!(
+        String::from_utf8(report.body).unwrap().contains("<!doctype html>")
+            || report.head.contains("text/html")
+    );
+    let history = server.get("/api/v1/history").done();
+    let shell = history["shell"].as_str().unwrap();
+    for command in ["hysteron identify", "hysteron validate", "hysteron invert", "hysteron export"] {
+        assert!(shell.contains(command), "{shell}");
+    }
+    assert!(
+        history["python"].as_str().unwrap().contains("hy.Hammerstein(dynamics=\"none\", degree=2)"),
+        "{history}"
+    );
+}
+
+#[test]
+fn a_model_can_be_renamed_deleted_and_restored() {
+    let server = with_model();
+    let renamed = server.send(
+        "PATCH",
+        "/api/v1/models/stage.json",
+        &json!({"name": "a <b>name</b>".replace('/', "_")}),
+    );
+    let id = renamed.done()["id"].as_str().unwrap().to_owned();
+    let detail = server.get(&format!("/api/v1/models/{}", encoded(&id))).done();
+    assert!(!detail["findings"].as_array().unwrap().is_empty(), "what the fit found goes with the name");
+    server.send("PATCH", &format!("/api/v1/models/{}", encoded(&id)), &json!({"name": "../x"})).refused(400);
+    let trashed = server.delete(&format!("/api/v1/models/{}", encoded(&id))).done();
+    assert_eq!(server.get("/api/v1/models").done(), json!([]));
+    server.post(&format!("/api/v1/trash/{}/restore", trashed["token"].as_str().unwrap()), &json!({})).done();
+    assert_eq!(server.get("/api/v1/models").done()[0]["id"], json!(id));
+    std::fs::write(server.path("bad.json"), "{\"format\": \"hysteron-model\", \"version\": 99}").unwrap();
+    std::fs::write(server.path("other.json"), "{\"a\": 1}").unwrap();
+    let listed = server.get("/api/v1/models").done();
+    assert_eq!(listed.as_array().unwrap().len(), 2, "{listed}");
+    assert!(listed[1]["error"]["what"].is_string(), "{listed}");
+}
+
+#[test]
+fn jobs_queue_and_are_watched_stopped_resumed_and_deleted() {
+    let server = Server::start();
+    server.upload("loop.csv", loops(6000).as_bytes()).done();
+    let mut told = events(server.address);
+    // Many generations: it would take minutes.
+    let task = json!({"kind": "hammerstein", "options": {"algorithm": {"pso": {"population": 40, "inertia": 0.7,
+        "cognitive": 1.5, "social": 1.5, "velocity_clamp": 0.5}}, "generations": 100000, "degree": {"given": 2}}});
+    let request = json!({"kind": "identify", "records": ["loop.csv"], "model": "long.json", "task": task});
+    let command = server.post("/api/v1/commands", &request).done();
+    assert!(command["shell"].as_str().unwrap().contains("--optimizer pso --population 40"), "{command}");
+    let long = server.post("/api/v1/jobs", &request).done();
+    let long_id = long["id"].as_i64().unwrap();
+    let next = server.post("/api/v1/jobs", &json!({"kind": "identify", "records": ["loop.csv"]})).done();
+    let next_id = next["id"].as_i64().unwrap();
+    assert_eq!((&next["state"], &next["ahead"]), (&json!("waiting"), &json!(1)));
+    let last = server
+        .post("/api/v1/jobs", &json!({"kind": "compare", "records": ["loop.csv"], "quick": true}))
+        .done();
+    let last_id = last["id"].as_i64().unwrap();
+    let stopped = server.post(&format!("/api/v1/jobs/{last_id}/stop"), &json!({})).done();
+    assert_eq!(stopped["state"], "stopped");
+    // The picture of the best model so far arrives while it runs.
+    let drawn = told.find(|(name, data)| name == "live" && data["latest"].is_object()).unwrap().1;
+    assert_eq!((&drawn["job"], &drawn["latest"]["record"]), (&json!(long_id), &json!("loop.csv")));
+    assert!(drawn["latest"]["model"]["x"].as_array().unwrap().len() > 20);
+    assert!(drawn["latest"]["rmse"].as_f64().unwrap() >= 0.0);
+    let live = server.get(&format!("/api/v1/jobs/{long_id}/live")).done();
+    assert!(live["measured"].is_object() && !live["costs"].as_array().unwrap().is_empty(), "{live}");
+    assert_eq!(live["job"]["state"], "running");
+    assert_eq!(server.delete(&format!("/api/v1/jobs/{long_id}")).status, 409);
+    // A checkpoint is written while it runs.
+    let begun = std::time::Instant::now();
+    while !server.path("long.searches.json").exists() {
+        assert!(begun.elapsed().as_secs() < 60, "no checkpoint");
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    server.post(&format!("/api/v1/jobs/{long_id}/stop"), &json!({})).done();
+    let stopped = server.wait_for(long_id, &["stopped", "failed", "done"]);
+    assert_eq!((&stopped["state"], &stopped["resumable"]), (&json!("stopped"), &json!(true)), "{stopped}");
+    assert_eq!(stopped["result"]["models"], json!(["long.partial.json"]));
+    let partial = server.get("/api/v1/models/long.partial.json").done();
+    assert_eq!(partial["interrupted"], true);
+    let done = server.wait_for(next_id, &["done", "failed"]);
+    assert_eq!(done["state"], "done", "{done}");
+    assert_eq!(done["result"]["models"], json!(["loop.json"]));
+    let resumed = server.post(&format!("/api/v1/jobs/{long_id}/resume"), &json!({})).done();
+    assert_eq!(resumed["state"], "waiting");
+    server.wait_for(long_id, &["running"]);
+    server.post(&format!("/api/v1/jobs/{long_id}/stop"), &json!({})).done();
+    let again = server.wait_for(long_id, &["stopped", "failed"]);
+    assert_eq!(again["state"], "stopped", "{again}");
+    server.post(&format!("/api/v1/jobs/{long_id}/stop"), &json!({})).refused(409);
+    assert_eq!(server.delete(&format!("/api/v1/jobs/{long_id}")).status, 204);
+    server.get(&format!("/api/v1/jobs/{long_id}")).refused(404);
+    // Another server of the same folder, as after a restart, knows the same jobs.
+    let address = serve(server.folder.path(), 1 << 20);
+    let jobs = common::request(address, "GET", "/api/v1/jobs", &[], b"").done();
+    assert_eq!(jobs.as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn a_job_that_cannot_be_done_says_why() {
+    let server = Server::start();
+    server.upload("loop.csv", loops(400).as_bytes()).done();
+    for (wrong, status) in [
+        (json!({"kind": "identify", "records": []}), 400),
+        (json!({"kind": "identify", "records": ["none.csv"]}), 404),
+        (json!({"kind": "identify", "records": ["loop.csv"], "model": "../x.json"}), 400),
+        (json!({"kind": "identify", "records": ["loop.csv"], "structure": "nonsense"}), 400),
+        (json!({"kind": "identify", "records": ["loop.csv"], "task": {"kind": "modes", "options": {}}}), 400),
+        (json!({"kind": "compare", "records": ["loop.csv"], "candidates": ["nonsense"]}), 400),
+        (json!({"kind": "compare", "records": ["loop.csv"], "time_limit_s": -1}), 400),
+        (json!({"kind": "dance"}), 400),
+    ] {
+        assert_eq!(server.post("/api/v1/jobs", &wrong).status, status, "{wrong}");
+    }
+    let constant = "t_s,u_V,y_um\n".to_owned() + &(0..50).map(|k| format!("{k},1,{k}\n")).collect::<String>();
+    server.upload("constant.csv", constant.as_bytes()).done();
+    let job = server.post("/api/v1/jobs", &json!({"kind": "identify", "records": ["constant.csv"]})).done();
+    let failed = server.wait_for(job["id"].as_i64().unwrap(), &["failed", "done"]);
+    assert_eq!(failed["state"], "failed");
+    assert!(failed["error"]["what"].as_str().unwrap().contains("constant"), "{failed}");
+    assert_eq!(failed["result"]["models"], json!([]));
+}
+
+#[test]
+fn the_bench_makes_records_that_say_so() {
+    let server = Server::start();
+    let plan = json!({"sample_rate_hz": 1000.0, "loop_periods": 2.0, "sweep_end_hz": 20.0, "sweep_s": 2.0, "validation_hz": [5.0], "validation_s": 1.0});
+    let made = server.post("/api/v1/bench", &json!({"plan": plan, "seed": 3})).done();
+    let records = made["records"].as_array().unwrap();
+    assert_eq!(records.len(), 3, "{made}");
+    let mut listed = server.get("/api/v1/records").done();
+    let begun = std::time::Instant::now();
+    while listed.as_array().unwrap().iter().any(|record| record["reading"] == true) {
+        assert!(begun.elapsed().as_secs() < 60);
+        std::thread::sleep(std::time::Duration::from_millis(30));
+        listed = server.get("/api/v1/records").done();
+    }
+    assert!(listed.as_array().unwrap().iter().all(|record| record["simulated"] == true), "{listed}");
+    let roles: Vec<&str> =
+        listed.as_array().unwrap().iter().map(|r| r["settings"]["role"].as_str().unwrap()).collect();
+    assert!(roles.contains(&"validate") && roles.contains(&"auto"), "{roles:?}");
+    server.post("/api/v1/bench", &json!({"plan": {"sample_rate_hz": -1.0}})).refused(400);
+    let drive = json!({"specification": {"sample_rate_hz": 1000.0, "low_v": 0.0, "high_v": 10.0,
+        "waveform": {"kind": "triangle", "frequency_hz": 2.0, "periods": 3.0}}, "save": "drives/slow.csv"});
+    let drive = server.post("/api/v1/drives", &drive).done();
+    assert_eq!(drive["summary"]["high_v"], 10.0);
+    assert!(server.path("drives/slow.csv").is_file());
+    let offered = server.get("/api/v1/options").done();
+    assert!(offered["choices"][0]["choices"].as_array().unwrap().len() > 5);
+    assert_eq!(offered["defaults"][0]["kind"], "hammerstein");
+    assert!(offered["task"]["$defs"]["HammersteinOptions"].is_object(), "schema of the library's options");
+}
