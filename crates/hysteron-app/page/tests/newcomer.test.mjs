@@ -66,9 +66,9 @@ test('several files at once, parts of a run joined by the select', async () => {
     await page.waitForSelector('.drop.big');
     const scanner = join(EXAMPLES, 'afm-z-scanner');
     await drop(page, ...['01', '02', '03'].map((n) => join(scanner, `cycle_1_300hz_${n}.csv`)));
-    await page.waitForFunction(() => document.querySelectorAll('.chip').length === 3);
+    await page.waitForFunction(() => document.querySelectorAll('button.chip').length === 3);
     await page.click('.chip:has-text("cycle_1_300hz_02")');
-    await page.waitForSelector('.rhead:has-text("cycle_1_300hz_02")');
+    await page.waitForSelector('.rhead h2:has-text("cycle_1_300hz_02")');
     await page.locator('label:has-text("continues") select').selectOption('cycle_1_300hz_01.csv');
     await page.waitForSelector('.chip.cont:has-text("cycle_1_300hz_02")');
     await page.reload();

@@ -2,6 +2,7 @@
 import { useState } from 'preact/hooks';
 import type { Choice, Schema } from '../api/types';
 import { kindOf, optional, plain, start, words, type Option } from './schema';
+import { capital } from './words';
 
 interface FieldProps {
   label: string;
@@ -9,6 +10,7 @@ interface FieldProps {
   root: Schema;
   value: unknown;
   choices?: Choice[];
+  usual?: unknown;
   change: (value: unknown) => void;
 }
 
@@ -24,6 +26,8 @@ export function SchemaForm(props: {
   only?: string[];
   /** Choices of the library by the name of their field, where it says more of them than the schema. */
   choices?: Record<string, Choice[]>;
+  /** Usual values: what is no choice by its name can be gone back to. */
+  usual?: Record<string, unknown>;
   /** Labels other than the words of the names. */
   labels?: Record<string, string>;
 }) {
@@ -46,7 +50,8 @@ export function SchemaForm(props: {
           root={props.root}
           value={props.value[name]}
           choices={props.choices?.[name]}
-          label={props.labels?.[name] ?? words(name)}
+          usual={props.usual?.[name]}
+          label={props.labels?.[name] ?? capital(words(name))}
           change={(value) => props.change({ ...props.value, [name]: value })}
         />
       ))}
@@ -54,9 +59,11 @@ export function SchemaForm(props: {
   );
 }
 
-function Field({ label, schema, root, value, choices, change }: FieldProps) {
+function Field({ label, schema, root, value, choices, usual, change }: FieldProps) {
   const { schema: own, nullable } = optional(schema, root);
-  const kind = choices ? ({ kind: 'choice', options: offered(choices) } as const) : kindOf(own, root);
+  const kind = choices
+    ? ({ kind: 'choice', options: offered(choices, usual) } as const)
+    : kindOf(own, root);
   const help = plain(schema.description ?? own.description);
   switch (kind.kind) {
     case 'switch':
@@ -157,13 +164,14 @@ function Field({ label, schema, root, value, choices, change }: FieldProps) {
   }
 }
 
-function offered(choices: Choice[]): Option[] {
-  return choices.map(({ name, summary, value }) => ({
-    label: name,
-    summary,
-    value,
-    matches: (other) => JSON.stringify(other) === JSON.stringify(value),
-  }));
+function offered(choices: Choice[], usual: unknown): Option[] {
+  const list = choices.map(({ name, summary, value }) => option(name, value, summary));
+  if (usual === undefined || list.some((one) => one.matches(usual))) return list;
+  return [option(typeof usual === 'string' ? usual : 'as usual', usual), ...list];
+}
+
+function option(label: string, value: unknown, summary?: string): Option {
+  return { label, summary, value, matches: (other) => JSON.stringify(other) === JSON.stringify(value) };
 }
 
 function ChoiceField(props: {

@@ -138,9 +138,15 @@ export function Numbers({ list }: { list: Quantity[] }) {
   );
 }
 
-/** A box of the size of what will stand there. */
-export function Waiting({ height }: { height: number }) {
-  return <span class="sk" style={{ height: `${height}px` }} aria-hidden="true" />;
+/** A box of the size of what will stand there, and what it waits for. */
+export function Waiting({ height, text }: { height: number; text?: string }) {
+  const style = { height: `${height}px` };
+  if (!text) return <span class="sk" style={style} aria-hidden="true" />;
+  return (
+    <div class="awaits" style={style}>
+      {text}
+    </div>
+  );
 }
 
 /** A room that lacks something: what, why, and the way to it. */

@@ -91,10 +91,11 @@ function Now({ job, shown }: { job: Job; shown: Running | null }) {
     const [number, symbol] = value == null ? ['–', ''] : quantity(value, own);
     list.push({ label, value: number, unit: symbol, note });
   };
-  add('RMSE so far', latest?.rmse, unit, 'of the loop that is drawn');
+  add('RMSE so far', latest?.rmse, unit, latest ? 'of the loop that is drawn' : 'comes with the joint fit');
   add('best cost', job.cost, job.unit, 'weighted, of this stage');
   add('noise floor', floor, unit, floor == null ? '' : 'nothing gets below');
-  const [time, symbol] = seconds(job.elapsed_s).split(' ');
+  const elapsed = Math.max(job.elapsed_s, shown?.costs[shown.costs.length - 1]?.time_s ?? 0);
+  const [time, symbol] = seconds(elapsed).split(' ');
   const runs = job.state === 'running';
   list.push({
     label: 'elapsed',
@@ -126,7 +127,7 @@ function LoopSoFar({ shown, runs }: { shown: Running | null; runs: boolean }) {
       tools: ['zoom', 'pan'],
     };
   }, [measured, latest, runs]);
-  return spec ? <Plot spec={spec} /> : <Waiting height={406} />;
+  return spec ? <Plot spec={spec} /> : <Waiting height={406} text="The record is read." />;
 }
 
 function ResidualSoFar({ shown }: { shown: Running | null }) {
@@ -147,7 +148,11 @@ function ResidualSoFar({ shown }: { shown: Running | null }) {
       lines: [asLine(residual, 'residual', 1.2)],
     };
   }, [latest]);
-  return spec ? <Plot spec={spec} /> : <Waiting height={204} />;
+  return spec ? (
+    <Plot spec={spec} />
+  ) : (
+    <Waiting height={204} text="The residual is drawn with the first whole model: stage “joint fit”." />
+  );
 }
 
 /** Outwards to 1, 2, 5 times a power of ten: an axis that grows seldom, and by a step. */
@@ -186,7 +191,11 @@ function Cost({ job, shown }: { job: Job; shown: Running | null }) {
       lines: lines.reverse(),
     };
   }, [costs.length, job.unit]);
-  return spec ? <Plot spec={spec} /> : <Waiting height={204} />;
+  return spec ? (
+    <Plot spec={spec} />
+  ) : (
+    <Waiting height={204} text="The cost is drawn from the first evaluation on." />
+  );
 }
 
 function Stages({ job }: { job: Job }) {

@@ -5,12 +5,14 @@ import type { Choice, Options, RecordEntry } from '../../api/types';
 import { Icon } from '../../components/icon';
 import { SchemaForm } from '../../components/SchemaForm';
 import { words } from '../../components/schema';
+import { capital } from '../../components/words';
 import { fileName } from '../../format';
 import { route, settle } from '../../route';
 import { useSignal } from '../../signal';
 import { ask, asked, optionsOf, usual, type Task } from './task';
 
 const FIRST = ['hysteresis', 'dynamics', 'delay_s', 'degree'];
+const LABELS = { delay_s: 'Delay (s)', degree: 'Degree of the polynomial' };
 
 export function Settings(props: { records: RecordEntry[]; out: RecordEntry[]; running: boolean }) {
   const offered = useResource<Options>('options').value;
@@ -84,7 +86,7 @@ function Choices({ offered }: { offered: Options }) {
         >
           {kinds.map((other) => (
             <option key={other.kind} value={other.kind}>
-              {words(other.kind)}
+              {capital(words(other.kind))}
             </option>
           ))}
         </select>
@@ -97,7 +99,9 @@ function Choices({ offered }: { offered: Options }) {
             value={task.options}
             change={change}
             only={first}
+            labels={LABELS}
             choices={choices}
+            usual={usual(offered, task.kind).options}
           />
           <details>
             <summary>All options</summary>
@@ -117,6 +121,7 @@ function Choices({ offered }: { offered: Options }) {
                 wanted={wanted}
                 without={first}
                 choices={choices}
+                usual={usual(offered, task.kind).options}
               />
             </div>
           </details>

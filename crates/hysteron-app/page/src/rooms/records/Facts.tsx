@@ -69,6 +69,7 @@ function facts(record: RecordDetail, seen: Inspection): [string, string][] {
 
 export function Facts({ record }: { record: RecordDetail }) {
   if (!record.inspection) return null;
+  const seen = record.inspection.findings.filter((finding) => !finding.warning);
   return (
     <div>
       <div class="ph">
@@ -82,6 +83,16 @@ export function Facts({ record }: { record: RecordDetail }) {
           </>
         ))}
       </dl>
+      {seen.length > 0 && (
+        <details>
+          <summary>What else was seen</summary>
+          <ul class="plain dots">
+            {seen.map((finding) => (
+              <li key={finding.text}>{prose(finding.text)}</li>
+            ))}
+          </ul>
+        </details>
+      )}
     </div>
   );
 }
