@@ -4,7 +4,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .PHONY: FORCE help demo check test test-python kept-outputs python-tools wheel docs bench-python \
   export-tools bench study article figures clean check-toolchain check-components \
-  page page-tools test-browser
+  app page page-tools test-browser
 
 RECORD := examples/piezo-p885-200hz/identification_1hz.csv
 CYCLES := $(wildcard examples/afm-z-scanner/cycle_1_300hz_0*.csv)
@@ -103,6 +103,9 @@ test: check
 	cargo test -p hysteron-export --locked --test '*'
 
 PAGE := crates/hysteron-app/page
+app: $(HYSTERON) ## the page in the browser, on the measured examples, in out/app
+	$(HYSTERON) app $(OUT)/app --examples --open
+
 page-tools:
 	@command -v node >/dev/null || { echo "error: node is not installed"; \
 	  echo "  try: your system's package, e.g. 'apt-get install nodejs npm' (20 or newer)"; exit 1; }

@@ -18,6 +18,9 @@ pub enum AppError {
     /// The history file is no such file, or cannot be written.
     #[error("the history of the workspace (hysteron.sqlite) cannot be used: {0}")]
     History(#[from] rusqlite::Error),
+    /// The examples cannot be copied.
+    #[error("{0}")]
+    Examples(String),
     /// The address is taken or not of this machine.
     #[error("{address} cannot be listened on: {source}")]
     Listen {

@@ -72,7 +72,8 @@ fn the_chain_from_record_to_code() {
     let again = json!({"reference": {"from": "record", "id": "drive-reference.csv"}});
     let again = server.post("/api/v1/models/stage.json/follow", &again).done();
     assert_eq!(again["drive_high"], followed["drive_high"]);
-    let track = json!({"reference": waveform(10.0), "on_model": true, "options": {"controllers": ["uncompensated", "feedforward"]}});
+    let options = json!({"controllers": ["uncompensated", "feedforward"]});
+    let track = json!({"reference": waveform(10.0), "on_model": true, "options": options});
     let tracked = server.post("/api/v1/models/stage.json/track", &track).done();
     let rms = |k: usize| tracked["controllers"][k]["rms"].as_f64().unwrap();
     assert!(rms(1) < rms(0), "{} {}", rms(0), rms(1));
@@ -129,8 +130,10 @@ fn jobs_queue_and_are_watched_stopped_resumed_and_deleted() {
     server.upload("loop.csv", loops(6000).as_bytes()).done();
     let mut told = events(server.address);
     // Many generations: it would take minutes.
-    let task = json!({"kind": "hammerstein", "options": {"algorithm": {"pso": {"population": 40, "inertia": 0.7,
-        "cognitive": 1.5, "social": 1.5, "velocity_clamp": 0.5}}, "generations": 100000, "degree": {"given": 2}}});
+    let swarm = json!({"population": 40, "inertia": 0.7, "cognitive": 1.5, "social": 1.5,
+        "velocity_clamp": 0.5});
+    let options = json!({"algorithm": {"pso": swarm}, "generations": 100_000, "degree": {"given": 2}});
+    let task = json!({"kind": "hammerstein", "options": options});
     let request = json!({"kind": "identify", "records": ["loop.csv"], "model": "long.json", "task": task});
     let command = server.post("/api/v1/commands", &request).done();
     assert!(command["shell"].as_str().unwrap().contains("--optimizer pso --population 40"), "{command}");
@@ -212,7 +215,8 @@ fn a_job_that_cannot_be_done_says_why() {
 #[test]
 fn the_bench_makes_records_that_say_so() {
     let server = Server::start();
-    let plan = json!({"sample_rate_hz": 1000.0, "loop_periods": 2.0, "sweep_end_hz": 20.0, "sweep_s": 2.0, "validation_hz": [5.0], "validation_s": 1.0});
+    let plan = json!({"sample_rate_hz": 1000.0, "loop_periods": 2.0, "sweep_end_hz": 20.0, "sweep_s": 2.0,
+        "validation_hz": [5.0], "validation_s": 1.0});
     let made = server.post("/api/v1/bench", &json!({"plan": plan, "seed": 3})).done();
     let records = made["records"].as_array().unwrap();
     assert_eq!(records.len(), 3, "{made}");
@@ -237,4 +241,31 @@ fn the_bench_makes_records_that_say_so() {
     assert!(offered["choices"][0]["choices"].as_array().unwrap().len() > 5);
     assert_eq!(offered["defaults"][0]["kind"], "hammerstein");
     assert!(offered["task"]["$defs"]["HammersteinOptions"].is_object(), "schema of the library's options");
+}
+
+#[test]
+fn a_race_shows_who_has_arrived_and_the_winner_can_be_taken() {
+    let server = Server::start();
+    let plan = json!({"sample_rate_hz": 500.0, "loop_periods": 2.0, "sweep_end_hz": 20.0, "sweep_s": 3.0,
+        "validation_hz": [5.0], "validation_s": 1.0});
+    let made = server.post("/api/v1/bench", &json!({"plan": plan, "seed": 3})).done();
+    let mut told = events(server.address);
+    let request = json!({"kind": "compare", "records": made["records"], "report": "race.html",
+        "candidates": ["none+degree1", "integer2+degree1"]});
+    let job = server.post("/api/v1/jobs", &request).done();
+    let arrived = |data: &Value| {
+        data["state"] == "running"
+            && data["result"]["candidates"].as_array().is_some_and(|all| !all.is_empty())
+    };
+    let (_, running) = told.find(|(name, data)| name == "job" && arrived(data)).unwrap();
+    assert_eq!(running["result"]["candidates"][0]["name"], "none+degree1");
+    let done = server.wait_for(job["id"].as_i64().unwrap(), &["done", "failed"]);
+    assert_eq!(done["state"], "done", "{done}");
+    let comparison = &done["result"]["comparison"];
+    assert_eq!(comparison["candidates"].as_array().unwrap().len(), 2);
+    assert_eq!(server.get("/api/v1/reports").done()[0]["id"], "race.html");
+    let name = &comparison["preferred"];
+    let take = json!({"kind": "identify", "records": [made["records"][0]], "structure": name});
+    let command = server.post("/api/v1/commands", &take).done();
+    assert!(command["shell"].as_str().unwrap().contains("--dynamics"), "{command}");
 }

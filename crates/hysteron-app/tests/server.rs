@@ -162,12 +162,21 @@ fn a_report_of_anyone_runs_apart_from_the_page() {
 #[test]
 fn an_address_that_is_taken_and_a_file_for_a_folder_are_errors() {
     let server = Server::start();
-    let settings =
-        Settings { folder: server.path("new/folder"), address: server.address, max_upload_bytes: 1 };
+    let settings = Settings {
+        folder: server.path("new/folder"),
+        address: server.address,
+        max_upload_bytes: 1,
+        examples: true,
+    };
     assert!(matches!(App::bind(&settings), Err(AppError::Listen { .. })));
     assert!(server.path("new/folder").is_dir());
     let file = server.path("file");
     std::fs::write(&file, "x").unwrap();
-    let settings = Settings { folder: file, address: "127.0.0.1:0".parse().unwrap(), max_upload_bytes: 1 };
+    let settings = Settings {
+        folder: file,
+        address: "127.0.0.1:0".parse().unwrap(),
+        max_upload_bytes: 1,
+        examples: true,
+    };
     assert!(matches!(App::bind(&settings), Err(AppError::Folder { .. })));
 }

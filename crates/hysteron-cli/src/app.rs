@@ -38,6 +38,10 @@ pub struct App {
     #[arg(long)]
     open: bool,
 
+    /// Copy the measured examples, an AFM scanner and a P-885 stack, into FOLDER first
+    #[arg(long)]
+    examples: bool,
+
     /// Address to listen on; any but a loopback address needs the token that is printed
     #[arg(long, value_name = "ADDRESS", default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST))]
     listen: IpAddr,
@@ -56,6 +60,7 @@ impl App {
             folder: self.folder.clone(),
             address: SocketAddr::new(self.listen, self.port),
             max_upload_bytes: self.max_upload,
+            examples: self.examples,
         };
         let server = Server::bind(&settings).map_err(|e| cannot(&e))?;
         let url = server.url();

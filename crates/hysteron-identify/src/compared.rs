@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use crate::baselines::{CrossValidated, Trained};
 use crate::fit::{Fit, FitRecords, Task, fit};
-use crate::structure::{Candidate, Comparison, Fold, Standing};
+use crate::structure::{Candidate, Comparison, Entry, Fold, Standing};
 use crate::watch::Watch;
 use crate::{CampaignRecord, IdentifyError, Options};
 
@@ -347,6 +347,31 @@ pub struct CandidateSummary {
     pub hopeless: bool,
 }
 
+impl CandidateSummary {
+    /// A candidate with its rank and its cost, where they are known.
+    pub(crate) fn new(entry: &Entry, standing: Option<Standing>, costs: Option<&CandidateCost>) -> Self {
+        Self {
+            name: entry.candidate.to_string(),
+            parameters: entry.parameters,
+            error: standing.map(|s| s.mean),
+            error_std_error: standing.map(|s| s.std_error),
+            above_best: standing.map(|s| s.difference),
+            above_best_std_error: standing.map(|s| s.difference_std_error),
+            as_good_as_best: standing.map(|s| s.as_good_as_best),
+            training_rmse: entry.training_rmse,
+            aic: entry.aic,
+            bic: entry.bic,
+            nanoseconds_per_sample: costs.and_then(|c| c.cost).map(|c| c.nanoseconds),
+            states: costs.and_then(|c| c.cost).map(|c| c.states),
+            not_realised_because: costs.and_then(|c| c.why_not.clone()),
+            invertible: costs.and_then(|c| c.inverse).map(|found| found.word().to_owned()),
+            fold_errors: entry.fold_rmse.clone(),
+            failures: entry.failures.clone(),
+            hopeless: entry.is_hopeless,
+        }
+    }
+}
+
 /// A black-box model of a comparison.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -406,29 +431,8 @@ impl Compared {
     pub fn summary(&self) -> ComparisonSummary {
         let comparison = &self.comparison;
         let name = |i: usize| comparison.entries[i].candidate.to_string();
-        let candidate = |i: usize| {
-            let (entry, standing) = (&comparison.entries[i], self.standing(i));
-            let costs = self.costs.get(i);
-            CandidateSummary {
-                name: name(i),
-                parameters: entry.parameters,
-                error: standing.map(|s| s.mean),
-                error_std_error: standing.map(|s| s.std_error),
-                above_best: standing.map(|s| s.difference),
-                above_best_std_error: standing.map(|s| s.difference_std_error),
-                as_good_as_best: standing.map(|s| s.as_good_as_best),
-                training_rmse: entry.training_rmse,
-                aic: entry.aic,
-                bic: entry.bic,
-                nanoseconds_per_sample: costs.and_then(|c| c.cost).map(|c| c.nanoseconds),
-                states: costs.and_then(|c| c.cost).map(|c| c.states),
-                not_realised_because: costs.and_then(|c| c.why_not.clone()),
-                invertible: costs.and_then(|c| c.inverse).map(|found| found.word().to_owned()),
-                fold_errors: entry.fold_rmse.clone(),
-                failures: entry.failures.clone(),
-                hopeless: entry.is_hopeless,
-            }
-        };
+        let candidate =
+            |i: usize| CandidateSummary::new(&comparison.entries[i], self.standing(i), self.costs.get(i));
         let fold = |f: &Fold| FoldSummary {
             left_out: f.label.clone(),
             content: f.content.clone(),

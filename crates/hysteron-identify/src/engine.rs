@@ -235,7 +235,7 @@ impl Observer for Observed<'_, '_, '_, '_> {
         engine.fraction = engine.plan.fraction(self.step, within).unwrap_or(engine.fraction);
         let searches = || engine.searches_with(self.key, progress.checkpoint());
         let model = || self.show.and_then(|show| show(progress.best));
-        let state = State { model: Some(&model), searches: Some(&searches) };
+        let state = State { model: Some(&model), searches: Some(&searches), ..State::default() };
         engine.watch.tell(Event::new(self.step, engine.fraction, Some(progress.best_cost)).with(state))
     }
 

@@ -7,6 +7,7 @@ use std::time::Duration;
 use hysteron_model::Model;
 use hysteron_optimize::Stop;
 
+use crate::compared::CandidateSummary;
 use crate::searches::Searches;
 
 /// Progress report of running work.
@@ -25,6 +26,7 @@ pub struct Event<'a> {
 pub(crate) struct State<'a> {
     pub model: Option<&'a dyn Fn() -> Option<Model>>,
     pub searches: Option<&'a dyn Fn() -> Searches>,
+    pub candidates: Option<&'a dyn Fn() -> Vec<CandidateSummary>>,
 }
 
 impl<'a> Event<'a> {
@@ -45,6 +47,12 @@ impl<'a> Event<'a> {
     /// State to resume from, to be saved from time to time; `None` where the work cannot be resumed.
     pub fn searches(&self) -> Option<Searches> {
         self.state.searches.map(|searches| searches())
+    }
+
+    /// The candidates of a comparison that are finished, in the order of their error; `None` where none has
+    /// finished since the last event.
+    pub fn candidates(&self) -> Option<Vec<CandidateSummary>> {
+        self.state.candidates.map(|candidates| candidates())
     }
 
     /// Estimated time left after `elapsed`; `None` at the beginning.

@@ -1,6 +1,6 @@
 //! Jobs: one computation at a time, the others wait.
 
-use hysteron_identify::{ComparisonSummary, Task};
+use hysteron_identify::{CandidateSummary, ComparisonSummary, Task};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -133,7 +133,9 @@ pub struct JobResult {
     pub models: Vec<String>,
     /// Identifiers of reports.
     pub reports: Vec<String>,
-    /// Ranking of a comparison.
+    /// Candidates of a comparison that are finished, in the order of their error, while it runs.
+    pub candidates: Vec<CandidateSummary>,
+    /// Ranking of a comparison at its end.
     pub comparison: Option<ComparisonSummary>,
 }
 

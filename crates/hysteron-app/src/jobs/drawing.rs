@@ -47,8 +47,8 @@ pub(super) struct Drawing<'s> {
 }
 
 impl<'s> Drawing<'s> {
-    /// Begins to draw for the job `id` on the record `drawn`, and to keep checkpoints at the paths `keep`: the
-    /// model, and the searches.
+    /// Begins to draw for the job `id` on the record `drawn`, and to keep checkpoints at the paths `keep`:
+    /// the model, and the searches.
     pub(super) fn begin<'e>(
         scope: &'s Scope<'s, 'e>,
         jobs: &'s Jobs,

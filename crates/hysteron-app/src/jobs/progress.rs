@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use hysteron_identify::{Event, Stop, Watch};
+use hysteron_identify::{CandidateSummary, Event, Stop, Watch};
 
 use super::Jobs;
 use super::drawing::Drawing;
@@ -98,11 +98,24 @@ impl Jobs {
         update
     }
 
+    /// Tells the pages which candidates are finished.
+    fn raced(&self, id: i64, candidates: Vec<CandidateSummary>) {
+        let mut state = self.state();
+        let Some(job) = state.jobs.get_mut(&id) else { return };
+        job.result.candidates = candidates;
+        let job = job.clone();
+        drop(state);
+        self.tell(&job);
+    }
+
     /// A watch without drawings, for work without intermediate models.
     pub(super) fn plain_watch(&self, id: i64, stop: &Stop) -> Watch<'_> {
         let begun = Instant::now();
         let mut told: Option<Instant> = None;
         let told = move |event: &Event<'_>| {
+            if let Some(candidates) = event.candidates() {
+                self.raced(id, candidates);
+            }
             let is_new_stage = self.is_new_stage(id, event.stage);
             if is_new_stage || told.is_none_or(|told| told.elapsed() >= BETWEEN) {
                 told = Some(Instant::now());

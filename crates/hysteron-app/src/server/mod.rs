@@ -26,7 +26,7 @@ pub use openapi::document;
 use crate::error::AppError;
 use crate::jobs::Jobs;
 use crate::refused::Refused;
-use crate::workspace::Workspace;
+use crate::workspace::{EXAMPLES, Workspace, open_example};
 use guard::Access;
 
 /// Largest body of a request other than an upload \[bytes\]: a reference of a few million samples.
@@ -51,6 +51,8 @@ pub struct Settings {
     pub address: SocketAddr,
     /// Largest upload \[bytes\].
     pub max_upload_bytes: u64,
+    /// Copy the measured examples into the folder first.
+    pub examples: bool,
 }
 
 /// What the handlers share.
@@ -79,6 +81,12 @@ impl App {
     /// [`AppError`]: a folder or an address that cannot be used.
     pub fn bind(settings: &Settings) -> Result<Self, AppError> {
         let workspace = Workspace::open(&settings.folder, settings.max_upload_bytes, RECORD_MEMORY)?;
+        if settings.examples {
+            EXAMPLES.iter().try_for_each(|example| {
+                let opened = open_example(&workspace, example.name);
+                opened.map(drop).map_err(|refused| AppError::Examples(refused.into_problem().what))
+            })?;
+        }
         let workspace = Arc::new(workspace);
         let runtime = Builder::new_current_thread().enable_all().build()?;
         let address = settings.address;

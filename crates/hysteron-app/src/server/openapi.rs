@@ -11,7 +11,7 @@ use crate::clock::PROGRAM;
 /// The description of the interface (OpenAPI 3.1).
 pub fn document() -> Value {
     let mut settings = SchemaSettings::draft2020_12();
-    "/components/schemas".clone_into(&mut settings.definitions_path.to_mut());
+    "/components/schemas".clone_into(settings.definitions_path.to_mut());
     settings.meta_schema = None;
     let mut generator = SchemaGenerator::new(settings);
     let refusal = generator.subschema_for::<Refusal>();

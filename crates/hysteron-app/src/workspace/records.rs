@@ -2,7 +2,7 @@
 
 use hysteron_identify::structure::prospects;
 use hysteron_io::{ReadOptions, contents};
-use hysteron_model::record::{Inspection, Periods};
+use hysteron_model::record::{Inspection, Periods, Record, TimeBase, split_header};
 use hysteron_report::record_curves::is_simulated;
 
 use super::scan::{Found, Kind, file_at};
@@ -86,6 +86,7 @@ impl Workspace {
                 detail.gaps = gaps.map(|gap| Gap { from_s: gap.from_s, to_s: gap.to_s }).collect();
                 detail.prospects = Some(prospects(std::slice::from_ref(data)));
                 mark_used(&mut detail.columns, &detail.entry);
+                mark_time(&mut detail.columns, &read.record);
             }
         }
         Ok(detail)
@@ -107,7 +108,7 @@ fn column(content: hysteron_io::Content) -> Column {
 fn mark_used(columns: &mut [Column], entry: &RecordEntry) {
     let named = |path: &str, name: &str| {
         let last = path.rsplit(['/', '.', '!']).next().unwrap_or(path);
-        let bare = hysteron_model::record::split_header(last).0;
+        let bare = split_header(last).0;
         path == name || last == name || bare == name
     };
     for (name, used) in [(&entry.input, ColumnUse::Input), (&entry.output, ColumnUse::Output)] {
@@ -115,6 +116,21 @@ fn mark_used(columns: &mut [Column], entry: &RecordEntry) {
         if let Some(column) = columns.iter_mut().find(|column| named(&column.path, name)) {
             column.used_as = Some(used);
         }
+    }
+}
+
+/// Marks the time column: the only column of numbers that is no channel, where the record has times.
+fn mark_time(columns: &mut [Column], record: &Record) {
+    if record.time == TimeBase::Unknown {
+        return;
+    }
+    let is_channel = |path: &str| {
+        let (bare, _) = split_header(path);
+        bare == "valid" || record.channels.iter().any(|c| c.header() == path || c.name == bare)
+    };
+    let mut others = columns.iter_mut().filter(|c| c.kind == "numbers" && !is_channel(&c.path));
+    if let (Some(column), None) = (others.next(), others.next()) {
+        column.used_as.get_or_insert(ColumnUse::Time);
     }
 }
 

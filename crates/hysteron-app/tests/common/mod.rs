@@ -122,7 +122,7 @@ impl Server {
 /// Serves a folder from a thread.
 pub fn serve(folder: &Path, max_upload_bytes: u64) -> SocketAddr {
     let address = "127.0.0.1:0".parse().unwrap();
-    let settings = Settings { folder: folder.to_owned(), address, max_upload_bytes };
+    let settings = Settings { folder: folder.to_owned(), address, max_upload_bytes, examples: false };
     let app = App::bind(&settings).unwrap();
     let url = app.url();
     std::thread::spawn(move || app.serve());

@@ -59,7 +59,7 @@ impl Ledger<'_, '_> {
         let fraction = self.done as f64 / self.whole.max(self.done).max(1) as f64;
         let model = || model.and_then(|model| Model::try_from((self.file)(model)).ok());
         let searches = || Searches { modes: self.state.clone(), ..Searches::default() };
-        let state = State { model: Some(&model), searches: Some(&searches) };
+        let state = State { model: Some(&model), searches: Some(&searches), ..State::default() };
         self.watch.tell(Event::new(stage, fraction, rmse).with(state)).is_continue()
     }
 

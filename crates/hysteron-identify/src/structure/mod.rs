@@ -30,10 +30,11 @@ pub use prospect::{Prospect, Prospects, prospects};
 pub use ranking::{Ranking, Standing, rank};
 
 use super::campaign::{of_runs, runs, usable};
+use super::compared::CandidateSummary;
 use super::engine::Engine;
 use super::joint::JointMember;
 use super::options::{CampaignRecord, DynamicsChoice, Options};
-use super::watch::Plan;
+use super::watch::{Plan, State};
 use super::{Event, IdentifyError, RecordFacts, Watch};
 use fit::{Campaign, Named, NoFit, Training, WholeFit};
 use hysteron_model::dynamics::Creep;
@@ -261,6 +262,7 @@ impl RunningComparison<'_, '_> {
                         let error = error(&ranking, ranking.preferred).unwrap_or(f64::NAN);
                         (self.finished[ranking.preferred].entry.candidate, error)
                     });
+                    self.tell_finished(candidate);
                 }
                 None => {
                     self.cut_short = true;
@@ -280,6 +282,26 @@ impl RunningComparison<'_, '_> {
         };
         let error = self.preferred.as_ref().map(|(_, error)| *error);
         let _ = self.watch.tell(Event::new(&stage, fraction, error));
+    }
+
+    /// Tells which candidates are finished.
+    fn tell_finished(&self, candidate: Candidate) {
+        let so_far = || {
+            let ranking = self.ranking();
+            let standing = |index: usize| ranking.as_ref().and_then(|ranking| ranking.standings[index]);
+            let summary = |(index, finished): (usize, &Finished)| {
+                CandidateSummary::new(&finished.entry, standing(index), None)
+            };
+            let mut candidates: Vec<CandidateSummary> =
+                self.finished.iter().enumerate().map(summary).collect();
+            let error = |c: &CandidateSummary| c.error.unwrap_or(f64::INFINITY);
+            candidates.sort_by(|a, b| error(a).total_cmp(&error(b)));
+            candidates
+        };
+        let fraction = self.done.load(Ordering::Relaxed) as f64 / self.planned.max(1) as f64;
+        let error = self.preferred.as_ref().map(|(_, error)| *error);
+        let state = State { candidates: Some(&so_far), ..State::default() };
+        let _ = self.watch.tell(Event::new(&candidate.to_string(), fraction, error).with(state));
     }
 
     /// Fits the candidate to the whole campaign and on every fold; `None` after a stop.
