@@ -170,6 +170,9 @@ fn an_address_that_is_taken_and_a_file_for_a_folder_are_errors() {
     };
     assert!(matches!(App::bind(&settings), Err(AppError::Listen { .. })));
     assert!(server.path("new/folder").is_dir());
+    // A second server of the folder would take the jobs of the first for interrupted ones.
+    let settings = Settings { folder: server.path(""), address: "127.0.0.1:0".parse().unwrap(), ..settings };
+    assert!(matches!(App::bind(&settings), Err(AppError::History(_))));
     let file = server.path("file");
     std::fs::write(&file, "x").unwrap();
     let settings = Settings {

@@ -79,6 +79,19 @@ impl Task {
         Ok(self)
     }
 
+    /// Names of the stages of the identification in their usual order, as far as they are known before: the
+    /// name of an [`Event`](crate::Event)'s stage begins with one of them, and one may be left out. Empty for
+    /// modes.
+    pub fn stages(&self) -> Vec<&'static str> {
+        match self {
+            Self::Hammerstein(options) => crate::plan(options).names().collect(),
+            Self::Oscillator(_) => oscillator::PLAN.names().collect(),
+            Self::Force(_) => force::PLAN.names().collect(),
+            Self::Modes(_) => Vec::new(),
+            Self::Branches(_) => coupled::PLAN.names().collect(),
+        }
+    }
+
     /// Number of threads; `None`: all cores.
     pub fn threads(&self) -> Option<usize> {
         match self {

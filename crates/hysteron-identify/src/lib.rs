@@ -128,6 +128,19 @@ pub fn identify(
     Ok(found)
 }
 
+fn is_joint(options: &Options) -> bool {
+    options.method == Method::Joint && !options.dynamics.takes_two_steps()
+}
+
+/// The stages of an identification with these options.
+pub(crate) fn plan(options: &Options) -> watch::Plan {
+    match &options.algorithm {
+        _ if !is_joint(options) => two_step::PLAN,
+        Some(algorithm) if algorithm.name() != "least-squares" => joint::POPULATION_PLAN,
+        _ => joint::PLAN,
+    }
+}
+
 /// [`identify`] for records that are not parts of one run.
 fn identify_records(
     records: &[CampaignRecord],
@@ -145,12 +158,8 @@ fn identify_records(
         threads: options.threads,
         ..Settings::default()
     };
-    let joint = options.method == Method::Joint && !options.dynamics.takes_two_steps();
-    let plan = match &options.algorithm {
-        _ if !joint => two_step::PLAN,
-        Some(algorithm) if algorithm.name() != "least-squares" => joint::POPULATION_PLAN,
-        _ => joint::PLAN,
-    };
+    let joint = is_joint(options);
+    let plan = plan(options);
     let engine = Engine::new(options.algorithm.as_ref(), settings.clone(), watch, plan, resume);
     if !joint {
         if options.creep != Creep::None {

@@ -159,6 +159,11 @@ impl<'a> Watch<'a> {
 pub(crate) struct Plan(pub &'static [(&'static str, f64)]);
 
 impl Plan {
+    /// Names of the stages in their order.
+    pub(crate) fn names(self) -> impl Iterator<Item = &'static str> {
+        self.0.iter().map(|(name, _)| *name)
+    }
+
     /// Share of the whole work done when the share `within` of a stage is; `None` for a stage that is not in
     /// the plan. A stage is matched by the beginning of its name.
     pub(crate) fn fraction(&self, stage: &str, within: f64) -> Option<f64> {

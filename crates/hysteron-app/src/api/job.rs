@@ -84,6 +84,9 @@ pub struct Job {
     pub name: String,
     /// State.
     pub state: JobState,
+    /// Names of the stages in their usual order, as far as they are known before: the name of a stage that is
+    /// entered begins with one of them, and one may be left out.
+    pub planned: Vec<String>,
     /// Stages entered so far, the last one is the current one.
     pub stages: Vec<Stage>,
     /// Share done, 0 to 1; never decreases.

@@ -97,9 +97,10 @@ impl Jobs {
         let Plan { request, name, command, unit } = plan::plan(&self.workspace, request)?;
         let mut job = Job {
             id: 0,
-            request,
             name,
             state: JobState::Waiting,
+            planned: planned_stages(&request),
+            request,
             stages: Vec::new(),
             fraction: 0.0,
             cost: None,
@@ -358,6 +359,15 @@ impl Ended {
     fn failed(problem: Problem) -> Self {
         let error = Some(problem);
         Self { result: JobResult::default(), error, stopped: false, resumable: false }
+    }
+}
+
+fn planned_stages(request: &JobRequest) -> Vec<String> {
+    match request {
+        JobRequest::Identify { task: Some(task), .. } => {
+            task.stages().into_iter().map(str::to_owned).collect()
+        }
+        _ => Vec::new(),
     }
 }
 

@@ -29,13 +29,15 @@ const TABLES: &str = "
 pub(crate) struct History(Mutex<Connection>);
 
 impl History {
-    /// Opens the file, which is made where it is missing.
+    /// Opens the file, which is made where it is missing, for this program alone.
     ///
     /// # Errors
-    /// If it is no such file or cannot be written.
+    /// If it is no such file, cannot be written, or another program has it open.
     pub(crate) fn open(path: &Path) -> rusqlite::Result<Self> {
         let connection = Connection::open(path)?;
         connection.busy_timeout(BUSY)?;
+        // One server a folder: another would take its running jobs for interrupted ones.
+        connection.pragma_update(None, "locking_mode", "EXCLUSIVE")?;
         connection.execute_batch(TABLES)?;
         connection.pragma_update(None, "user_version", VERSION)?;
         Ok(Self(Mutex::new(connection)))

@@ -119,6 +119,20 @@ impl Workspace {
     }
 }
 
+impl Workspace {
+    /// Keeps a record that was just read as it is, unless something else was said of its name before.
+    pub(super) fn keep_read(&self, id: &str, read: ReadRecord) -> Answer<()> {
+        let settings = self.history.settings(id)?;
+        let found = file_at(self.folder(), &self.path(id)?);
+        if let Some(found) = found.filter(|_| settings == RecordSettings::default()) {
+            let stamp = self.stamp(&found, &settings);
+            let mut cache = self.cache.lock().unwrap_or_else(PoisonError::into_inner);
+            cache.keep(id, &stamp, Ok(Arc::new(read)));
+        }
+        Ok(())
+    }
+}
+
 /// Reads the record at `path` as `settings` say.
 pub(super) fn read_as_said(path: &Path, id: &str, settings: &RecordSettings) -> Result<ReadRecord, Problem> {
     let of_file = |e: IoError| Problem::of_file(&e, path, id);
@@ -138,7 +152,8 @@ pub(super) fn read_as_said(path: &Path, id: &str, settings: &RecordSettings) -> 
     } else {
         (read_record(path, &all).map_err(of_file)?, choice)
     };
-    // The path as a person in the folder would name it.
+    // Name and path as a person in the folder would give them.
+    id.rsplit('/').next().unwrap_or(id).clone_into(&mut record.name);
     if let Some(Source { path, .. }) = &mut record.source {
         id.clone_into(path);
     }

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use hysteron_io::{IoError, ReadOptions, contents};
 
 use super::read::read_as_said;
-use super::{Workspace, shown};
-use crate::api::{Problem, RecordEntry};
+use super::{ReadRecord, Workspace, shown};
+use crate::api::{Problem, RecordEntry, RecordSettings};
 use crate::refused::{Answer, Refused};
 
 /// A file that is arriving.
@@ -80,7 +80,7 @@ impl Workspace {
         let Upload { id, path, replace, mut file, .. } = upload;
         let cannot = |e: std::io::Error| cannot_write(&id, &e);
         file.flush().map_err(cannot)?;
-        check(file.path(), &id)?;
+        let read = check(file.path(), &id)?;
         file.as_file().sync_all().map_err(cannot)?;
         if let Some(parent) = path.parent() {
             std::fs::create_dir_all(parent).map_err(cannot)?;
@@ -99,6 +99,9 @@ impl Workspace {
             std::io::ErrorKind::AlreadyExists => taken(&id),
             _ => cannot(e.error),
         })?;
+        if let Some(read) = read {
+            self.keep_read(&id, read)?;
+        }
         self.look();
         self.entry(&id)
     }
@@ -110,17 +113,16 @@ fn taken(id: &str) -> Refused {
 }
 
 /// Refuses a file that is no record. One whose columns are still to be chosen is accepted.
-fn check(path: &Path, id: &str) -> Answer<()> {
-    let settings = crate::api::RecordSettings::default();
-    match read_as_said(path, id, &settings) {
-        Ok(_) => Ok(()),
+fn check(path: &Path, id: &str) -> Answer<Option<ReadRecord>> {
+    match read_as_said(path, id, &RecordSettings::default()) {
+        Ok(read) => Ok(Some(read)),
         Err(problem) => {
             let listed = contents(path, &ReadOptions::default());
             let can_choose = match hysteron_io::read_record(path, &ReadOptions::default()) {
                 Err(e) => is_choice(&e) && listed.is_ok_and(|listed| !listed.is_empty()),
                 Ok(_) => true,
             };
-            if can_choose { Ok(()) } else { Err(Refused::cannot(problem)) }
+            if can_choose { Ok(None) } else { Err(Refused::cannot(problem)) }
         }
     }
 }

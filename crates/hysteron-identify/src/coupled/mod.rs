@@ -56,7 +56,7 @@ impl Default for Options {
 }
 
 /// Stages of the identification.
-const PLAN: Plan = Plan(&[("starts", 0.3), ("branches", 0.6), ("standard errors", 0.1)]);
+pub(crate) const PLAN: Plan = Plan(&[("starts", 0.3), ("branches", 0.6), ("standard errors", 0.1)]);
 
 /// Identified branches.
 #[derive(Clone, Debug)]

@@ -29,6 +29,7 @@ use hysteron_model::record::InputOutput;
 use hysteron_model::validate::Scores;
 use hysteron_optimize::Outcome;
 use schemars::JsonSchema;
+pub(crate) use search::PLAN;
 use serde::{Deserialize, Serialize};
 
 /// Options of the identification of a force.

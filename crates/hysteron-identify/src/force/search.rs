@@ -18,7 +18,7 @@ use hysteron_optimize::{Algorithm, Bounds, LeastSquaresOptions, Problem, Range, 
 use rayon::prelude::*;
 
 /// Stages of the identification.
-const PLAN: Plan = Plan(&[("force", 1.0)]);
+pub(crate) const PLAN: Plan = Plan(&[("force", 1.0)]);
 /// Number of the default family that is held at 1.
 const EXPONENT: &str = "exponent";
 /// Largest degree of the polynomial of the displacement.

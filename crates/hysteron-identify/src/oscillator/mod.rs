@@ -34,6 +34,7 @@ use hysteron_model::record::{InputOutput, InterSample};
 use hysteron_model::validate::Scores;
 use hysteron_optimize::Outcome;
 use schemars::JsonSchema;
+pub(crate) use search::PLAN;
 use serde::{Deserialize, Serialize};
 
 /// Options of the identification of an oscillator.

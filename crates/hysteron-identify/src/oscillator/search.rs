@@ -25,7 +25,7 @@ use hysteron_optimize::{Algorithm, LeastSquaresOptions, Settings};
 const HOLDABLE: [(&str, usize); 3] = [("mass", 0), ("damping", 1), ("n", N)];
 
 /// Stages of the identification.
-const PLAN: Plan = Plan(&[("shapes", 0.2), ("output error", 0.8)]);
+pub(crate) const PLAN: Plan = Plan(&[("shapes", 0.2), ("output error", 0.8)]);
 
 pub(super) fn identify(
     records: &[InputOutput],
