@@ -2,7 +2,7 @@
 import { chromium } from 'playwright-core';
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
-import { cp, mkdtemp, mkdir, rm } from 'node:fs/promises';
+import { cp, mkdtemp, mkdir, readFile, rm } from 'node:fs/promises';
 import { createServer } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -25,10 +25,14 @@ async function freePort() {
   return port;
 }
 
-/** `hysteron app` on an empty folder, or on a copy of `files`. */
-export async function serve(files = []) {
+/** `hysteron app` on an empty folder, or on copies of `files`; one in `device` goes into a folder of that name. */
+export async function serve(files = [], device = {}) {
   const folder = await mkdtemp(join(tmpdir(), 'hysteron-app-'));
   for (const file of files) await cp(file, join(folder, file.split('/').pop()));
+  for (const [name, file] of Object.entries(device)) {
+    await mkdir(join(folder, name));
+    await cp(file, join(folder, name, file.split('/').pop()));
+  }
   const port = await freePort();
   const server = await start(folder, port);
   return {
@@ -70,6 +74,13 @@ async function start(folder, port) {
 
 let browser;
 
+/** With DIST: the page from that folder, under the headers of the server, whose own may be older. */
+async function fresh(route) {
+  const response = await route.fetch();
+  const name = new URL(route.request().url()).pathname.slice(1) || 'index.html';
+  await route.fulfill({ response, body: await readFile(join(process.env.DIST, name)) });
+}
+
 /** A page that keeps what it must not do: errors in the console, requests that leave this machine. */
 export async function open(url, options = {}) {
   browser ??= await chromium.launch({ executablePath: CHROMIUM, args: ['--no-sandbox'] });
@@ -78,6 +89,7 @@ export async function open(url, options = {}) {
     colorScheme: options.theme ?? 'light',
     acceptDownloads: true,
   });
+  if (process.env.DIST) await context.route(/\/(app\.js|app\.css)?$/, fresh);
   const page = await context.newPage();
   const faults = [];
   page.on('console', (message) => {

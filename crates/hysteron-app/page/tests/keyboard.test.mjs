@@ -15,7 +15,7 @@ async function tabTo(page, selector, most = 80) {
 }
 
 test('without a mouse from record to model', async () => {
-  const server = await serve([P885, join(EXAMPLES, 'afm-z-scanner', 'cycle_1_300hz_01.csv')]);
+  const server = await serve([P885], { scanner: join(EXAMPLES, 'afm-z-scanner', 'cycle_1_300hz_01.csv') });
   const page = await open(server.url);
   try {
     await page.waitForSelector('.plot canvas');
@@ -31,9 +31,9 @@ test('without a mouse from record to model', async () => {
     const reading = await page.textContent('.pc:focus .ro');
     assert.match(reading, /V|s/);
     await page.keyboard.press('+');
-    await page.waitForFunction(() => location.hash.includes('z.'));
+    await page.waitForFunction(() => /[?&]z\./.test(location.hash));
     await page.keyboard.press('0');
-    await page.waitForFunction(() => !location.hash.includes('z.'));
+    await page.waitForFunction(() => !/[?&]z\./.test(location.hash));
 
     await page.keyboard.press('2');
     await page.waitForSelector('h1:text("Identify")');

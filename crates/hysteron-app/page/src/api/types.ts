@@ -230,7 +230,13 @@ export interface Job {
   started: string | null;
   ended: string | null;
   resumable: boolean;
-  result: { models: string[]; reports: string[]; comparison: Comparison | null };
+  result: {
+    models: string[];
+    reports: string[];
+    /** Structures that a comparison has finished so far, in the order of their error. */
+    candidates?: Candidate[];
+    comparison: Comparison | null;
+  };
   error: Problem | null;
 }
 

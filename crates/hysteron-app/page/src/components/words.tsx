@@ -71,8 +71,18 @@ export function LibraryFinding({ finding }: { finding: Said }) {
   const kind = { verdict: 'note', advice: 'next', warning: 'warn' }[finding.kind] as FindingKind;
   return (
     <Finding kind={kind}>
-      <b>{capital(finding.topic)}:</b> {prose(finding.text)}
+      <b>{capital(finding.topic)}:</b> <Prose text={finding.text} />
     </Finding>
+  );
+}
+
+/** A sentence of the library; what it sets in backticks is code. */
+export function Prose({ text }: { text: string }) {
+  const parts = prose(text).split('`');
+  return (
+    <>
+      {parts.map((part, i) => (i % 2 === 1 && i < parts.length - 1 ? <code key={i}>{part}</code> : part))}
+    </>
   );
 }
 
@@ -88,10 +98,14 @@ export function Failure({
     <>
       <Finding kind="bad" actions={actions}>
         <b>
-          {prose(problem.what)}
-          {problem.where ? ` (${problem.where})` : ''}
+          <Prose text={problem.what} />
+          {place}
         </b>
-        {problem.do && <p>{prose(problem.do)}</p>}
+        {problem.do && (
+          <p>
+            <Prose text={problem.do} />
+          </p>
+        )}
       </Finding>
       {'around' in problem && problem.around && problem.around.length > 0 && (
         <div>

@@ -33,12 +33,6 @@ export function Records() {
     : undefined;
   const chosen = records?.find((record) => record.id === wanted) ?? (refused ? undefined : records?.[0]);
 
-  // A file that was refused is shown at once where nothing else is.
-  useEffect(() => {
-    const bad = sending.find((upload) => upload.problem);
-    if (bad && !sending.some((upload) => !upload.problem)) go({ r: `!${bad.name}` });
-  }, [sending]);
-
   if (answer.error) {
     return (
       <>
@@ -145,6 +139,9 @@ function MeasureNext({ text, record }: { text: string; record: RecordDetail }) {
 
 function Refused({ upload, others }: { upload: Upload; others: number }) {
   const exists = upload.status === 409;
+  useEffect(() => {
+    command.value = null;
+  }, [upload.name]);
   const actions = (
     <>
       {exists && (

@@ -15,18 +15,20 @@ export interface Upload {
 
 export const uploads = new Signal<Upload[]>([]);
 
-/** Sends files one after the other; the first one that arrives is shown. */
+/** Sends files one after the other; the first one that arrives is shown, else the last that was refused. */
 export async function send(files: Iterable<File>): Promise<void> {
   const list = [...files];
   for (const file of list) put({ name: nameOf(file), share: 0, file });
-  let first = true;
+  let shown = false;
   for (const file of list) {
     const entry = await sendOne(file, false);
-    if (entry && first) {
-      go({ r: entry.id, problem: null }, 'records');
-      first = false;
+    if (entry && !shown) {
+      go({ r: entry.id }, 'records');
+      shown = true;
     }
   }
+  const refused = uploads.value.findLast((upload) => upload.problem && list.includes(upload.file));
+  if (!shown && refused) go({ r: `!${refused.name}` }, 'records');
 }
 
 export async function sendOne(file: File, replace: boolean): Promise<RecordEntry | null> {
