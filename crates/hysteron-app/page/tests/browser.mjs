@@ -118,13 +118,19 @@ export async function endBrowser() {
   browser = undefined;
 }
 
+/** A window as high as the page, so that nothing lies under the dock. */
+export async function whole(page) {
+  const { width } = page.viewportSize();
+  const height = await page.evaluate(() => Math.max(900, document.documentElement.scrollHeight));
+  await page.setViewportSize({ width, height });
+  await page.waitForTimeout(300);
+}
+
 /** The whole page in a window as high as itself, so that the dock stands at its end. */
 export async function picture(page, name) {
   await mkdir(OUT, { recursive: true });
   const size = page.viewportSize();
-  const height = await page.evaluate(() => Math.max(900, document.documentElement.scrollHeight));
-  await page.setViewportSize({ width: size.width, height });
-  await page.waitForTimeout(300);
+  await whole(page);
   await page.screenshot({ path: join(OUT, `${name}.png`) });
   await page.setViewportSize(size);
 }

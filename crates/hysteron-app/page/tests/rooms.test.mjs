@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
 import { after, before, test } from 'node:test';
-import { done, drop, endBrowser, identified, open, P885, picture, serve } from './browser.mjs';
+import { done, drop, endBrowser, identified, open, P885, picture, serve, whole } from './browser.mjs';
 
 const ROOMS = ['records', 'identify', 'compare', 'validate', 'follow', 'home', 'try', 'history'];
 const WIDTHS = [1440, 900, 500];
@@ -57,6 +57,7 @@ for (const room of ROOMS) {
           await settled(page);
           const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
           assert.ok(wide <= 0, `${room} ${width}: ${wide} px wider than the window`);
+          await whole(page);
           assert.deepEqual(await violations(page), [], `${room} ${width} ${theme}`);
           await picture(page, `${room}-${width}-${theme}`);
           assert.deepEqual(page.faults, []);

@@ -78,7 +78,7 @@ export function LibraryFinding({ finding }: { finding: Said }) {
 
 /** A sentence of the library; what it sets in backticks is code. */
 export function Prose({ text }: { text: string }) {
-  const parts = prose(text).split('`');
+  const parts = prose(capital(text)).split('`');
   return (
     <>
       {parts.map((part, i) => (i % 2 === 1 && i < parts.length - 1 ? <code key={i}>{part}</code> : part))}
@@ -94,6 +94,9 @@ export function Failure({
   problem: Problem | Complaint;
   actions?: ComponentChildren;
 }) {
+  // Most messages name the place themselves.
+  const where = problem.where?.split(' (')[0];
+  const place = where && !problem.what.includes(where) ? ` (${problem.where})` : '';
   return (
     <>
       <Finding kind="bad" actions={actions}>

@@ -1,5 +1,5 @@
 // Room 3: which structure do the records support, and what does it cost the controller?
-import { useEffect, useMemo, useState } from 'preact/hooks';
+import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { change, Refusal, type Complaint } from '../api/client';
 import { useAnswer, useResource } from '../api/resource';
 import type { Candidate, Command, Comparison, Job, JobRequest, RecordEntry } from '../api/types';
@@ -34,6 +34,8 @@ export function Compare() {
   useEffect(() => {
     command.value = job?.command ?? preview ?? null;
   }, [job?.id, preview]);
+
+  const partial = useFinished(job);
 
   const begin = async (): Promise<void> => {
     try {
@@ -112,7 +114,11 @@ export function Compare() {
             {usable.map((r) => fileName(r.id)).join(', ')}.
           </p>
         )}
-        {comparison && <Ranking comparison={comparison} pick={pick} runs={runs} />}
+        {comparison ? (
+          <Ranking comparison={comparison} pick={pick} runs={runs} />
+        ) : (
+          partial && <Ranking comparison={partial} pick={null} runs />
+        )}
         {job && !runs && !comparison && !job.error && (
           <Finding
             kind="warn"
@@ -128,6 +134,28 @@ export function Compare() {
       </div>
     </>
   );
+}
+
+/** What a race has finished so far, in the order in which it came: no row moves while it runs. */
+function useFinished(job: Job | undefined): Comparison | null {
+  const order = useRef<{ job?: number; names: string[] }>({ names: [] });
+  const finished = job?.result.candidates ?? [];
+  if (!job || finished.length === 0) return null;
+  if (order.current.job !== job.id) order.current = { job: job.id, names: [] };
+  const { names } = order.current;
+  for (const { name } of finished) if (!names.includes(name)) names.push(name);
+  const candidates = [...finished].sort((a, b) => names.indexOf(a.name) - names.indexOf(b.name));
+  return {
+    records: job.request.records,
+    output_unit: job.unit,
+    preferred: null,
+    best: null,
+    noise_floor: 0,
+    folds: [],
+    candidates,
+    notes: [],
+    interrupted: false,
+  };
 }
 
 const spaced = (name: string): string => name.replace(/\+/g, ' + ');
@@ -203,7 +231,9 @@ function Table({ comparison, pick, runs }: { comparison: Comparison; pick: strin
     <TableBox label="Ranking">
       <table class="mid">
         <caption>
-          Left out in turn: {count(comparison.folds.length, 'fold')}{' '}
+          {comparison.folds.length > 0
+            ? `Left out in turn: ${count(comparison.folds.length, 'fold')} `
+            : 'So far '}
           <span class="soft s">simulation, not prediction</span>
         </caption>
         <thead>

@@ -13,7 +13,7 @@ import type {
 } from '../api/types';
 import { command } from '../components/dock';
 import { ModelChoice, NoModel, useModel } from '../components/models';
-import { Failure, Finding, Head, Lacking, Origin, Waiting } from '../components/words';
+import { Failure, Finding, Head, Lacking, Origin, Waiting, Prose } from '../components/words';
 import { TableBox } from '../components/window';
 import { fileName, prose, quantity, significant } from '../format';
 import { Plot } from '../plot/Plot';
@@ -262,7 +262,9 @@ function Verdict({ row }: { row: Judged }) {
     <Finding kind={row.remarks.length > 0 ? 'warn' : 'note'}>
       <b class="mono">{fileName(row.record)}</b> {row.verdict ? prose(row.verdict) : ''}
       {row.remarks.map((remark) => (
-        <p key={remark}>{prose(remark)}</p>
+        <p key={remark}>
+          <Prose text={remark} />
+        </p>
       ))}
     </Finding>
   );

@@ -3,8 +3,11 @@ import { useResource } from '../../api/resource';
 import type { ModelDetail, Options, RecordEntry } from '../../api/types';
 import { SchemaForm } from '../../components/SchemaForm';
 import { fileName, significant } from '../../format';
+import type { Range } from '../../plot/spec';
 import { settle } from '../../route';
 import { uploadReference } from '../records/uploads';
+import { DRAWN, written } from './drawn';
+import { DrawnForm } from './DrawnForm';
 
 export type Specification = Record<string, unknown>;
 
@@ -19,6 +22,11 @@ export function ReferenceForm(props: {
   specification: Specification;
   file?: RecordEntry;
   records: RecordEntry[];
+  /** Of a reference drawn by hand. */
+  points: Range[] | null;
+  unit: string;
+  /** What a drawing begins with. */
+  first: string;
 }) {
   const options = useResource<Options>('options').value;
   const change = (specification: Specification): void => settle({ ref: JSON.stringify(specification) });
@@ -27,10 +35,11 @@ export function ReferenceForm(props: {
       <label class="row">
         <span class="soft">Reference</span>
         <select
-          value={props.file?.id ?? ''}
+          value={props.file?.id ?? (props.points ? props.first : '')}
           onChange={(event) => settle({ ref: event.currentTarget.value || null })}
         >
           <option value="">a waveform</option>
+          <option value={props.first}>drawn by hand</option>
           {props.records.map((record) => (
             <option key={record.id} value={record.id}>
               {record.settings.role === 'reference'
@@ -52,7 +61,14 @@ export function ReferenceForm(props: {
           }}
         />
       </label>
-      {!props.file && options && (
+      {props.points && (
+        <DrawnForm
+          points={props.points}
+          unit={props.unit}
+          change={(points) => settle({ ref: DRAWN + written(points) })}
+        />
+      )}
+      {!props.file && !props.points && options && (
         <details class="grow">
           <summary>
             Waveform: {String((props.specification.waveform as { kind?: string })?.kind ?? '')}

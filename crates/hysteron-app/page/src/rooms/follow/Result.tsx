@@ -1,7 +1,7 @@
 // The drive and its predicted error.
 import { useMemo } from 'preact/hooks';
 import type { Followed } from '../../api/types';
-import { Finding, LibraryFinding, Numbers } from '../../components/words';
+import { Finding, LibraryFinding, Numbers, Prose } from '../../components/words';
 import { fileName, integer, prose, quantity, significant } from '../../format';
 import { Plot } from '../../plot/Plot';
 import type { Spec } from '../../plot/spec';
@@ -56,7 +56,7 @@ export function Result({ followed }: { followed: Followed }) {
         ))}
         {followed.remarks.map((remark) => (
           <Finding key={remark} kind="warn">
-            {prose(remark)}
+            <Prose text={remark} />
           </Finding>
         ))}
       </div>

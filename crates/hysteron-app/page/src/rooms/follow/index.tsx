@@ -2,14 +2,16 @@
 import { useEffect, useMemo } from 'preact/hooks';
 import { path } from '../../api/client';
 import { useAnswer, useLatest, useResource } from '../../api/resource';
-import type { Followed, ModelDetail, ModelEntry, RecordEntry } from '../../api/types';
+import type { Followed, ModelDetail, ModelEntry, RecordDetail, RecordEntry } from '../../api/types';
 import { command } from '../../components/dock';
 import { ModelChoice, NoModel, useModel } from '../../components/models';
 import { Failure, Head, Origin, Waiting } from '../../components/words';
 import { route } from '../../route';
 import { useSignal } from '../../signal';
+import { recordsOf } from '../identify/Done';
 import { Bench } from './Bench';
 import { LimitsForm, ReferenceForm, type Limits, type Specification } from './Reference';
+import { DRAWN, read, sampled, written } from './drawn';
 import { Curves, Result } from './Result';
 import { Save } from './Save';
 
@@ -29,21 +31,60 @@ export function Follow() {
   return <Room key={model.id} models={models} model={model} />;
 }
 
-/** Ten lines a second over the middle of what the model's records reached. */
-function raster(detail: ModelDetail, output: [number, number]): Specification {
-  const rate = detail.sample_rate_hz ?? 1000;
+/** What the model's records reached, without the outer fifths: a reference that can be followed. */
+interface Reach {
+  low: number;
+  high: number;
+  /** Highest frequency of the records (Hz). */
+  frequency: number;
+}
+
+const MARGIN = 0.2;
+
+function reachOf(detail: ModelDetail, record: RecordDetail | undefined): Reach {
+  const output = record?.inspection?.output;
+  const [low, high] = output ? [output.low, output.high] : [0, 10];
+  const inner = (share: number): number => Number((low + (high - low) * share).toPrecision(3));
+  const file = detail.file as { valid_range?: { frequency?: { high?: number } } } | null;
   return {
-    sample_rate_hz: rate,
-    low_v: Number(output[0].toPrecision(3)),
-    high_v: Number(output[1].toPrecision(3)),
-    waveform: { kind: 'raster', line_hz: 10, lines: 12, return_fraction: 0.25, turnaround_fraction: 0.1 },
+    low: inner(MARGIN),
+    high: inner(1 - MARGIN),
+    frequency: file?.valid_range?.frequency?.high ?? 1,
   };
+}
+
+/** A raster of at most ten lines a second, whose return is within the frequencies of the records. */
+function raster(detail: ModelDetail, reach: Reach): Specification {
+  return {
+    sample_rate_hz: detail.sample_rate_hz ?? 1000,
+    low_v: reach.low,
+    high_v: reach.high,
+    waveform: {
+      kind: 'raster',
+      line_hz: Math.min(10, Number((reach.frequency / 2).toPrecision(2))),
+      lines: 8,
+      return_fraction: 0.25,
+      turnaround_fraction: 0.1,
+    },
+  };
+}
+
+/** Up and down once, to be changed by hand. */
+function triangle(reach: Reach): string {
+  const half = 0.5 / Math.min(10, reach.frequency);
+  return written([
+    [0, reach.low],
+    [half, reach.high],
+    [2 * half, reach.low],
+  ]);
 }
 
 function Room({ models, model }: { models: ModelEntry[]; model: ModelEntry }) {
   const detail = useLatest<ModelDetail>(path('models', model.id)).value;
   const records = useResource<RecordEntry[]>('records').value;
-  if (!detail || !records) {
+  const fitted = detail && records ? recordsOf(model, records)[0] : undefined;
+  const record = useLatest<RecordDetail>(fitted ? path('records', fitted.id) : null).value;
+  if (!detail || !records || (fitted && !record)) {
     return (
       <>
         <Head title={TITLE} question={QUESTION} />
@@ -51,7 +92,15 @@ function Room({ models, model }: { models: ModelEntry[]; model: ModelEntry }) {
       </>
     );
   }
-  return <Ready models={models} model={model} detail={detail} records={records} />;
+  return (
+    <Ready
+      models={models}
+      model={model}
+      detail={detail}
+      records={records}
+      reach={reachOf(detail, record)}
+    />
+  );
 }
 
 function Ready(props: {
@@ -59,19 +108,20 @@ function Ready(props: {
   model: ModelEntry;
   detail: ModelDetail;
   records: RecordEntry[];
+  reach: Reach;
 }) {
-  const { model, detail, records } = props;
+  const { model, detail, records, reach } = props;
   const { query: asked } = useSignal(route);
   const stated = asked.get('ref');
   const specification = useMemo<Specification>(() => {
     try {
-      return stated?.startsWith('{')
-        ? (JSON.parse(stated) as Specification)
-        : raster(detail, middle(detail));
+      if (stated?.startsWith('{')) return JSON.parse(stated) as Specification;
     } catch {
-      return raster(detail, middle(detail));
+      // An address that was cut short shows the usual reference.
     }
-  }, [stated, detail]);
+    return raster(detail, reach);
+  }, [stated, detail, reach.low, reach.high]);
+  const points = stated?.startsWith(DRAWN) ? read(stated.slice(DRAWN.length)) : null;
   const file = records.find((record) => record.id === stated);
   const limits: Limits = {
     low: asked.get('low') ?? '',
@@ -80,7 +130,12 @@ function Ready(props: {
     bandwidth: asked.get('bandwidth') ?? '',
   };
   const [from, to] = [limits.low || detail.drive_range?.[0], limits.high || detail.drive_range?.[1]];
-  const reference = file ? { from: 'record', id: file.id } : { from: 'waveform', specification };
+  const rate = detail.sample_rate_hz ?? 1000;
+  const reference = file
+    ? { from: 'record', id: file.id }
+    : points
+      ? { from: 'samples', sample_rate_hz: rate, values: sampled(points, rate) }
+      : { from: 'waveform', specification };
   const request = {
     reference,
     range: from != null && to != null && (limits.low || limits.high) ? [Number(from), Number(to)] : null,
@@ -101,7 +156,14 @@ function Ready(props: {
         <Save at={at} request={request} ready={followed !== undefined} />
       </Head>
       <div class="stack">
-        <ReferenceForm specification={specification} file={file} records={records} />
+        <ReferenceForm
+          specification={specification}
+          file={file}
+          records={records}
+          points={points}
+          unit={model.unit}
+          first={DRAWN + triangle(reach)}
+        />
         <LimitsForm limits={limits} detail={detail} />
         {answer.error && <Failure problem={answer.error.complaint} />}
         {!followed && !answer.error && <Waiting height={72} />}
@@ -122,12 +184,4 @@ function Ready(props: {
       </div>
     </>
   );
-}
-
-/** Of the range of the output that the model file states, else 0 to 10. */
-function middle(detail: ModelDetail): [number, number] {
-  const file = detail.file as { valid_range?: { output?: { low?: number; high?: number } } } | null;
-  const low = file?.valid_range?.output?.low;
-  const high = file?.valid_range?.output?.high;
-  return typeof low === 'number' && typeof high === 'number' ? [low, high] : [0, 10];
 }
