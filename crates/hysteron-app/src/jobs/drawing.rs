@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::{Scope, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
@@ -22,8 +22,12 @@ use crate::notice::Notice;
 const MOST_SAMPLES: usize = 10_000;
 /// Width of the drawings \[pixels\].
 const PIXELS: usize = 400;
-/// Share of one processor that drawing may take.
-const SHARE: u32 = 25;
+/// Time between two drawings, in times of the work for one: the fit has the processors for the rest.
+const REST: u32 = 40;
+/// The same for the model itself, which the fit's own threads compute.
+const REST_OF_FIT: u32 = 60;
+/// Time after which the pages hear from a fit that reports nothing.
+const SILENCE: Duration = Duration::from_millis(180);
 
 /// What is drawn of a running fit.
 #[derive(Default)]
@@ -35,7 +39,7 @@ pub(super) struct Drawn {
 
 /// Work of the thread.
 enum Work {
-    Draw { model: Box<Model>, stage: usize, update: Box<LiveUpdate> },
+    Draw { model: Box<Model>, stage: usize, update: Box<LiveUpdate>, rest: Duration },
     Keep { searches: Box<Searches>, model: Option<Box<Model>> },
 }
 
@@ -68,9 +72,10 @@ impl<'s> Drawing<'s> {
         !self.busy.load(Ordering::Acquire)
     }
 
-    /// Draws a model; left out where the thread is busy.
-    pub(super) fn draw(&self, model: Model, stage: usize, update: LiveUpdate) {
-        let work = Work::Draw { model: Box::new(model), stage, update: Box::new(update) };
+    /// Draws a model, which took this time to make; left out where the thread is busy.
+    pub(super) fn draw(&self, model: Model, stage: usize, update: LiveUpdate, took: Duration) {
+        let rest = took * REST_OF_FIT;
+        let work = Work::Draw { model: Box::new(model), stage, update: Box::new(update), rest };
         self.busy.store(true, Ordering::Release);
         if self.work.try_send(work).is_err() {
             self.busy.store(false, Ordering::Release);
@@ -104,9 +109,16 @@ fn run(
     {
         running.drawn.measured = Some(easel.measured());
     }
-    while let Ok(work) = coming.recv() {
+    // Until when the fit has the processors for itself.
+    let mut rests_until = None;
+    loop {
+        let work = match coming.recv_timeout(SILENCE) {
+            Ok(work) => Some(work),
+            Err(RecvTimeoutError::Timeout) => None,
+            Err(RecvTimeoutError::Disconnected) => return,
+        };
         match work {
-            Work::Draw { model, stage, mut update } => {
+            Some(Work::Draw { model, stage, mut update, rest }) => {
                 let begun = Instant::now();
                 let is_heard = jobs.workspace.notices.is_heard();
                 update.latest = easel.as_mut().filter(|_| is_heard).and_then(|e| e.draw(&model, stage));
@@ -116,17 +128,20 @@ fn run(
                     running.drawn.latest = Some(latest.clone());
                 }
                 jobs.workspace.notices.send(Notice::Live(update));
-                // The fit has the processors for the rest of the time.
-                std::thread::sleep((begun.elapsed() * SHARE).min(Duration::from_millis(500)));
-                busy.store(false, Ordering::Release);
+                rests_until = Some(Instant::now() + rest.max(begun.elapsed() * REST));
             }
-            Work::Keep { searches, model } => {
+            Some(Work::Keep { searches, model }) => {
                 // One that cannot be written is followed by another.
                 let _ = save_json(searches_file, &*searches, false);
                 if let Some(model) = model {
                     let _ = save_model(partial, &model);
                 }
             }
+            None => jobs.still_running(id),
+        }
+        if rests_until.is_some_and(|until| until <= Instant::now()) {
+            rests_until = None;
+            busy.store(false, Ordering::Release);
         }
     }
 }

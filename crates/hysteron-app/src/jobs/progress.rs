@@ -29,9 +29,11 @@ pub(super) fn watch<'a>(jobs: &'a Jobs, id: i64, stop: &Stop, drawing: &'a Drawi
             told = Some(now);
             let update = jobs.progressed(id, event, begun.elapsed(), is_new_stage);
             let stage = update.cost.as_ref().map_or(0, |cost| cost.stage);
-            let model = if drawing.is_free() { event.model() } else { None };
+            let asked = Instant::now();
+            let is_wanted = drawing.is_free() && jobs.workspace.notices.is_heard();
+            let model = if is_wanted { event.model() } else { None };
             match model {
-                Some(model) => drawing.draw(model, stage, update),
+                Some(model) => drawing.draw(model, stage, update, asked.elapsed()),
                 None => jobs.workspace.notices.send(Notice::Live(Box::new(update))),
             }
         }
@@ -96,6 +98,17 @@ impl Jobs {
             self.tell(&job);
         }
         update
+    }
+
+    /// Tells the pages of a job from which nothing was heard for a moment.
+    pub(super) fn still_running(&self, id: i64) {
+        let state = self.state();
+        let Some(job) = state.jobs.get(&id).map(|job| state.shown(job)) else { return };
+        drop(state);
+        let stage = job.stages.last().map_or_else(String::new, |stage| stage.name.clone());
+        let (fraction, left_s) = (job.fraction, job.left_s);
+        let update = LiveUpdate { job: id, fraction, left_s, stage, cost: None, latest: None };
+        self.workspace.notices.send(Notice::Live(Box::new(update)));
     }
 
     /// Tells the pages which candidates are finished.

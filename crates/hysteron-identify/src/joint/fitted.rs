@@ -5,6 +5,7 @@ use super::super::engine::{Engine, Search};
 use super::super::options::Options;
 use super::super::result::Reduction;
 use super::between::{self, InterSampleChoice};
+use super::model::shown;
 use super::normalised::{local_fits, resolved_fit};
 use super::parameter_layout::DELAY;
 use super::problem::JointProblem;
@@ -108,7 +109,8 @@ fn polished(
     }
     let whole = setup.problem(degree, false)?;
     let options = resolved(FINAL * resolution(&setup.problem(degree, reduced)?, &best));
-    let polished = local_fits(engine, ALL_SAMPLES, &whole, vec![best], options, None);
+    let grown = |x: &[f64]| shown(&whole, x, setup);
+    let polished = local_fits(engine, ALL_SAMPLES, &whole, vec![best], options, Some(&grown));
     let polished = engine.unless_stopped(polished)?.map(|search| search.outcome);
     Ok(polished.filter(|end| end.cost.is_finite()).map(|end| (whole, end.best, end.cost)))
 }

@@ -217,7 +217,8 @@ fn begin_with_creep(
     let points =
         if points.is_empty() { creeping.unfitted(&problem, &places, 0..FIRST_STARTS) } else { points };
     let points = first_or_best(&problem, points, engine);
-    let search = resolved_fit(engine, "joint fit with creep", &problem, points, None)?;
+    let grown = |x: &[f64]| shown(&problem, x, creeping);
+    let search = resolved_fit(engine, "joint fit with creep", &problem, points, Some(&grown))?;
     let start = from_other(&problem, &search.outcome.best, plain, &vec![0.0; plain.bounds().dimension()]);
     let (mut plain_fit, mut is_followed) = (None, false);
     if !engine.is_stopped() {
@@ -296,7 +297,8 @@ fn search_globally(
         };
         let guesses = setup.guesses(problem)?.into_iter();
         let starts = guesses.map(|guess| from_other(&plain, &found.outcome.best, problem, &guess)).collect();
-        let fit = resolved_fit(engine, "joint fit with creep", problem, starts, None);
+        let grown = |x: &[f64]| shown(problem, x, setup);
+        let fit = resolved_fit(engine, "joint fit with creep", problem, starts, Some(&grown));
         let Some(fit) = engine.unless_stopped(fit)? else { return Ok(search) };
         search.take_better(Some(fit));
     }
@@ -434,7 +436,8 @@ fn try_creep(
     if found.is_none() {
         starts.extend(guesses);
     }
-    let search = resolved_fit(engine, "joint fit with creep", &problem, starts, None);
+    let grown = |x: &[f64]| shown(&problem, x, setup);
+    let search = resolved_fit(engine, "joint fit with creep", &problem, starts, Some(&grown));
     let search = engine.unless_stopped(search)?.filter(|_| !engine.is_stopped());
     Ok(search.map(|mut search| {
         search.take_better(found.map(|(_, found)| found));
