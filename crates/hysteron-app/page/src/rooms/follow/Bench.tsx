@@ -1,8 +1,8 @@
-// Controllers that follow the reference on the simulated bench.
+// Controllers that follow the reference in a simulation: on the bench, or on the model of a measured device.
 import { useState } from 'preact/hooks';
 import { change, Refusal, type Complaint } from '../../api/client';
 import type { Tracked, TrackedController } from '../../api/types';
-import { Failure } from '../../components/words';
+import { capital, Failure } from '../../components/words';
 import { TableBox } from '../../components/window';
 import { prose, quantityText, significant } from '../../format';
 import { Plot, Swatch } from '../../plot/Plot';
@@ -15,6 +15,8 @@ export function Bench(props: {
   range: number[] | null;
   slew: number | null;
   bandwidth: number | null;
+  /** The model is one of the bench: its truth is known. Else the model itself is the plant. */
+  simulated: boolean;
 }) {
   const [tracked, keep] = useState<Tracked | null>(null);
   const [problem, complain] = useState<Complaint | null>(null);
@@ -30,6 +32,7 @@ export function Bench(props: {
       const answer = await change<Tracked>('POST', `${props.at}/track`, {
         reference: props.reference,
         options,
+        on_model: !props.simulated,
       });
       const ranked = [...answer.controllers].sort((a, b) => (a.rms ?? Infinity) - (b.rms ?? Infinity));
       keep({ ...answer, controllers: ranked });
@@ -43,10 +46,13 @@ export function Bench(props: {
   if (!tracked) {
     return (
       <div class="card">
-        <h2>Controllers on the simulated bench</h2>
+        <h2>Controllers, simulated</h2>
         <p class="soft gap">
-          The prediction is of the model with itself. On the bench, whose truth lies outside every model
-          class, the controllers show what a device may add.
+          {props.simulated
+            ? 'The prediction is of the model with itself. On the bench, whose truth lies outside every model ' +
+              'class, the controllers show what a device may add.'
+            : 'The device is not here, so that every controller runs on the model itself: this ranks them and ' +
+              'shows their limits. What the device adds is what the records showed, and more.'}
         </p>
         <button type="button" onClick={() => void simulate()} aria-disabled={busy}>
           {busy ? 'Simulating all controllers…' : 'Simulate the controllers'}
@@ -74,7 +80,7 @@ function Controllers(props: { tracked: Tracked; chosen: string[]; toggle: (name:
   const unit = tracked.output_unit;
   const spec: Spec = {
     key: 'bench',
-    title: 'Error on the bench',
+    title: 'Error of the chosen controllers',
     description: 'Reference minus displacement of the chosen controllers.',
     height: 216,
     flat: true,
@@ -92,7 +98,7 @@ function Controllers(props: { tracked: Tracked; chosen: string[]; toggle: (name:
       <TableBox label="Controllers">
         <table class="mid">
           <caption>
-            Controllers on the simulated bench <span class="tag sim">simulated</span>
+            Controllers <span class="tag sim">simulated</span>
           </caption>
           <thead>
             <tr>
@@ -148,7 +154,7 @@ function Controllers(props: { tracked: Tracked; chosen: string[]; toggle: (name:
           </tbody>
         </table>
         <p class="soft s">
-          {prose(tracked.plant)} Scored from {significant(tracked.scored_s[0])} to{' '}
+          {capital(prose(tracked.plant))}. Scored from {significant(tracked.scored_s[0])} to{' '}
           {significant(tracked.scored_s[1])} s.
           {tracked.left_out.length > 0 ? ` Left out: ${tracked.left_out.join('; ')}.` : ''}
         </p>

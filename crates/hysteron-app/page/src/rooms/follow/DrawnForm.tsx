@@ -51,7 +51,7 @@ export function DrawnForm({ points, unit, change }: Props) {
       >
         <path class="c-reference" d={`M${points.map((point) => `${x(point)} ${y(point)}`).join('L')}`} />
         {points.map((point) => (
-          <circle key={point[0]} class="c-reference" cx={x(point)} cy={y(point)} r="4" />
+          <path key={point[0]} class="c-reference dot" d={`M${x(point)} ${y(point)}h0`} />
         ))}
       </svg>
       <label class="f">

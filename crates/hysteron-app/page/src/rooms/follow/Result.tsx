@@ -2,7 +2,7 @@
 import { useMemo } from 'preact/hooks';
 import type { Followed } from '../../api/types';
 import { Finding, LibraryFinding, Numbers, Prose } from '../../components/words';
-import { fileName, integer, prose, quantity, significant } from '../../format';
+import { fileName, integer, quantity, significant } from '../../format';
 import { Plot } from '../../plot/Plot';
 import type { Spec } from '../../plot/spec';
 import { asLine, axisLabel } from '../records/Curves';

@@ -178,6 +178,7 @@ function Ready(props: {
               range={request.range}
               slew={request.slew_per_s}
               bandwidth={request.bandwidth_hz}
+              simulated={model.simulated}
             />
           </div>
         )}
