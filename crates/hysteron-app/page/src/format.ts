@@ -62,7 +62,7 @@ export function unitText(unit: string | null | undefined): string {
     .replace(/\^2/g, '²');
 }
 
-/** Micrometres below one as nanometres, seconds below a tenth as milliseconds: factor and unit to print in. */
+/** Factor and unit to print in: micrometres below one as nm, seconds below a tenth as ms. */
 export function scale(value: number, unit: string): { factor: number; unit: string } {
   const size = Math.abs(value);
   const small: Record<string, [number, number, string]> = {

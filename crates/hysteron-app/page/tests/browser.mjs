@@ -25,7 +25,7 @@ async function freePort() {
   return port;
 }
 
-/** `hysteron app` on an empty folder, or on copies of `files`; one in `device` goes into a folder of that name. */
+/** `hysteron app` on copies of `files`; one in `device` goes into a folder of its name there. */
 export async function serve(files = [], device = {}) {
   const folder = await mkdtemp(join(tmpdir(), 'hysteron-app-'));
   for (const file of files) await cp(file, join(folder, file.split('/').pop()));

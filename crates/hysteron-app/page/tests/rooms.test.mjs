@@ -1,4 +1,4 @@
-// Every room in both themes and three widths: no violation of WCAG 2.2 AA that axe finds, no sideways scrolling.
+// Every room in both themes and three widths: no violation of WCAG 2.2 AA that axe finds, no sideways scroll.
 import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
 import { after, before, test } from 'node:test';

@@ -39,7 +39,8 @@ test('a record of 1e6 samples', async () => {
   const folder = await mkdtemp(join(tmpdir(), 'hysteron-long-'));
   const rows = Array.from({ length: 1_000_000 }, (_, i) => {
     const phase = (i / 10_000) * 2 * Math.PI;
-    return `${(i / 10_000).toFixed(4)},${(5 - 5 * Math.cos(phase)).toFixed(4)},${(8 - 8 * Math.cos(phase - 0.1)).toFixed(4)}`;
+    const [u, y] = [5 - 5 * Math.cos(phase), 8 - 8 * Math.cos(phase - 0.1)];
+    return `${(i / 10_000).toFixed(4)},${u.toFixed(4)},${y.toFixed(4)}`;
   });
   await writeFile(join(folder, 'long.csv'), `t_s,u_V,y_um\n${rows.join('\n')}\n`);
   const server = await serve();

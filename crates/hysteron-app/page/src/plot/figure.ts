@@ -1,5 +1,5 @@
-// A figure on a canvas: uPlot holds canvas, scales and axes, the lines are drawn by paths of this file, so that a
-// loop, which is no function of x, is drawn as it runs.
+// A figure on a canvas: uPlot holds canvas, scales and axes; the lines are drawn by paths of draw.ts, so that
+// a loop, which is no function of x, is drawn as it runs.
 import uPlot from 'uplot';
 import { frame, line, under } from './draw';
 import { extent, ticks } from './ticks';

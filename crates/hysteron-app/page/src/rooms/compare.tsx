@@ -308,6 +308,8 @@ function Errors(props: {
   const error = candidate.error ?? 0;
   const scale = props.unit === 'µm' && error < 1 ? 1000 : 1;
   const folds = candidate.fold_errors.filter((e): e is number => e != null && e > 0);
+  const [least, most] = [Math.min(...folds), Math.max(...folds)].map((e) => quantityText(e, props.unit));
+  const range = `${folds.length} folds between ${least} and ${most}`;
   const own = scale === 1000 ? 'nm' : props.unit;
   const spread = candidate.error_std_error;
   const cost = candidate.nanoseconds_per_sample;
@@ -318,12 +320,7 @@ function Errors(props: {
         {spread != null && <span class="soft">± {significant(spread * scale, 2)}</span>} {own}
       </td>
       <td>
-        <svg
-          class="iv folds"
-          viewBox="0 0 180 16"
-          role="img"
-          aria-label={`${folds.length} folds between ${quantityText(Math.min(...folds), props.unit)} and ${quantityText(Math.max(...folds), props.unit)}`}
-        >
+        <svg class="iv folds" viewBox="0 0 180 16" role="img" aria-label={range}>
           {props.floor > 0 && (
             <line class="floor" x1={place(props.floor)} x2={place(props.floor)} y1="0" y2="16" />
           )}

@@ -49,10 +49,10 @@ export function Bench(props: {
         <h2>Controllers, simulated</h2>
         <p class="soft gap">
           {props.simulated
-            ? 'The prediction is of the model with itself. On the bench, whose truth lies outside every model ' +
-              'class, the controllers show what a device may add.'
-            : 'The device is not here, so that every controller runs on the model itself: this ranks them and ' +
-              'shows their limits. What the device adds is what the records showed, and more.'}
+            ? 'The prediction is of the model with itself. On the bench, whose truth lies outside every ' +
+              'model class, the controllers show what a device may add.'
+            : 'The device is not here, so that every controller runs on the model itself: this ranks ' +
+              'them and shows their limits. What the device adds is what the records showed, and more.'}
         </p>
         <button type="button" onClick={() => void simulate()} aria-disabled={busy}>
           {busy ? 'Simulating all controllers…' : 'Simulate the controllers'}

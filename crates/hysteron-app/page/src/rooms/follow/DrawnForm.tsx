@@ -56,7 +56,7 @@ export function DrawnForm({ points, unit, change }: Props) {
       </svg>
       <label class="f">
         <span class="soft">
-          Points: time (s) and value ({unit}); a click adds one. The field reaches to {short(end)} s, from{' '}
+          Points: time (s) and value ({unit}); a click adds one. The field: up to {short(end)} s, from{' '}
           {short(low)} to {short(high)} {unit}.
         </span>
         <input

@@ -39,10 +39,10 @@ export function Live({ job }: { job: Job }) {
           </div>
           <p class="soft">
             {runs
-              ? 'Other rooms can be used; this fit goes on, also if the page is closed. Stop keeps the best model ' +
-                'so far, from which the fit can go on later.'
-              : 'Go on starts from the searches that are kept and ends in the same model as an uninterrupted fit. ' +
-                'A changed setting begins a new fit instead; this one stays in the history.'}
+              ? 'Other rooms can be used; this fit goes on, also if the page is closed. Stop keeps the ' +
+                'best model so far, from which the fit can go on later.'
+              : 'Go on starts from the searches that are kept and ends in the same model as an ' +
+                'uninterrupted fit. A changed setting begins a new fit; this one stays in History.'}
           </p>
         </div>
       </div>

@@ -21,6 +21,7 @@ const METHODS: Record<string, string> = {
 
 function facts(record: RecordDetail, seen: Inspection): [string, string][] {
   const { input, output, loop } = seen;
+  const method = METHODS[seen.noise_floor_method ?? ''] ?? 'method unknown';
   const held = [input, output].filter((c) => c.saturated_low_samples + c.saturated_high_samples > 0);
   const list: [string, string | null][] = [
     ['Drive', `${drive(seen)}; ${range(input)}`],
@@ -29,13 +30,14 @@ function facts(record: RecordDetail, seen: Inspection): [string, string][] {
     [
       'Loop opening',
       loop &&
-        `${quantityText(loop.opening, output.unit)}, ${significant(loop.opening_percent_of_stroke)} % of stroke, ` +
-          (loop.butterfly ? 'crosses itself' : loop.sense),
+        `${quantityText(loop.opening, output.unit)}, ` +
+          `${significant(loop.opening_percent_of_stroke)} % of stroke` +
+          `, ${loop.butterfly ? 'crosses itself' : loop.sense}`,
     ],
     [
       'Noise floor',
       seen.noise_floor_rms != null
-        ? `${quantityText(seen.noise_floor_rms, output.unit)} rms (${METHODS[seen.noise_floor_method ?? ''] ?? ''})`
+        ? `${quantityText(seen.noise_floor_rms, output.unit)} rms (${method})`
         : null,
     ],
     [
