@@ -24,8 +24,6 @@ const MOST_SAMPLES: usize = 10_000;
 const PIXELS: usize = 400;
 /// Time between two drawings, in times of the work for one: the fit has the processors for the rest.
 const REST: u32 = 40;
-/// The same for the model itself, which the fit's own threads compute.
-const REST_OF_FIT: u32 = 60;
 /// Time after which the pages hear from a fit that reports nothing.
 const SILENCE: Duration = Duration::from_millis(180);
 
@@ -39,7 +37,7 @@ pub(super) struct Drawn {
 
 /// Work of the thread.
 enum Work {
-    Draw { model: Box<Model>, stage: usize, update: Box<LiveUpdate>, rest: Duration },
+    Draw { model: Box<Model>, stage: usize, update: Box<LiveUpdate> },
     Keep { searches: Box<Searches>, model: Option<Box<Model>> },
 }
 
@@ -72,10 +70,9 @@ impl<'s> Drawing<'s> {
         !self.busy.load(Ordering::Acquire)
     }
 
-    /// Draws a model, which took this time to make; left out where the thread is busy.
-    pub(super) fn draw(&self, model: Model, stage: usize, update: LiveUpdate, took: Duration) {
-        let rest = took * REST_OF_FIT;
-        let work = Work::Draw { model: Box::new(model), stage, update: Box::new(update), rest };
+    /// Draws a model; left out where the thread is busy.
+    pub(super) fn draw(&self, model: Model, stage: usize, update: LiveUpdate) {
+        let work = Work::Draw { model: Box::new(model), stage, update: Box::new(update) };
         self.busy.store(true, Ordering::Release);
         if self.work.try_send(work).is_err() {
             self.busy.store(false, Ordering::Release);
@@ -118,7 +115,7 @@ fn run(
             Err(RecvTimeoutError::Disconnected) => return,
         };
         match work {
-            Some(Work::Draw { model, stage, mut update, rest }) => {
+            Some(Work::Draw { model, stage, mut update }) => {
                 let begun = Instant::now();
                 let is_heard = jobs.workspace.notices.is_heard();
                 update.latest = easel.as_mut().filter(|_| is_heard).and_then(|e| e.draw(&model, stage));
@@ -128,7 +125,7 @@ fn run(
                     running.drawn.latest = Some(latest.clone());
                 }
                 jobs.workspace.notices.send(Notice::Live(update));
-                rests_until = Some(Instant::now() + rest.max(begun.elapsed() * REST));
+                rests_until = Some(Instant::now() + begun.elapsed() * REST);
             }
             Some(Work::Keep { searches, model }) => {
                 // One that cannot be written is followed by another.

@@ -12,6 +12,10 @@ use crate::notice::Notice;
 
 /// Time between two updates, somewhat below a fifth of a second.
 const BETWEEN: Duration = Duration::from_millis(150);
+/// Part of the time of the fit that its own threads spend on models to be drawn, as a divisor, and the time
+/// that the first one may take.
+const SHARE: u32 = 60;
+const FIRST: Duration = Duration::from_millis(50);
 /// Time between two checkpoints.
 const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(2);
 /// Most points of the curve of costs: beyond it, every other one is left out.
@@ -22,6 +26,9 @@ pub(super) fn watch<'a>(jobs: &'a Jobs, id: i64, stop: &Stop, drawing: &'a Drawi
     let begun = Instant::now();
     let mut told: Option<Instant> = None;
     let mut kept = begun;
+    // Stage and cost of the last model that was drawn, and the time that the fit has spent on such models.
+    let mut shown: Option<(usize, Option<f64>)> = None;
+    let mut spent = Duration::ZERO;
     let told = move |event: &Event<'_>| {
         let now = Instant::now();
         let is_new_stage = jobs.is_new_stage(id, event.stage);
@@ -29,11 +36,16 @@ pub(super) fn watch<'a>(jobs: &'a Jobs, id: i64, stop: &Stop, drawing: &'a Drawi
             told = Some(now);
             let update = jobs.progressed(id, event, begun.elapsed(), is_new_stage);
             let stage = update.cost.as_ref().map_or(0, |cost| cost.stage);
-            let asked = Instant::now();
-            let is_wanted = drawing.is_free() && jobs.workspace.notices.is_heard();
+            let state = (stage, event.cost);
+            let is_new = shown != Some(state) && spent <= now.duration_since(begun) / SHARE + FIRST;
+            let is_wanted = is_new && drawing.is_free() && jobs.workspace.notices.is_heard();
             let model = if is_wanted { event.model() } else { None };
+            spent += now.elapsed();
             match model {
-                Some(model) => drawing.draw(model, stage, update, asked.elapsed()),
+                Some(model) => {
+                    shown = Some(state);
+                    drawing.draw(model, stage, update);
+                }
                 None => jobs.workspace.notices.send(Notice::Live(Box::new(update))),
             }
         }
