@@ -52,6 +52,7 @@ export function follow(): void {
     }
   };
   open();
+  void refresh();
 }
 
 async function refresh(): Promise<void> {

@@ -48,7 +48,7 @@ export function SchemaForm(props: {
           key={name}
           schema={field}
           root={props.root}
-          value={props.value[name]}
+          value={props.value[name] ?? field.default}
           choices={props.choices?.[name]}
           usual={props.usual?.[name]}
           label={props.labels?.[name] ?? capital(words(name))}

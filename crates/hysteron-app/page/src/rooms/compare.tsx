@@ -4,10 +4,9 @@ import { change, Refusal, type Complaint } from '../api/client';
 import { useAnswer, useResource } from '../api/resource';
 import type { Candidate, Command, Comparison, Job, JobRequest, RecordEntry } from '../api/types';
 import { act, command, StopButton } from '../components/dock';
-import { Icon } from '../components/icon';
 import { Failure, Finding, Head, Lacking, Origin, Waiting } from '../components/words';
 import { TableBox } from '../components/window';
-import { count, fileName, left, prose, quantityText, seconds, significant } from '../format';
+import { count, fileName, left, prose, quantityText, significant } from '../format';
 import { Plot } from '../plot/Plot';
 import type { Spec } from '../plot/spec';
 import { address, go, route, settle } from '../route';
@@ -162,25 +161,15 @@ const spaced = (name: string): string => name.replace(/\+/g, ' + ');
 
 function Race({ job }: { job: Job }) {
   const stage = job.stages[job.stages.length - 1];
+  const time = job.left_s != null ? `, ${left(job.left_s)}` : '';
   return (
-    <>
-      <Finding kind="note">
-        <b>
-          {stage ? `${stage.name}, stage ${job.stages.length}` : 'Waits in the queue'}
-          {job.left_s != null ? `, ${left(job.left_s)}` : ''}.
-        </b>{' '}
-        Order and error may still change; nothing is preferred yet.
-      </Finding>
-      <ol class="stages narrow">
-        {job.stages.slice(-12).map((one, i, shown) => (
-          <li key={`${one.name} ${one.from_s}`} class={i === shown.length - 1 ? 'now' : ''}>
-            <Icon name={i === shown.length - 1 ? 'run' : 'ok'} />
-            <span>{one.name}</span>
-            <span class="soft">{seconds(one.from_s)}</span>
-          </li>
-        ))}
-      </ol>
-    </>
+    <Finding kind="note">
+      <b>
+        {stage ? `In the race: ${spaced(stage.name)}` : 'Waits in the queue'}
+        {time}.
+      </b>{' '}
+      Order and error may still change; nothing is preferred yet.
+    </Finding>
   );
 }
 
@@ -207,7 +196,7 @@ function Ranking({
       )}
       <div class="cols g-cmp">
         <Table comparison={comparison} pick={pick} runs={runs} />
-        {finished.length > 0 && <Plot spec={spec} />}
+        {finished.some((one) => one.nanoseconds_per_sample != null) && <Plot spec={spec} />}
       </div>
     </>
   );
@@ -226,6 +215,8 @@ function strip(comparison: Comparison): (value: number) => number {
 function Table({ comparison, pick, runs }: { comparison: Comparison; pick: string | null; runs: boolean }) {
   const unit = comparison.output_unit;
   const place = strip(comparison);
+  const least = Math.min(...comparison.candidates.map((candidate) => candidate.error ?? Infinity));
+  const scale = unit === 'µm' && least < 1 ? 1000 : 1;
   const inverse = comparison.candidates.some((candidate) => candidate.invertible);
   return (
     <TableBox label="Ranking">
@@ -286,13 +277,17 @@ function Table({ comparison, pick, runs }: { comparison: Comparison; pick: strin
                   place={place}
                   floor={comparison.noise_floor}
                   inverse={inverse}
+                  scale={scale}
+                  runs={runs}
                 />
               )}
             </tr>
           ))}
         </tbody>
       </table>
-      <p class="soft s">Blue bar: as good as the best within one standard error of the difference.</p>
+      <p class="soft s" hidden={runs}>
+        Blue bar: as good as the best within one standard error of the difference.
+      </p>
     </TableBox>
   );
 }
@@ -303,10 +298,13 @@ function Errors(props: {
   place: (value: number) => number;
   floor: number;
   inverse: boolean;
+  /** 1000: in nm. */
+  scale: number;
+  runs: boolean;
 }) {
   const { candidate, place } = props;
   const error = candidate.error ?? 0;
-  const scale = props.unit === 'µm' && error < 1 ? 1000 : 1;
+  const { scale } = props;
   const folds = candidate.fold_errors.filter((e): e is number => e != null && e > 0);
   const [least, most] = [Math.min(...folds), Math.max(...folds)].map((e) => quantityText(e, props.unit));
   const range = `${folds.length} folds between ${least} and ${most}`;
@@ -328,7 +326,7 @@ function Errors(props: {
             <circle key={i} cx={place(fold)} cy="8" r="2.6" />
           ))}
           <rect
-            class={candidate.as_good_as_best ? 'best' : 'd'}
+            class={candidate.as_good_as_best && !props.runs ? 'best' : 'd'}
             x={place(error) - 1.5}
             y="1"
             width="3"

@@ -13,7 +13,7 @@ import type {
 } from '../api/types';
 import { command } from '../components/dock';
 import { ModelChoice, NoModel, useModel } from '../components/models';
-import { Failure, Finding, Head, Lacking, Origin, Waiting, Prose } from '../components/words';
+import { Failure, Finding, Head, Lacking, Origin, Waiting } from '../components/words';
 import { TableBox } from '../components/window';
 import { fileName, prose, quantity, significant } from '../format';
 import { Plot } from '../plot/Plot';
@@ -191,10 +191,8 @@ function Scores(props: { scored: Scored; chosen?: string; fitted: RecordEntry[];
           </dl>
         </details>
       </div>
-      <div class="finds">
-        {rows.map((row) => (
-          <Verdict key={row.record} row={row} />
-        ))}
+      <div class="stack tight">
+        <Assumed rows={rows} />
       </div>
     </div>
   );
@@ -235,6 +233,7 @@ function ScoreRow(props: {
         <button type="button" class="link" aria-pressed={row.record === props.chosen}>
           {fileName(row.record)}
         </button>
+        {row.verdict && <span class="why">{prose(row.verdict)}</span>}
         {props.fitted.some((record) => record.id === row.record) && (
           <span class="tag warn">of the fit</span>
         )}
@@ -256,16 +255,20 @@ function ScoreRow(props: {
   );
 }
 
-function Verdict({ row }: { row: Judged }) {
-  if (!row.verdict && row.remarks.length === 0) return null;
+/** The states that records were taken to begin in, and where the model extrapolates. */
+function Assumed({ rows }: { rows: Judged[] }) {
+  const known = rows.filter((row) => row.remarks.length > 0);
+  if (known.length === 0) return null;
   return (
-    <Finding kind={row.remarks.length > 0 ? 'warn' : 'note'}>
-      <b class="mono">{fileName(row.record)}</b> {row.verdict ? prose(row.verdict) : ''}
-      {row.remarks.map((remark) => (
-        <p key={remark}>
-          <Prose text={remark} />
-        </p>
-      ))}
+    <Finding kind="note">
+      <b>Assumed, and where the model extrapolates</b>
+      <ul class="plain">
+        {known.map((row) => (
+          <li key={row.record}>
+            <span class="mono">{fileName(row.record)}</span>: {row.remarks.map(prose).join(' ')}
+          </li>
+        ))}
+      </ul>
     </Finding>
   );
 }

@@ -2,7 +2,7 @@
 import { useEffect, useMemo } from 'preact/hooks';
 import { path } from '../../api/client';
 import { useLatest } from '../../api/resource';
-import type { Job, RecordDetail } from '../../api/types';
+import type { Job, RecordDetail, RecordEntry } from '../../api/types';
 import { act } from '../../components/dock';
 import { Icon } from '../../components/icon';
 import { Failure, Finding, Numbers, Waiting, type Quantity } from '../../components/words';
@@ -12,25 +12,33 @@ import type { Line, Range, Spec } from '../../plot/spec';
 import { useSignal } from '../../signal';
 import { running, watch, type Running } from '../../store';
 import { asLine, axisLabel } from '../records/Curves';
+import { Done } from './Done';
 
-export function Live({ job }: { job: Job }) {
+export function Live({ job, records }: { job: Job; records: RecordEntry[] }) {
   const now = useSignal(running);
   const shown = now?.job === job.id ? now : null;
   useEffect(() => {
     if (running.value?.job !== job.id) void watch(job.id);
   }, [job.id]);
-  const runs = job.state === 'running';
+  const runs = job.state === 'running' || job.state === 'waiting';
+  const kept = runs ? undefined : job.result.models[0];
   return (
     <div class="stack">
-      {!runs && <Ended job={job} />}
-      <Now job={job} shown={shown} />
-      <div class="cols g-plots">
-        <LoopSoFar shown={shown} runs={runs} />
-        <div>
-          <ResidualSoFar shown={shown} />
-          <Cost job={job} shown={shown} />
-        </div>
-      </div>
+      {job.state !== 'running' && <Ended job={job} />}
+      {kept ? (
+        <Done id={kept} records={records} />
+      ) : (
+        <>
+          <Now job={job} shown={shown} />
+          <div class="cols g-plots">
+            <LoopSoFar shown={shown} runs={runs} />
+            <div>
+              <ResidualSoFar shown={shown} />
+              <Cost job={job} shown={shown} />
+            </div>
+          </div>
+        </>
+      )}
       <div class="cols g-2 hr">
         <Stages job={job} />
         <div>

@@ -1,5 +1,6 @@
 // Numbers of a model with their errors and 95 % intervals.
 import type { ModelDetail, ParameterRow } from '../../api/types';
+import { words } from '../../components/schema';
 import { TableBox } from '../../components/window';
 import { printed, significant, unitText } from '../../format';
 
@@ -43,7 +44,7 @@ export function Parameters({ model }: { model: ModelDetail }) {
             <tr key={`${row.place} ${row.name}`}>
               {places && <td>{row.place}</td>}
               <td>
-                {row.name} {row.meaning && <small class="soft">{row.meaning}</small>}
+                {words(row.name)} {row.meaning && <small class="soft">{row.meaning}</small>}
               </td>
               <td class="n">{printed(row.text)}</td>
               <td class="n soft">{row.held ? 'held' : printed(row.std_error_text)}</td>

@@ -125,7 +125,7 @@ export function Identify() {
         <div class="stack">
           {problem && <Failure problem={problem} />}
           {job ? (
-            <Live job={job} />
+            <Live job={job} records={records} />
           ) : shownModel ? (
             <Done key={shownModel.id} id={shownModel.id} records={records} />
           ) : (

@@ -16,11 +16,12 @@ interface Made {
 /** A sweep over the range and at the rate of the record: the form changes it. */
 function first(record: RecordDetail): Record<string, unknown> {
   const input = record.inspection?.input;
-  const low = record.inspection?.drive.low_hz ?? 1;
+  const short = (value: number): number => Number(value.toPrecision(3));
+  const low = short(record.inspection?.drive.low_hz ?? 1);
   return {
     sample_rate_hz: record.rate_hz ?? 1000,
-    low_v: input?.low ?? 0,
-    high_v: input?.high ?? 10,
+    low_v: short(input?.low ?? 0),
+    high_v: short(input?.high ?? 10),
     waveform: { kind: 'sweep', law: 'logarithmic', start_hz: low, end_hz: 100, duration_s: 10 },
   };
 }
@@ -48,7 +49,7 @@ export function DriveMaker({ record }: { record: RecordDetail }) {
     <div class="card stack">
       <h2>A drive for the next measurement</h2>
       <div class="cols g-plots">
-        <div class="set">
+        <div class="set twos">
           <SchemaForm
             schema={options.drive}
             root={options.drive}
