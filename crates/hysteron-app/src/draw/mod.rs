@@ -12,7 +12,7 @@ const PER_PIXEL: usize = 4;
 /// Widest drawing \[pixels\].
 const WIDEST: usize = 4000;
 /// Samples above which a loop is drawn of its first and its last periods only.
-const LONG_LOOP: usize = 200_000;
+pub(crate) const LONG_LOOP: usize = 200_000;
 
 /// A quantity along an axis.
 pub(crate) struct Along<'a> {

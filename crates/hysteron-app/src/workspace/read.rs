@@ -5,7 +5,9 @@ use std::sync::{Arc, OnceLock, PoisonError};
 
 use hysteron_io::{IoError, ReadOptions, holds_named_arrays, read_part, read_record};
 use hysteron_model::Finding;
-use hysteron_model::record::{ChannelChoice, Cut, InputOutput, Inspection, Record, Scale, Source, inspect};
+use hysteron_model::record::{
+    ChannelChoice, Cut, InputOutput, Inspection, Record, Scale, Source, find_periods, inspect,
+};
 
 use super::Workspace;
 use super::scan::{Found, file_at};
@@ -24,6 +26,7 @@ pub(crate) struct ReadRecord {
     /// Choices made automatically.
     pub notes: Vec<Finding>,
     inspection: OnceLock<Inspection>,
+    periods: OnceLock<Option<(usize, usize)>>,
 }
 
 impl ReadRecord {
@@ -42,6 +45,15 @@ impl ReadRecord {
     pub(crate) fn inspection(&self) -> Answer<&Inspection> {
         let data = self.data()?;
         Ok(self.inspection.get_or_init(|| inspect(data)))
+    }
+
+    /// Samples of a period, and whole periods, where it repeats: less work than the inspection.
+    pub(crate) fn periods(&self) -> Option<(usize, usize)> {
+        let data = self.data.as_ref().ok()?;
+        *self.periods.get_or_init(|| {
+            let found = find_periods(data).ok()?;
+            Some((found.period_samples.round() as usize, found.count))
+        })
     }
 
     fn bytes(&self) -> u64 {
@@ -163,7 +175,13 @@ pub(super) fn read_as_said(path: &Path, id: &str, settings: &RecordSettings) -> 
     }
     let notes = record.select(&choice).map(|selection| selection.notes).unwrap_or_default();
     let data = record.input_output(&choice).map(|data| masked(data, &settings.masks));
-    Ok(ReadRecord { data: data.map_err(Problem::from), record, notes, inspection: OnceLock::new() })
+    Ok(ReadRecord {
+        data: data.map_err(Problem::from),
+        record,
+        notes,
+        inspection: OnceLock::new(),
+        periods: OnceLock::new(),
+    })
 }
 
 fn masked(mut data: InputOutput, masks: &[[f64; 2]]) -> InputOutput {

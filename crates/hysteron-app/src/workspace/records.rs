@@ -2,7 +2,7 @@
 
 use hysteron_identify::structure::prospects;
 use hysteron_io::{ReadOptions, contents};
-use hysteron_model::record::{Inspection, Periods, Record, TimeBase, split_header};
+use hysteron_model::record::{InputOutput, Inspection, Periods, Record, TimeBase, split_header};
 use hysteron_report::record_curves::is_simulated;
 
 use super::scan::{Found, Kind, file_at};
@@ -11,6 +11,9 @@ use crate::api::{Column, ColumnUse, Command, Gap, RecordDetail, RecordEntry, Rec
 use crate::command;
 use crate::draw::glyph;
 use crate::refused::{Answer, Refused};
+
+/// Samples above which a record is shown before it is inspected.
+const LONG: usize = 200_000;
 
 impl Workspace {
     /// The records: what is known of each, at once. A record that was not read yet is marked, and the
@@ -49,6 +52,28 @@ impl Workspace {
         };
         self.history.keep_seen(id, &stamp, &entry)?;
         Ok(entry)
+    }
+
+    /// The entry of a record that was just read; of a long one without its inspection, which takes longer
+    /// than its first curve should: it is marked as being read.
+    ///
+    /// # Errors
+    /// If there is no such record.
+    pub(crate) fn first_look(&self, id: &str) -> Answer<RecordEntry> {
+        let read = match self.read(id) {
+            Ok(read) if read.record.len() > LONG => read,
+            _ => return self.entry(id),
+        };
+        let Ok(data) = &read.data else { return self.entry(id) };
+        let entry = bare(&self.found_record(id)?, self.history.settings(id)?);
+        let extent = data.time.extent_s(data.len());
+        Ok(RecordEntry {
+            reading: true,
+            duration_s: extent.map(|(first, last)| last - first),
+            rate_hz: data.sample_rate_hz(),
+            glyph: glyph(data, None),
+            ..with_channels(entry, data)
+        })
     }
 
     /// The file of a record.
@@ -168,16 +193,22 @@ fn described(entry: RecordEntry, read: &ReadRecord) -> RecordEntry {
         }
     };
     RecordEntry {
-        samples,
         duration_s: inspection.duration_s,
         rate_hz: inspection.sample_rate_hz,
         segments: inspection.segments.len().max(1),
+        glyph: glyph(data, period(inspection)),
+        warning: inspection.findings.iter().find(|f| f.is_warning()).map(|f| f.text.clone()),
+        ..with_channels(entry, data)
+    }
+}
+
+fn with_channels(entry: RecordEntry, data: &InputOutput) -> RecordEntry {
+    RecordEntry {
+        samples: data.len(),
         input: Some(data.input.clone()),
         input_unit: data.u_unit.to_string(),
         output: Some(data.output.clone()),
         output_unit: data.y_unit.to_string(),
-        glyph: glyph(data, period(inspection)),
-        warning: inspection.findings.iter().find(|f| f.is_warning()).map(|f| f.text.clone()),
         ..entry
     }
 }

@@ -103,7 +103,7 @@ impl Workspace {
             self.keep_read(&id, read)?;
         }
         self.look();
-        self.entry(&id)
+        self.first_look(&id)
     }
 }
 

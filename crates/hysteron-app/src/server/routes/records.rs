@@ -16,7 +16,7 @@ use crate::api::{
     Curve, CurveQuery, ProspectsRequest, ProspectsTogether, RecordDetail, RecordEntry, RecordSettings,
     Trashed, UploadQuery,
 };
-use crate::draw::{Along, between, over, over_time};
+use crate::draw::{Along, LONG_LOOP, between, over, over_time};
 use crate::notice::Change;
 use crate::refused::{Answer, Refused};
 use crate::server::Shared;
@@ -58,21 +58,26 @@ pub(in crate::server) fn operations() -> Vec<Operation> {
 async fn list(State(shared): State<Arc<Shared>>) -> Answer<Json<Vec<RecordEntry>>> {
     let workspace = Arc::clone(&shared.workspace);
     let (entries, unread) = run(move || workspace.records()).await?;
+    read_beside(shared, unread);
+    Ok(Json(entries))
+}
+
+/// Reads and inspects records beside the answer; the pages are told of each.
+fn read_beside(shared: Arc<Shared>, unread: Vec<String>) {
     let fresh: Vec<String> = {
         let mut reading = shared.reading.lock().unwrap_or_else(PoisonError::into_inner);
         unread.into_iter().filter(|id| reading.insert(id.clone())).collect()
     };
-    if !fresh.is_empty() {
-        // Read beside the answer; the pages are told of each.
-        tokio::task::spawn_blocking(move || {
-            for id in fresh {
-                let _ = shared.workspace.entry(&id);
-                shared.reading.lock().unwrap_or_else(PoisonError::into_inner).remove(&id);
-                shared.workspace.notices.changed(Change::Records);
-            }
-        });
+    if fresh.is_empty() {
+        return;
     }
-    Ok(Json(entries))
+    tokio::task::spawn_blocking(move || {
+        for id in fresh {
+            let _ = shared.workspace.entry(&id);
+            shared.reading.lock().unwrap_or_else(PoisonError::into_inner).remove(&id);
+            shared.workspace.notices.changed(Change::Records);
+        }
+    });
 }
 
 async fn upload(
@@ -93,7 +98,11 @@ async fn upload(
             upload.write(&bytes)?;
         }
     }
-    let entry = run(move || shared.workspace.end_upload(upload)).await?;
+    let workspace = Arc::clone(&shared.workspace);
+    let entry = run(move || workspace.end_upload(upload)).await?;
+    if entry.reading {
+        read_beside(shared, vec![entry.id.clone()]);
+    }
     Ok((StatusCode::CREATED, Json(entry)))
 }
 
@@ -204,8 +213,7 @@ fn drawn(workspace: &Workspace, id: &str, query: &CurveQuery) -> Answer<Curve> {
         return Ok(over_time(&record.time, &y, part, query.pixels));
     }
     let x = along(&query.x)?;
-    let periods = read.inspection().ok().and_then(|found| found.periods);
-    let periods = periods.map(|periods| (periods.period_samples.round() as usize, periods.count));
+    let periods = if part.len() > LONG_LOOP { read.periods() } else { None };
     Ok(over(&x, &y, part, query.pixels, periods))
 }
 
