@@ -6,7 +6,9 @@
 
 use std::ops::Range;
 
-use hysteron_model::record::{InputOutput, Segment};
+use hysteron_model::record::{
+    ExcitationKind, InputOutput, Segment, excitation_kind, find_periods, fundamental_response,
+};
 use hysteron_numeric::Complex64;
 use nalgebra::DMatrix;
 use schemars::JsonSchema;
@@ -93,6 +95,22 @@ impl SineResponse {
             })
         };
         data.segments().into_iter().filter_map(one).collect()
+    }
+
+    /// Response at the one frequency of a uniformly sampled record of a wave, over its settled periods and
+    /// without standard errors; `None` for any other record.
+    pub fn of_fundamental(data: &InputOutput, simulated: &[f64]) -> Option<Self> {
+        let ExcitationKind::Wave { frequency, .. } = excitation_kind(&data.u) else { return None };
+        let periods = find_periods(data).ok();
+        let response = |data: &InputOutput| {
+            let found = fundamental_response(data, frequency, periods.as_ref())?;
+            let (gain, phase_deg) = (found.gain, found.phase_rad.to_degrees());
+            let response = GainPhase { gain, gain_std_error: None, phase_deg, phase_std_error_deg: None };
+            Some((found.frequency_hz, response))
+        };
+        let of_model = InputOutput { y: simulated.to_vec(), ..data.clone() };
+        let ((frequency_hz, measured), (_, model)) = (response(data)?, response(&of_model)?);
+        Some(Self { samples: 0..data.len(), frequency_hz, measured, model })
     }
 }
 

@@ -11,8 +11,11 @@ const GLYPH_POINTS: usize = 64;
 const PER_PIXEL: usize = 4;
 /// Widest drawing \[pixels\].
 const WIDEST: usize = 4000;
-/// Samples above which a loop is drawn of its first and its last periods only.
-pub(crate) const LONG_LOOP: usize = 200_000;
+/// Periods of a loop that are drawn where it has more: the way from the start, and where it has settled.
+const FIRST: usize = 2;
+const LAST: usize = 5;
+/// Samples above which a loop without periods is drawn of its beginning and its end only.
+const LONG_LOOP: usize = 200_000;
 
 /// A quantity along an axis.
 pub(crate) struct Along<'a> {
@@ -84,13 +87,13 @@ pub(crate) fn over_time(
     curve(kept, across, y.axis(), points.len(), shown)
 }
 
-/// One quantity over another in a part of the record. `period`: samples of a period and of what settles.
+/// One quantity over another in a part of the record. `periods`: samples of a period, and whole periods.
 pub(crate) fn over(
     x: &Along<'_>,
     y: &Along<'_>,
     part: std::ops::Range<usize>,
     pixels: usize,
-    periods: Option<(usize, usize)>,
+    periods: Option<(f64, usize)>,
 ) -> Curve {
     let samples = y.samples.len().min(x.samples.len());
     let (parts, shown) = loop_parts(part, samples, periods);
@@ -116,35 +119,29 @@ pub(crate) fn over(
     curve(kept, x_axis, y_axis, drawn, shown)
 }
 
-/// Which samples of a loop are drawn, and in words.
+/// Which samples of a loop are drawn, and in words: whole periods, not every n-th sample.
 fn loop_parts(
     part: std::ops::Range<usize>,
     samples: usize,
-    periods: Option<(usize, usize)>,
+    periods: Option<(f64, usize)>,
 ) -> (Vec<std::ops::Range<usize>>, String) {
     let part = part.start.min(samples)..part.end.min(samples);
-    let whole = part.len() == samples;
+    let is_whole = part.len() == samples;
+    if let Some((period, count)) = periods.filter(|(_, count)| is_whole && *count > FIRST + LAST) {
+        let of = |periods: usize| ((periods as f64 * period).round() as usize + 1).min(samples);
+        let text = format!("the first {FIRST} and the last {LAST} of {count} periods");
+        return (vec![0..of(FIRST), samples - of(LAST)..samples], text);
+    }
     if part.len() <= LONG_LOOP {
-        let text = if whole {
-            format!("all {samples} samples")
-        } else {
-            format!("{} of {samples} samples", part.len())
+        let text = match is_whole {
+            true => format!("all {samples} samples"),
+            false => format!("{} of {samples} samples", part.len()),
         };
         return (vec![part], text);
     }
     let half = LONG_LOOP / 2;
-    match periods {
-        Some((period, count)) if period > 0 && period < half && whole => {
-            let each = (half / period).max(1).min(count / 2);
-            let length = each * period;
-            let text = format!("the first {each} and the last {each} of {count} periods");
-            (vec![0..length, samples - length..samples], text)
-        }
-        _ => {
-            let text = format!("the first and the last {half} of {} samples", part.len());
-            (vec![part.start..part.start + half, part.end - half..part.end], text)
-        }
-    }
+    let text = format!("the first and the last {half} of {} samples", part.len());
+    (vec![part.start..part.start + half, part.end - half..part.end], text)
 }
 
 fn curve(points: Vec<(f64, f64)>, across: Axis, up: Axis, samples: usize, shown: String) -> Curve {
@@ -175,4 +172,50 @@ pub(crate) fn glyph(data: &InputOutput, period: Option<usize>) -> Vec<[f64; 2]> 
     let unit = |x: f64, (low, high): (f64, f64)| if high > low { (x - low) / (high - low) } else { 0.5 };
     let step = part.len().div_ceil(GLYPH_POINTS).max(1);
     part.step_by(step).map(|k| [unit(data.u[k], u), unit(data.y[k], y)]).collect()
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_loop_of_many_periods_shows_the_first_and_the_last_and_does_not_join_them() {
+        let wave = |phase: f64| -> Vec<f64> {
+            (0..1000).map(|k| (std::f64::consts::TAU * f64::from(k) / 100.0 + phase).sin()).collect()
+        };
+        let (u, mut y) = (wave(0.0), wave(0.3));
+        // What settles between them is not drawn.
+        y[350] = 9.0;
+        let (u, y) = (Along::new("u", &Unit::new("V"), &u), Along::new("y", &Unit::new("um"), &y));
+        let drawn = over(&u, &y, 0..1000, 500, Some((100.0, 10)));
+        assert_eq!(drawn.shown, "the first 2 and the last 5 of 10 periods");
+        assert_eq!((drawn.samples, drawn.up.unit.as_str()), (702, "µm"));
+        assert!(drawn.y.iter().all(|y| *y < 1.1) && !drawn.breaks.is_empty(), "{:?}", drawn.breaks);
+        let all = over(&u, &y, 0..1000, 500, None);
+        assert!(all.shown == "all 1000 samples" && all.y.contains(&9.0));
+    }
+
+    #[test]
+    fn a_part_is_taken_by_the_stamps_with_a_neighbour_on_either_side() {
+        let stamps = TimeBase::NonUniform { times_s: vec![0.0, 1.0, 1.0, 2.0, 5.0, 9.0] };
+        assert_eq!(between(&stamps, 6, Some(1.0), Some(2.0)), 0..5);
+        assert_eq!(between(&stamps, 6, None, None), 0..6);
+        assert_eq!(between(&stamps, 6, Some(3.0), Some(4.0)), 3..5);
+        assert_eq!(between(&stamps, 6, Some(20.0), None), 5..6);
+        assert_eq!(between(&TimeBase::Unknown, 6, Some(2.0), Some(3.0)), 1..5);
+        assert!(between(&stamps, 0, Some(1.0), Some(2.0)).is_empty());
+    }
+
+    #[test]
+    fn a_curve_over_time_says_what_it_shows() {
+        let y: Vec<f64> = (0..10_000).map(|k| f64::from(k % 7)).collect();
+        let along = Along::new("y", &Unit::new("um"), &y);
+        let time = TimeBase::uniform(1000.0);
+        let all = over_time(&time, &along, 0..10_000, 100);
+        assert_eq!(all.shown, "least and greatest of each pixel, 10000 samples");
+        assert!(all.x.len() <= 408 && all.across.high == 9.999, "{}", all.x.len());
+        let few = over_time(&time, &along, 100..150, 100);
+        assert_eq!((few.shown.as_str(), few.x.len()), ("50 of 10000 samples", 50));
+    }
 }

@@ -35,7 +35,8 @@ pub(crate) fn curves(workspace: &Workspace, id: &str, query: &ModelCurvesQuery) 
     };
     let (simulated, residual) = (channel("y_model")?, channel("residual")?);
     let part = between(&record.time, record.len(), query.from, query.to);
-    let drawn = Drawn { record, part, pixels: query.pixels };
+    let periods = workspace.read(&query.record)?.periods();
+    let drawn = Drawn { record, part, pixels: query.pixels, periods };
     let series = match query.view {
         View::Loop => vec![drawn.over_input("measured", &record.y), drawn.over_input("model", simulated)],
         View::ResidualLoop => vec![drawn.over_input("residual", residual)],
@@ -86,6 +87,7 @@ struct Drawn<'a> {
     record: &'a InputOutput,
     part: std::ops::Range<usize>,
     pixels: usize,
+    periods: Option<(f64, usize)>,
 }
 
 impl Drawn<'_> {
@@ -95,7 +97,7 @@ impl Drawn<'_> {
 
     fn over_input(&self, name: &str, y: &[f64]) -> Series {
         let u = Along::new(&self.record.input, &self.record.u_unit, &self.record.u);
-        let curve = over(&u, &self.output(y), self.part.clone(), self.pixels, None);
+        let curve = over(&u, &self.output(y), self.part.clone(), self.pixels, self.periods);
         Series { name: name.to_owned(), curve }
     }
 
@@ -117,7 +119,10 @@ pub(crate) fn response(workspace: &Workspace, id: &str, record_id: &str) -> Answ
     };
     let found = model.score(&signals, Start::AsIdentified, &Scoring::default()).map_err(Refused::cannot)?;
     let simulated = found.simulation.outputs.first().map_or(&[][..], Vec::as_slice);
-    let rows = SineResponse::of_record(record, simulated);
+    let mut rows = SineResponse::of_record(record, simulated);
+    if rows.is_empty() {
+        rows.extend(SineResponse::of_fundamental(record, simulated));
+    }
     let unit = match (record.y_unit.symbol(), record.u_unit.symbol()) {
         ("", _) | (_, "") => Unit::new("").to_string(),
         _ => format!("{}/{}", record.y_unit, record.u_unit),

@@ -49,7 +49,7 @@ pub(super) fn remarks(model: &Model, found: &Found) -> Vec<String> {
     let words = |remark: &hysteron_model::model::Remark| {
         let (text, advice) = remark.in_words(model);
         match advice {
-            Some(advice) => format!("{text} {}", remedy(&advice)),
+            Some(advice) => format!("{}. {}", text.trim_end_matches('.'), remedy(&advice)),
             None => text,
         }
     };

@@ -26,7 +26,7 @@ pub(crate) struct ReadRecord {
     /// Choices made automatically.
     pub notes: Vec<Finding>,
     inspection: OnceLock<Inspection>,
-    periods: OnceLock<Option<(usize, usize)>>,
+    periods: OnceLock<Option<(f64, usize)>>,
 }
 
 impl ReadRecord {
@@ -48,11 +48,11 @@ impl ReadRecord {
     }
 
     /// Samples of a period, and whole periods, where it repeats: less work than the inspection.
-    pub(crate) fn periods(&self) -> Option<(usize, usize)> {
+    pub(crate) fn periods(&self) -> Option<(f64, usize)> {
         let data = self.data.as_ref().ok()?;
         *self.periods.get_or_init(|| {
             let found = find_periods(data).ok()?;
-            Some((found.period_samples.round() as usize, found.count))
+            Some((found.period_samples, found.count))
         })
     }
 

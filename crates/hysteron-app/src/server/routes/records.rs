@@ -16,7 +16,7 @@ use crate::api::{
     Curve, CurveQuery, ProspectsRequest, ProspectsTogether, RecordDetail, RecordEntry, RecordSettings,
     Trashed, UploadQuery,
 };
-use crate::draw::{Along, LONG_LOOP, between, over, over_time};
+use crate::draw::{Along, between, over, over_time};
 use crate::notice::Change;
 use crate::refused::{Answer, Refused};
 use crate::server::Shared;
@@ -213,7 +213,7 @@ fn drawn(workspace: &Workspace, id: &str, query: &CurveQuery) -> Answer<Curve> {
         return Ok(over_time(&record.time, &y, part, query.pixels));
     }
     let x = along(&query.x)?;
-    let periods = if part.len() > LONG_LOOP { read.periods() } else { None };
+    let periods = read.periods();
     Ok(over(&x, &y, part, query.pixels, periods))
 }
 
