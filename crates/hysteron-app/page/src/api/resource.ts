@@ -60,10 +60,23 @@ async function load(address: string): Promise<void> {
   if (e.stale && e.listeners.size) void load(address);
 }
 
+const gone = new Set<string>();
+
+/** What begins with `prefix` was deleted: nothing asks for it until it is put back. */
+export function deletedAt(prefix: string): void {
+  gone.add(prefix);
+}
+
+export function putBack(): void {
+  gone.clear();
+  changed('');
+}
+
 /** Marks what begins with `prefix` as changed; what is on the page is fetched at once. */
 export function changed(prefix: string): void {
   for (const [address, e] of entries) {
     if (!address.startsWith(prefix) || e.loading) continue;
+    if ([...gone].some((start) => address.startsWith(start))) continue;
     e.stale = true;
     if (e.listeners.size) void load(address);
   }

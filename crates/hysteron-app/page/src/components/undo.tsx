@@ -1,6 +1,6 @@
 // Undo of the last deletion; the file lies in the trash folder until then.
 import { change, path } from '../api/client';
-import { changed } from '../api/resource';
+import { putBack } from '../api/resource';
 import { fileName } from '../format';
 import { Signal, useSignal } from '../signal';
 import { Icon } from './icon';
@@ -22,7 +22,7 @@ export function Undo() {
   const restore = async (): Promise<void> => {
     await change('POST', `${path('trash', now.token)}/restore`);
     last.value = null;
-    changed('');
+    putBack();
   };
   return (
     <div class="undo" role="status">

@@ -16,6 +16,11 @@ export function whole(spec: Spec): View {
       spec.loop || points(spec) ? 0.04 : 0,
     );
   const columns = spec.lines.map((l) => l.y);
+  for (const { y, errors } of spec.lines) {
+    if (!errors) continue;
+    for (const side of [-1, 1])
+      columns.push(Array.from(y, (v, i) => (v == null ? v : v + side * (errors[i] ?? 0))));
+  }
   if (spec.band) columns.push(spec.band.low, spec.band.high);
   return { x, y: spec.y.range ?? extent(columns, spec.y.log, points(spec) ? 0.15 : 0.06) };
 }

@@ -349,7 +349,7 @@ function picture(finished: Candidate[], unit: string, pick: string | null): Spec
     title: 'Error against cost',
     description: 'Lower left is better.',
     height: 350,
-    x: { label: 'time per sample on this machine (ns)', unit: 'ns', range: [0, right * 1.5] },
+    x: { label: 'time per sample on this machine (ns)', unit: 'ns', range: [0, right * 1.8] },
     y: { label: `error on held-out data (${unit})`, unit, log: true },
     lines: [
       {

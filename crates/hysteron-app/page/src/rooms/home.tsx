@@ -64,13 +64,14 @@ function Forms({ models, model }: { models: ModelEntry[]; model: ModelEntry }) {
     inverse: code && asked.get('plain') === null ? true : undefined,
   };
   const at = path('models', model.id);
-  const preview = useLatest<Preview>(`${at}/preview${query(settings)}`);
+  const preview = useLatest<Preview>(code ? `${at}/preview${query(settings)}` : null);
   const detail = useLatest<ModelDetail>(at).value;
   useEffect(() => {
-    command.value = preview.value?.command ?? null;
-  }, [preview.value]);
+    command.value = (code && preview.value?.command) || null;
+  }, [code, preview.value]);
   const title = FORMS.find(([name]) => name === form)?.[1] ?? '';
-  const size = preview.value?.files.reduce((sum, file) => sum + file.bytes, 0);
+  const files = code ? preview.value?.files : form === 'json' ? modelFile(model, detail) : [];
+  const size = files?.reduce((sum, file) => sum + file.bytes, 0);
   return (
     <>
       <Head title={TITLE} question={QUESTION}>
@@ -79,7 +80,7 @@ function Forms({ models, model }: { models: ModelEntry[]; model: ModelEntry }) {
           class="btn primary"
           href={href(`${at}/download${query(settings)}`)}
           download={model.name + ENDINGS[form]}
-          aria-disabled={preview.error !== undefined}
+          aria-disabled={code && preview.error !== undefined}
         >
           <Icon name="down" />
           Download {title}
@@ -120,8 +121,8 @@ function Forms({ models, model }: { models: ModelEntry[]; model: ModelEntry }) {
                       </td>
                       <td class="soft">{what}</td>
                       <td class="nw soft">
-                        {name === form && preview.value
-                          ? `${count(preview.value.files.length, 'file')}, ${bytes(size ?? 0)}`
+                        {name === form && files?.length
+                          ? `${count(files.length, 'file')}, ${bytes(size ?? 0)}`
                           : 'made on request'}
                       </td>
                     </tr>
@@ -130,15 +131,11 @@ function Forms({ models, model }: { models: ModelEntry[]; model: ModelEntry }) {
               </table>
             </TableBox>
           </fieldset>
-          <Exactness preview={preview.value} detail={detail} />
+          <Exactness preview={code ? preview.value : undefined} detail={detail} />
           <Reports />
         </div>
         <div class="stack">
-          {preview.error ? (
-            <Failure problem={preview.error.complaint} />
-          ) : (
-            <Files preview={preview.value} />
-          )}
+          {preview.error ? <Failure problem={preview.error.complaint} /> : <Files files={files} />}
           <Repeat />
         </div>
       </div>
@@ -225,11 +222,21 @@ function Exactness({ preview, detail }: { preview?: Preview; detail?: ModelDetai
   );
 }
 
-function Files({ preview }: { preview?: Preview }) {
+/** The model file as it lies in the workspace. */
+function modelFile(model: ModelEntry, detail: ModelDetail | undefined): Preview['files'] | undefined {
+  return (
+    detail && [
+      { name: `${model.name}.json`, bytes: model.bytes, text: JSON.stringify(detail.file, null, 2) },
+    ]
+  );
+}
+
+function Files({ files }: { files?: Preview['files'] }) {
   const { query: asked } = useSignal(route);
-  if (!preview) return <Waiting height={280} />;
-  const texts = preview.files.filter((file) => file.text != null);
+  if (!files) return <Waiting height={280} />;
+  const texts = files.filter((file) => file.text != null);
   const shown = texts.find((file) => file.name === asked.get('file')) ?? texts[0];
+  if (files.length === 0) return <Waiting height={280} text="The report is made when it is downloaded." />;
   return (
     <div>
       <div class="ph">
@@ -249,7 +256,7 @@ function Files({ preview }: { preview?: Preview }) {
         )}
       </div>
       <pre class="code" tabIndex={0} aria-label={`Preview of ${shown?.name ?? 'nothing'}`}>
-        {shown?.text ?? preview.files.map((file) => `${file.name}, ${bytes(file.bytes)}`).join('\n')}
+        {shown?.text ?? files.map((file) => `${file.name}, ${bytes(file.bytes)}`).join('\n')}
       </pre>
     </div>
   );

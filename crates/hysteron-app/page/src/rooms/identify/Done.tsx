@@ -1,7 +1,7 @@
 // A model: how well it describes its records, and how sure each number is.
 import { useEffect, useMemo, useState } from 'preact/hooks';
 import { change, path, query, Refusal } from '../../api/client';
-import { changed, useLatest } from '../../api/resource';
+import { changed, deletedAt, useLatest } from '../../api/resource';
 import type { ModelCurves, ModelDetail, RecordDetail, RecordEntry } from '../../api/types';
 import { said } from '../../components/dock';
 import { deleted } from '../../components/undo';
@@ -253,6 +253,7 @@ export function About({ id }: { id: string }) {
     if (renamed?.id) go({ m: renamed.id });
   };
   const remove = async (): Promise<void> => {
+    deletedAt(path('models', id));
     const { token } = await change<{ token: string }>('DELETE', path('models', id));
     deleted({ token, id });
     go({ m: null });

@@ -1,6 +1,6 @@
 // Head of a record: what it is, its role, its columns; deleting with undo.
 import { change, path } from '../../api/client';
-import { changed } from '../../api/resource';
+import { changed, deletedAt } from '../../api/resource';
 import type { RecordDetail, RecordEntry, RecordSettings, Role } from '../../api/types';
 import { Icon } from '../../components/icon';
 import { Origin } from '../../components/words';
@@ -103,6 +103,7 @@ function Columns({ record }: { record: RecordDetail }) {
 }
 
 async function remove(record: RecordEntry): Promise<void> {
+  deletedAt(path('records', record.id));
   const { token } = await change<{ token: string }>('DELETE', path('records', record.id));
   deleted({ token, id: record.id });
   go({ r: null });

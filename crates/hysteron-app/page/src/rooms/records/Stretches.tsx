@@ -7,11 +7,17 @@ import { settings } from './roles';
 export function Stretches({ record }: { record: RecordDetail }) {
   const [from, setFrom] = useState('');
   const [to, setTo] = useState('');
+  // What was opened stays open when the last mask is cleared.
+  const [open, show] = useState(false);
   const { masks, from_s: first, to_s: last } = record.settings;
   const known = from !== '' && to !== '' && Number(from) < Number(to);
   const cut = first != null || last != null;
   return (
-    <details class="stretches" open={masks.length > 0 || cut}>
+    <details
+      class="stretches"
+      open={open || masks.length > 0 || cut}
+      onToggle={(event) => show(event.currentTarget.open)}
+    >
       <summary>Mask and cut</summary>
       <form class="row wrap" onSubmit={(event) => event.preventDefault()}>
         <label class="row">
