@@ -60,6 +60,12 @@ fn the_chain_from_record_to_code() {
     assert!((largest - residual["scores"]["max_abs_error"].as_f64().unwrap()).abs() < 1e-9, "{largest}");
     assert!(scored["records"][1]["error"]["what"].as_str().unwrap().contains("none.csv"));
     assert!(scored["definitions"].as_array().unwrap().len() > 5);
+    let run = json!({"records": ["unseen.csv"], "continued": true});
+    let run = server.post("/api/v1/models/stage.json/scores", &run).done();
+    let names: Vec<&str> =
+        run["records"].as_array().unwrap().iter().map(|judged| judged["record"].as_str().unwrap()).collect();
+    assert_eq!(names, ["unseen.csv", "whole run"]);
+    assert!(run["command"]["shell"].as_str().unwrap().contains("--continued"));
     let response = server.get("/api/v1/models/stage.json/response?record=unseen.csv").done();
     assert!(response["rows"].is_array());
     let follow = json!({"reference": waveform(10.0), "save": "drive.csv"});

@@ -139,6 +139,10 @@ pub struct ScoresRequest {
     /// Use the offset in the model instead of estimating that of each record's sensor.
     #[serde(default)]
     pub fixed_offset: bool,
+    /// The records are parts of runs: simulated without interruption from the start of the first, with one
+    /// offset. Each run as a whole follows behind its parts, with the name `whole run`.
+    #[serde(default)]
+    pub continued: bool,
 }
 
 /// Scores of a model on records.

@@ -150,10 +150,12 @@ pub(crate) fn inspect(records: &[RecordEntry]) -> Command {
 pub(crate) fn validate(model: &str, records: &[RecordEntry], request: &ScoresRequest) -> Command {
     let words = Words::new("validate").word(model).words(ids(records));
     let words = words.maybe("--skip", request.skip_s).when("--fixed-offset", request.fixed_offset);
+    let words = words.when("--continued", request.continued);
     let arguments = Arguments::default()
         .plain(read(records))
         .value("skip", request.skip_s)
-        .when("fixed_offset", request.fixed_offset);
+        .when("fixed_offset", request.fixed_offset)
+        .when("continued", request.continued);
     Command {
         shell: words.columns(records).done(),
         python: format!("print(hy.load({}).scores({}))", text(model), arguments.done()),

@@ -79,7 +79,12 @@ pub(crate) fn curves(workspace: &Workspace, id: &str, query: &ModelCurvesQuery) 
 /// Command that scores the model on the record.
 fn command_of(workspace: &Workspace, id: &str, record: &str) -> Answer<Command> {
     let entry = workspace.entry(record)?;
-    let request = ScoresRequest { records: vec![record.to_owned()], skip_s: None, fixed_offset: false };
+    let request = ScoresRequest {
+        records: vec![record.to_owned()],
+        skip_s: None,
+        fixed_offset: false,
+        continued: false,
+    };
     Ok(command::validate(id, &[entry], &request))
 }
 

@@ -2,8 +2,8 @@
 
 use hysteron_identify::PredictionBand;
 use hysteron_model::axes::AxesRecord;
-use hysteron_model::model::{Score as Found, Signals};
-use hysteron_model::record::{InputOutput, TimeBase};
+use hysteron_model::model::{Capability, Score as Found, Signals};
+use hysteron_model::record::{InputOutput, MeasurementRun, TimeBase};
 use hysteron_model::validate::{OffsetTreatment, Scoring, definitions};
 use hysteron_model::{Model, Start};
 use hysteron_report::record_curves::is_simulated;
@@ -75,16 +75,7 @@ fn judged(workspace: &Workspace, model: &Model, id: &str, scoring: &Scoring) -> 
         Signals::Single(record) => in_band(model, record, &found, scoring.skip_s.unwrap_or(0.0)),
         Signals::Several(_) => None,
     };
-    let verdict = found.verdict.as_ref().map(|v| format!("{}: {}", v.judgement.name(), v.why));
-    Ok(Judged {
-        record: id.to_owned(),
-        score: Some(score_of(id, &found)),
-        verdict,
-        remarks: remarks(model, &found),
-        in_band_percent,
-        simulated: is_simulated(id),
-        error: None,
-    })
+    Ok(described(model, id, &found, in_band_percent))
 }
 
 /// Scores of a model on records. A record that cannot be scored does not stop the others.
@@ -95,15 +86,56 @@ pub(crate) fn scores(workspace: &Workspace, id: &str, request: &ScoresRequest) -
     let model = super::load(workspace, id)?;
     let offset = if request.fixed_offset { OffsetTreatment::Fixed } else { OffsetTreatment::Estimated };
     let scoring = Scoring { skip_s: request.skip_s, offset };
+    if request.continued {
+        let records = of_runs(workspace, &model, request, &scoring)?;
+        return answer(workspace, id, request, records);
+    }
     let one = |record: &String| {
         judged(workspace, &model, record, &scoring)
             .unwrap_or_else(|refused| failed(record, refused.into_problem()))
     };
     let records = request.records.iter().map(one).collect();
+    answer(workspace, id, request, records)
+}
+
+fn answer(workspace: &Workspace, id: &str, request: &ScoresRequest, records: Vec<Judged>) -> Answer<Scored> {
     let entries: Vec<_> = request.records.iter().filter_map(|id| workspace.entry(id).ok()).collect();
     let command = command::validate(id, &entries, request);
     workspace.history.add_action(&command)?;
     Ok(Scored { records, definitions: defined(), command })
+}
+
+/// Scores of the records as parts of runs: one that cannot be read leaves a gap, so nothing is scored.
+fn of_runs(
+    workspace: &Workspace,
+    model: &Model,
+    request: &ScoresRequest,
+    scoring: &Scoring,
+) -> Answer<Vec<Judged>> {
+    model.hammerstein(Capability::Runs).map_err(Refused::cannot)?;
+    let read = |id: &String| Ok(workspace.read(id)?.data()?.clone());
+    let data = request.records.iter().map(read).collect::<Answer<Vec<_>>>()?;
+    let mut judged = Vec::new();
+    for run in MeasurementRun::of(&data).map_err(Refused::cannot)? {
+        let found = model.score_run(&run, Start::AsIdentified, scoring).map_err(Refused::cannot)?;
+        for part in &found.records {
+            judged.push(described(model, &part.record, part, None));
+        }
+        judged.push(described(model, "whole run", &found.whole, None));
+    }
+    Ok(judged)
+}
+
+fn described(model: &Model, record: &str, found: &Found, in_band_percent: Option<f64>) -> Judged {
+    Judged {
+        record: record.to_owned(),
+        score: Some(score_of(record, found)),
+        verdict: found.verdict.as_ref().map(|v| format!("{}: {}", v.judgement.name(), v.why)),
+        remarks: remarks(model, found),
+        in_band_percent,
+        simulated: is_simulated(record),
+        error: None,
+    }
 }
 
 fn failed(record: &str, problem: Problem) -> Judged {
