@@ -1,11 +1,16 @@
 // Keys of the page: rooms, records, copy, stop. Keys of a figure are its own.
-import { RAIL } from './components/shell';
+import { RAIL } from './rail';
 import { go } from './route';
+import { Signal } from './signal';
+
+/** Single keys can be switched off (WCAG 2.1.4): they may be typed by speech. */
+export const keysOn = new Signal(localStorage.getItem('keys') !== 'off');
+keysOn.subscribe(() => localStorage.setItem('keys', keysOn.value ? 'on' : 'off'));
 
 export function listen(): void {
   document.addEventListener('keydown', (event) => {
     const target = event.target as HTMLElement | null;
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (!keysOn.value || event.ctrlKey || event.metaKey || event.altKey) return;
     if (target?.closest('input, select, textarea, [contenteditable]')) return;
     const room = RAIL[Number(event.key) - 1];
     if (room) return go({}, room[0]);

@@ -1,5 +1,7 @@
 // Top bar and rail.
 import { useEffect, useState } from 'preact/hooks';
+import { keysOn } from '../keys';
+import { RAIL } from '../rail';
 import { useResource } from '../api/resource';
 import type { ModelEntry, RecordEntry, Workspace } from '../api/types';
 import { count } from '../format';
@@ -8,16 +10,6 @@ import { useSignal } from '../signal';
 import { connected, jobs } from '../store';
 import { copy } from './dock';
 import { Icon } from './icon';
-
-export const RAIL: [Room, string][] = [
-  ['records', 'Records'],
-  ['identify', 'Identify'],
-  ['compare', 'Compare'],
-  ['validate', 'Validate'],
-  ['follow', 'Follow'],
-  ['home', 'Take it home'],
-  ['try', 'Try'],
-];
 
 export function Top() {
   const workspace = useResource<Workspace>('workspace').value;
@@ -90,6 +82,7 @@ const KEYS: [string, string][] = [
 
 function Keys() {
   const [open, show] = useState(false);
+  const on = useSignal(keysOn);
   useEffect(() => {
     const escape = (event: KeyboardEvent): void => {
       if (event.key === 'Escape') show(false);
@@ -109,16 +102,26 @@ function Keys() {
         ?
       </button>
       {open && (
-        <dl>
-          {KEYS.map(([key, meaning]) => (
-            <div key={key}>
-              <dt>
-                <kbd>{key}</kbd>
-              </dt>
-              <dd>{meaning}</dd>
-            </div>
-          ))}
-        </dl>
+        <div class="sheet">
+          <dl>
+            {KEYS.map(([key, meaning]) => (
+              <div key={key}>
+                <dt>
+                  <kbd>{key}</kbd>
+                </dt>
+                <dd>{meaning}</dd>
+              </div>
+            ))}
+          </dl>
+          <label class="row">
+            <input
+              type="checkbox"
+              checked={on}
+              onChange={(event) => (keysOn.value = event.currentTarget.checked)}
+            />
+            single keys are on
+          </label>
+        </div>
       )}
     </span>
   );
