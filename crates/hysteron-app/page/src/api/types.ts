@@ -218,6 +218,8 @@ export interface Job {
   request: JobRequest;
   name: string;
   state: JobState;
+  /** Names of stages in their usual order; the name of an entered one begins with one of them. */
+  planned?: string[];
   stages: Stage[];
   fraction: number;
   cost: number | null;

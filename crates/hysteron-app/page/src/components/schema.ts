@@ -143,6 +143,10 @@ export function start(given: Schema, root: Schema): unknown {
 
 const UNITS: [RegExp, string][] = [
   [/_um_per_v$/, ' (µm/V)'],
+  [/_um_per_s$/, ' (µm/s)'],
+  [/_per_um2$/, ' (1/µm²)'],
+  [/_per_um$/, ' (1/µm)'],
+  [/_per_s$/, ' (per s)'],
   [/_hz$/, ' (Hz)'],
   [/_ms$/, ' (ms)'],
   [/_percent$/, ' (%)'],
@@ -166,6 +170,7 @@ export function plain(text: string | undefined): string {
     .replace(/\[`([^`]*)`\]/g, '$1')
     .replace(/\\([[\]])/g, '$1')
     .replace(/`/g, '')
+    .replace(/\b[A-Z]\w+::([A-Z]\w+)/g, (_, name: string) => name.toLowerCase())
     .replace(/\s+/g, ' ')
     .trim();
 }

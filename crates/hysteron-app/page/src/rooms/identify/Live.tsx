@@ -206,6 +206,17 @@ function Cost({ job, shown }: { job: Job; shown: Running | null }) {
   );
 }
 
+/** Stages that are still to come; one may be left out. */
+function toCome(job: Job): string[] {
+  const planned = job.planned ?? [];
+  const entered = job.stages.map((stage) => {
+    const matches = planned.filter((name) => stage.name.startsWith(name));
+    const longest = matches.sort((a, b) => b.length - a.length)[0];
+    return longest === undefined ? -1 : planned.indexOf(longest);
+  });
+  return planned.slice(Math.max(-1, ...entered) + 1);
+}
+
 function Stages({ job }: { job: Job }) {
   const runs = job.state === 'running';
   return (
@@ -229,6 +240,13 @@ function Stages({ job }: { job: Job }) {
             </li>
           );
         })}
+        {runs &&
+          toCome(job).map((name) => (
+            <li key={`planned ${name}`} class="todo">
+              <Icon name="dot" />
+              <span>{name}</span>
+            </li>
+          ))}
       </ol>
     </div>
   );

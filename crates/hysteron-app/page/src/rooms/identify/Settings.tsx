@@ -12,6 +12,8 @@ import { useSignal } from '../../signal';
 import { ask, asked, optionsOf, usual, type Task } from './task';
 
 const FIRST = ['hysteresis', 'dynamics', 'delay_s', 'degree'];
+/** A whole model file as the start of the search: from a program, not from a form. */
+const UNOFFERED = ['start'];
 const LABELS = { delay_s: 'Delay (s)', degree: 'Degree of the polynomial' };
 
 export function Settings(props: { records: RecordEntry[]; out: RecordEntry[]; running: boolean }) {
@@ -119,7 +121,7 @@ function Choices({ offered }: { offered: Options }) {
                 value={task.options}
                 change={change}
                 wanted={wanted}
-                without={first}
+                without={[...first, ...UNOFFERED]}
                 choices={choices}
                 usual={usual(offered, task.kind).options}
               />
