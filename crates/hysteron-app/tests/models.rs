@@ -92,6 +92,7 @@ fn the_chain_from_record_to_code() {
     let json = server.get("/api/v1/models/stage.json/download?as=json");
     assert_eq!(json.body, std::fs::read(server.path("stage.json")).unwrap());
     let report = server.get("/api/v1/models/stage.json/download?as=report");
+    assert!(String::from_utf8_lossy(&report.body).contains("<svg"), "the model on its record is drawn");
     assert!(
         String::from_utf8(report.body).unwrap().contains("<!doctype html>")
             || report.head.contains("text/html")

@@ -3,11 +3,13 @@
 mod curves;
 mod export;
 mod follow;
+mod report;
 mod score;
 
 pub(crate) use curves::{curves, response};
 pub(crate) use export::{archive, preview};
 pub(crate) use follow::{follow, track};
+pub(crate) use report::report;
 pub(crate) use score::scores;
 
 use hysteron_identify::{FitParameter, Place};

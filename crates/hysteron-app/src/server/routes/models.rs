@@ -5,13 +5,12 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::response::Response;
-use hysteron_report::model::report;
 
 use crate::api::{
     DownloadQuery, Form, ModelCurves, ModelCurvesQuery, ModelDetail, ModelEntry, ModelPatch, Preview,
     ResponseQuery, Responses, Scored, ScoresRequest, Trashed,
 };
-use crate::models::{archive, curves, detail, list, load, preview, rename, response, scores};
+use crate::models::{archive, curves, detail, list, preview, rename, report, response, scores};
 use crate::refused::{Answer, Refused};
 use crate::server::Shared;
 use crate::server::answer::{Ask, Input, attached, compute, run};
@@ -110,17 +109,7 @@ async fn download(
                 (format!("{}.json", stem_of(&id)), "application/json", bytes)
             }
             Form::Report => {
-                // The report of the fit, where one was written; else that of the model's data.
-                let beside = format!("{}.html", id.strip_suffix(".json").unwrap_or(&id));
-                let bytes = match workspace.existing(&beside) {
-                    Ok(path) => std::fs::read(path).map_err(Refused::failed)?,
-                    Err(_) => {
-                        let found = detail(workspace, &id)?.findings;
-                        let page = report(stem_of(&id), &load(workspace, &id)?, &found);
-                        page.map_err(Refused::failed)?.to_html().into_bytes()
-                    }
-                };
-                (format!("{}.html", stem_of(&id)), "text/html; charset=utf-8", bytes)
+                (format!("{}.html", stem_of(&id)), "text/html; charset=utf-8", report(workspace, &id)?)
             }
             Form::C | Form::Rust | Form::Fmu => {
                 let (name, bytes) = archive(workspace, &id, &query)?;
