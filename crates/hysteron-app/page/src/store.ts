@@ -1,5 +1,5 @@
 // What the server tells without being asked: jobs, running fits, lists that changed.
-import { changed } from './api/resource';
+import { changed, listsChanged } from './api/resource';
 import { get, path } from './api/client';
 import type { CostPoint, Curve, Job, Live, LiveLoop, LiveUpdate } from './api/types';
 import { Signal } from './signal';
@@ -29,7 +29,8 @@ export function follow(): void {
     source.onopen = () => {
       wait = FIRST_WAIT;
       // What was missed while there was no connection is fetched as a whole.
-      if (connected.value !== true) changed('');
+      if (connected.value === null) listsChanged();
+      else if (!connected.value) changed('');
       connected.value = true;
       void refresh();
     };

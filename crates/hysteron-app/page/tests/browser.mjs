@@ -91,6 +91,7 @@ export async function open(url, options = {}) {
   });
   if (process.env.DIST) await context.route(/\/(app\.js|app\.css)?$/, fresh);
   const page = await context.newPage();
+  if (options.before) await page.addInitScript(options.before);
   const faults = [];
   page.on('console', (message) => {
     // A refused file answers 4xx, which the browser notes by itself: the page shows what the server said.

@@ -75,10 +75,20 @@ export function putBack(): void {
 /** Marks what begins with `prefix` as changed; what is on the page is fetched at once. */
 export function changed(prefix: string): void {
   for (const [address, e] of entries) {
-    if (!address.startsWith(prefix) || e.loading) continue;
+    if (!address.startsWith(prefix)) continue;
     if ([...gone].some((start) => address.startsWith(start))) continue;
     e.stale = true;
     if (e.listeners.size) void load(address);
+  }
+}
+
+/** Lists that may have changed between their first answer and the first event. */
+export function listsChanged(): void {
+  for (const list of ['records', 'models', 'reports', 'workspace']) {
+    const e = entries.get(list);
+    if (!e) continue;
+    e.stale = true;
+    if (e.listeners.size) void load(list);
   }
 }
 

@@ -289,10 +289,10 @@ function Curves({ model, record }: { model: string; record: string }) {
   if (failed) return <Failure problem={failed.complaint} />;
   return (
     <div class="cols g-plots hr">
-      {loopSpec ? <Plot spec={loopSpec} /> : <Waiting height={406} />}
+      {loopSpec ? <Plot spec={loopSpec} /> : <Waiting height={400} />}
       <div>
-        {timeSpec ? <Plot spec={timeSpec} /> : <Waiting height={216} />}
-        {residualSpec ? <Plot spec={residualSpec} /> : <Waiting height={204} />}
+        {timeSpec ? <Plot spec={timeSpec} /> : <Waiting height={210} />}
+        {residualSpec ? <Plot spec={residualSpec} /> : <Waiting height={222} />}
       </div>
     </div>
   );

@@ -166,7 +166,7 @@ function Ready(props: {
         />
         <LimitsForm limits={limits} detail={detail} />
         {answer.error && <Failure problem={answer.error.complaint} />}
-        {!followed && !answer.error && <Waiting height={72} />}
+        {!followed && !answer.error && <Waiting height={78} />}
         {followed && <Result followed={followed} />}
         {followed && (
           <div class="cols g-cmp">

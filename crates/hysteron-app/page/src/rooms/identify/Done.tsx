@@ -84,10 +84,10 @@ export function Done({ id, records }: { id: string; records: RecordEntry[] }) {
 function Boxes() {
   return (
     <div class="stack">
-      <Waiting height={72} />
+      <Waiting height={78} />
       <div class="cols g-plots">
-        <Waiting height={406} />
-        <Waiting height={406} />
+        <Waiting height={400} />
+        <Waiting height={400} />
       </div>
       <Waiting height={300} />
     </div>
@@ -112,12 +112,12 @@ function Fit({ id, record }: { id: string; record: string }) {
       {loop.value ? (
         <Scores curves={loop.value} floor={detail?.inspection?.noise_floor_rms ?? null} />
       ) : (
-        <Waiting height={72} />
+        <Waiting height={78} />
       )}
       <div class="cols g-plots">
-        {loopSpec ? <Plot spec={loopSpec} /> : <Waiting height={406} />}
+        {loopSpec ? <Plot spec={loopSpec} /> : <Waiting height={400} />}
         <div>
-          {residualSpec ? <Plot spec={residualSpec} /> : <Waiting height={204} />}
+          {residualSpec ? <Plot spec={residualSpec} /> : <Waiting height={222} />}
           {acrossSpec ? <Plot spec={acrossSpec} /> : <Waiting height={204} />}
         </div>
       </div>

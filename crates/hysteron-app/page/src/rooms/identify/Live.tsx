@@ -135,7 +135,7 @@ function LoopSoFar({ shown, runs }: { shown: Running | null; runs: boolean }) {
       tools: ['zoom', 'pan'],
     };
   }, [measured, latest, runs]);
-  return spec ? <Plot spec={spec} /> : <Waiting height={406} text="The record is read." />;
+  return spec ? <Plot spec={spec} /> : <Waiting height={400} text="The record is read." />;
 }
 
 function ResidualSoFar({ shown }: { shown: Running | null }) {

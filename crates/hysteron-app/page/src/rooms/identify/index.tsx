@@ -215,10 +215,10 @@ function Loading() {
       <div class="cols g-id">
         <Waiting height={360} />
         <div class="stack">
-          <Waiting height={72} />
+          <Waiting height={78} />
           <div class="cols g-plots">
-            <Waiting height={406} />
-            <Waiting height={406} />
+            <Waiting height={400} />
+            <Waiting height={400} />
           </div>
         </div>
       </div>

@@ -51,7 +51,7 @@ export function Curves({ record }: { record: RecordDetail }) {
       {loopSpec ? <Plot spec={loopSpec} /> : <Waiting height={382} />}
       <div>
         {timeSpec ? <Plot spec={timeSpec} /> : <Waiting height={230} />}
-        {driveSpec ? <Plot spec={driveSpec} /> : <Waiting height={152} />}
+        {driveSpec ? <Plot spec={driveSpec} /> : <Waiting height={178} />}
       </div>
     </div>
   );

@@ -109,7 +109,7 @@ function Detail({
           {prospects ? (
             <Determines prospects={prospects} of={together ? fit.length : 1} />
           ) : (
-            <Waiting height={220} />
+            <Waiting height={264} />
           )}
         </div>
       )}
@@ -192,14 +192,16 @@ function Loading() {
 function Boxes({ name }: { name: string }) {
   return (
     <div class="stack">
-      <h2 class="mono">{name || ' '}</h2>
+      <div class="rhead">
+        <h2 class="mono">{name || ' '}</h2>
+      </div>
       <div class="cols g-plots">
         <Waiting height={382} />
-        <Waiting height={382} />
+        <Waiting height={408} />
       </div>
       <div class="cols g-facts">
-        <Waiting height={220} />
-        <Waiting height={220} />
+        <Waiting height={264} />
+        <Waiting height={264} />
       </div>
     </div>
   );
