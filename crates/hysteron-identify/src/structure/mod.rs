@@ -16,7 +16,7 @@ mod neighbours;
 mod prospect;
 mod ranking;
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
@@ -169,6 +169,7 @@ pub fn compare(
         preferred: None,
         of_best: None,
         is_search: !matches!(selection, Selection::Given(_)),
+        has_news: AtomicBool::new(false),
     };
     match selection {
         Selection::Given(candidates) => run.add(candidates),
@@ -198,6 +199,8 @@ struct RunningComparison<'a, 'w> {
     of_best: Option<Vec<f64>>,
     /// The candidates come from a search.
     is_search: bool,
+    /// A candidate has finished since the last event.
+    has_news: AtomicBool,
 }
 
 struct Finished {
@@ -262,7 +265,7 @@ impl RunningComparison<'_, '_> {
                         let error = error(&ranking, ranking.preferred).unwrap_or(f64::NAN);
                         (self.finished[ranking.preferred].entry.candidate, error)
                     });
-                    self.tell_finished(candidate);
+                    self.has_news.store(true, Ordering::Relaxed);
                 }
                 None => {
                     self.cut_short = true;
@@ -281,27 +284,24 @@ impl RunningComparison<'_, '_> {
             None => candidate.to_string(),
         };
         let error = self.preferred.as_ref().map(|(_, error)| *error);
-        let _ = self.watch.tell(Event::new(&stage, fraction, error));
+        let so_far = || self.so_far();
+        let candidates: Option<&dyn Fn() -> Vec<CandidateSummary>> = Some(&so_far);
+        let has_news = self.has_news.swap(false, Ordering::Relaxed);
+        let state = State { candidates: candidates.filter(|_| has_news), ..State::default() };
+        let _ = self.watch.tell(Event::new(&stage, fraction, error).with(state));
     }
 
-    /// Tells which candidates are finished.
-    fn tell_finished(&self, candidate: Candidate) {
-        let so_far = || {
-            let ranking = self.ranking();
-            let standing = |index: usize| ranking.as_ref().and_then(|ranking| ranking.standings[index]);
-            let summary = |(index, finished): (usize, &Finished)| {
-                CandidateSummary::new(&finished.entry, standing(index), None)
-            };
-            let mut candidates: Vec<CandidateSummary> =
-                self.finished.iter().enumerate().map(summary).collect();
-            let error = |c: &CandidateSummary| c.error.unwrap_or(f64::INFINITY);
-            candidates.sort_by(|a, b| error(a).total_cmp(&error(b)));
-            candidates
+    /// The candidates that are finished, in the order of their error.
+    fn so_far(&self) -> Vec<CandidateSummary> {
+        let ranking = self.ranking();
+        let standing = |index: usize| ranking.as_ref().and_then(|ranking| ranking.standings[index]);
+        let summary = |(index, finished): (usize, &Finished)| {
+            CandidateSummary::new(&finished.entry, standing(index), None)
         };
-        let fraction = self.done.load(Ordering::Relaxed) as f64 / self.planned.max(1) as f64;
-        let error = self.preferred.as_ref().map(|(_, error)| *error);
-        let state = State { candidates: Some(&so_far), ..State::default() };
-        let _ = self.watch.tell(Event::new(&candidate.to_string(), fraction, error).with(state));
+        let mut candidates: Vec<CandidateSummary> = self.finished.iter().enumerate().map(summary).collect();
+        let error = |c: &CandidateSummary| c.error.unwrap_or(f64::INFINITY);
+        candidates.sort_by(|a, b| error(a).total_cmp(&error(b)));
+        candidates
     }
 
     /// Fits the candidate to the whole campaign and on every fold; `None` after a stop.
