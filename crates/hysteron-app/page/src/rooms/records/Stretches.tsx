@@ -8,7 +8,7 @@ export function Stretches({ record }: { record: RecordDetail }) {
   const [from, setFrom] = useState('');
   const [to, setTo] = useState('');
   // What was opened stays open when the last mask is cleared.
-  const [open, show] = useState(false);
+  const [open, show] = useState(record.settings.masks.length > 0);
   const { masks, from_s: first, to_s: last } = record.settings;
   const known = from !== '' && to !== '' && Number(from) < Number(to);
   const cut = first != null || last != null;

@@ -1,5 +1,5 @@
 // Room 1: which records are there, and what can they determine?
-import { useEffect, useState } from 'preact/hooks';
+import { useEffect, useRef, useState } from 'preact/hooks';
 import { change, path } from '../../api/client';
 import { changed, useAnswer, useLatest, useResource } from '../../api/resource';
 import type { RecordDetail, RecordEntry, Together, Workspace } from '../../api/types';
@@ -87,12 +87,20 @@ function Detail({
   const joint = useAnswer<Together>(together ? 'prospects' : null, {
     records: fit.map((record) => record.id),
   });
-  const record = answer.value;
+  // While a file is read anew, what was read before stays.
+  const read = useRef<RecordDetail | undefined>(undefined);
+  if (answer.value && !answer.value.reading) read.current = answer.value;
+  const record = read.current;
+  // The end of the reading may have been told before this page listened.
+  const late = answer.value?.reading === true && !entry.reading;
+  useEffect(() => {
+    if (late) changed(path('records', entry.id));
+  }, [late]);
   useEffect(() => {
     command.value = record?.command ?? null;
   }, [record]);
   if (answer.error) return <Failure problem={answer.error.complaint} />;
-  if (!record || entry.reading) return <Boxes name={fileName(entry.id)} />;
+  if (!record) return <Boxes name={fileName(entry.id)} />;
   const prospects = together ? joint.value?.prospects : record.prospects;
   return (
     <div class="stack">
