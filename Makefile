@@ -4,7 +4,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .PHONY: FORCE help demo check test test-python kept-outputs python-tools wheel docs bench-python \
   export-tools bench study article figures clean check-toolchain check-components \
-  app page page-tools test-browser
+  app page page-tools browser-tools test-browser smoke-browser
 
 RECORD := examples/piezo-p885-200hz/identification_1hz.csv
 CYCLES := $(wildcard examples/afm-z-scanner/cycle_1_300hz_0*.csv)
@@ -91,7 +91,7 @@ check: check-components
 	cargo test --workspace --locked --lib --bins
 	cargo test --workspace --locked --doc
 
-test: ## everything: check, documentation, no_std proof, integration tests; tools of exports come last
+test: ## everything: check, documentation, no_std proof, integration tests; page and exports come last
 test: check
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
 	crates/hysteron-rt/proof/run.sh
@@ -99,6 +99,7 @@ test: check
 	HYSTERON_PYTHON=$(abspath $(PYTHON))/bin/python \
 	  cargo test --workspace --exclude hysteron-export --locked --test '*'
 	$(MAKE) test-python docs
+	$(MAKE) smoke-browser
 	$(MAKE) export-tools
 	cargo test -p hysteron-export --locked --test '*'
 
@@ -116,14 +117,24 @@ page: page-tools ## the page of `hysteron app`, from TypeScript into crates/hyst
 	cd $(PAGE) && npm run --silent build
 
 # A browser of the system; the driver downloads none.
-CHROMIUM := $(shell command -v chromium || command -v chromium-browser || command -v google-chrome)
-test-browser: page-tools ## the page in a real browser: newcomer, keyboard, accessibility, bad files, pictures in out/
+CHROMIUM = $(shell command -v chromium || command -v chromium-browser || command -v google-chrome)
+SCENARIOS := tests/*.test.mjs
+browser-tools:
+	@$(PAGE)/tests/install-tools.sh
+
+test-browser: browser-tools ## the page in a real browser: newcomer, keyboard, accessibility, bad files, pictures in out/
 	@test -n "$(CHROMIUM)" || { echo "error: no chromium is installed"; \
 	  echo "  try: your system's package, e.g. 'apt-get install chromium'"; exit 1; }
+	$(MAKE) page-tools
 	cd $(PAGE) && npm run --silent check
 	cargo build --locked -p hysteron-cli
 	cd $(PAGE) && CHROMIUM=$(CHROMIUM) HYSTERON=$(abspath target/debug/hysteron) \
-	  OUT=$(abspath $(OUT))/browser npm test --silent
+	  OUT=$(abspath $(OUT))/browser node --test --test-concurrency=1 $(SCENARIOS)
+
+smoke-browser: browser-tools
+	@if test -n "$(CHROMIUM)" && command -v npm >/dev/null; then \
+	  $(MAKE) test-browser SCENARIOS=tests/newcomer.test.mjs; \
+	else echo "skipped: the page in a browser (chromium or npm is missing)"; fi
 
 article: $(HYSTERON) ## reproduce the article on the simulated bench: tables, figures, page
 	$(HYSTERON) article --out-dir $(OUT)/article
