@@ -91,11 +91,13 @@ function Detail({
   const read = useRef<RecordDetail | undefined>(undefined);
   if (answer.value && !answer.value.reading) read.current = answer.value;
   const record = read.current;
-  // The end of the reading may have been told before this page listened.
-  const late = answer.value?.reading === true && !entry.reading;
+  // The end of the reading may have been told before this page listened: it asks until it knows.
+  const reading = entry.reading === true || answer.value?.reading === true;
   useEffect(() => {
-    if (late) changed(path('records', entry.id));
-  }, [late]);
+    if (!reading) return;
+    const timer = setInterval(() => changed('records'), 700);
+    return () => clearInterval(timer);
+  }, [reading]);
   useEffect(() => {
     command.value = record?.command ?? null;
   }, [record]);
