@@ -25,6 +25,7 @@ mod joint;
 mod layout;
 pub mod linear;
 mod linear_step;
+pub mod misfit;
 pub mod modes;
 mod normal;
 pub mod online;

@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use hysteron_model::Start;
 use hysteron_model::dynamics::Creep;
 use hysteron_model::model_file::{
-    Maker, ModelFile, Normalisation, Provenance, RecordEntry, RecordRole as RoleEntry, ScoreEntry, ScoreRole,
+    Maker, MisfitEntry, ModelFile, Normalisation, Provenance, RecordEntry, RecordRole as RoleEntry, ScoreEntry, ScoreRole,
     SignalUnits, ValidRange,
 };
 
+use crate::misfit::Misfit;
 use crate::{Choice, DynamicsChoice, Identification, Method, Options, RecordFit, RecordRole};
 
 impl Identification {
@@ -40,6 +41,9 @@ fn model_file(found: &Identification, options: &Options, maker: &Maker) -> Model
     }
     file.valid_range = Some(valid_range(found, &input));
     file.provenance = Some(provenance(found, options, maker));
+    if let Misfit::Outside(misfit) = found.misfit() {
+        file.misfit = Some(MisfitEntry::from(&*misfit));
+    }
     file.scores = found
         .records
         .iter()

@@ -19,6 +19,7 @@ use super::record::{Ingredients, JointRecord};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{DynamicForm, Sampling, Scheme};
 use hysteron_model::hysteresis::{HysteresisForm, RecordEnds};
+use hysteron_model::misfit::MisfitPrediction;
 use hysteron_model::model::{BandScore, Remark, Score};
 use hysteron_model::record::{InputOutput, InterSample, Timing};
 use hysteron_numeric::normal::quantile;
@@ -26,6 +27,8 @@ use hysteron_optimize::{Bounds, Problem};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+/// Probability of the usual band.
+const LEVEL: f64 = 0.95;
 /// Rows processed at a time.
 const ROWS: usize = 1024;
 
@@ -38,12 +41,16 @@ pub struct PredictionBand {
     /// Standard deviation of a measurement about the model: the rms residual of the training records \[output
     /// unit\].
     pub noise: f64,
+    /// Predicted misfit of a device outside the model class, which then gives the band of a measurement; `None`
+    /// in the class, and for a drive that is not at a uniform rate.
+    pub misfit: Option<MisfitPrediction>,
 }
 
 impl PredictionBand {
     /// The band of a part of the record.
     pub(crate) fn part(&self, samples: Range<usize>) -> Self {
-        Self { std_dev: self.std_dev.get(samples).unwrap_or_default().to_vec(), noise: self.noise }
+        let misfit = self.misfit.as_ref().map(|misfit| misfit.part(samples.clone()));
+        Self { std_dev: self.std_dev.get(samples).unwrap_or_default().to_vec(), noise: self.noise, misfit }
     }
 
     /// Half the width of the band that holds the model's true output with 95 % at each sample \[output
@@ -54,7 +61,10 @@ impl PredictionBand {
 
     /// Half the width of the band that holds a measurement with 95 % at each sample \[output unit\].
     pub fn of_measurement(&self) -> Vec<f64> {
-        self.std_dev.iter().map(|sd| NORMAL_975 * sd.hypot(self.noise)).collect()
+        match &self.misfit {
+            Some(misfit) => misfit.half_width(LEVEL),
+            None => self.std_dev.iter().map(|sd| NORMAL_975 * sd.hypot(self.noise)).collect(),
+        }
     }
 
     /// Half the width of the band that holds a measurement with a probability of `level` at each sample
@@ -72,7 +82,8 @@ impl PredictionBand {
         }
         let width = quantile(0.5 + 0.5 * level);
         let of = |noise: f64| self.std_dev.iter().map(|sd| width * sd.hypot(noise)).collect();
-        Ok([of(self.noise), of(0.0)])
+        let of_measurement = self.misfit.as_ref().map(|misfit| misfit.half_width(level));
+        Ok([of_measurement.unwrap_or_else(|| of(self.noise)), of(0.0)])
     }
 
     /// Coverage of a scored record by the band of a measurement; the first `skip_s` are left out.
@@ -230,7 +241,7 @@ impl OutputUncertainty {
                 || vec![f64::NAN; drive.len()],
                 |at| deviations(&[&at.linear, &at.searched], drive.len(), 0..drive.len(), &self.covariance),
             );
-        Ok(PredictionBand { std_dev, noise: self.noise })
+        Ok(PredictionBand { std_dev, noise: self.noise, misfit: None })
     }
 }
 
@@ -258,7 +269,7 @@ pub(super) fn give(problem: &JointProblem, known: &Knowledge, fits: &mut [Record
             }
             *sd = last;
         }
-        fit.band = Some(PredictionBand { std_dev, noise: fit.scores.rmse });
+        fit.band = Some(PredictionBand { std_dev, noise: fit.scores.rmse, misfit: None });
         let columns: Vec<&[f64]> = own.iter().flat_map(|block| block.chunks_exact(rows.len())).collect();
         // Derivatives are known only where samples have weight.
         let counts = |sine: &&mut SineResponse| {
