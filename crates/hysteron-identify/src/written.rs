@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use hysteron_model::Start;
 use hysteron_model::dynamics::Creep;
 use hysteron_model::model_file::{
-    Maker, MisfitEntry, ModelFile, Normalisation, Provenance, RecordEntry, RecordRole as RoleEntry, ScoreEntry, ScoreRole,
-    SignalUnits, ValidRange,
+    Maker, MisfitEntry, ModelFile, Normalisation, Provenance, RecordEntry, RecordRole as RoleEntry,
+    ScoreEntry, ScoreRole, SignalUnits, ValidRange,
 };
 
 use crate::misfit::Misfit;

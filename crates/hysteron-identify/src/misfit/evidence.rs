@@ -92,7 +92,9 @@ impl Sums {
         let information: Vec<f64> = values.iter().map(|value| scale_square * value / square).collect();
         let coordinates = DVector::from_iterator(
             c.len(),
-            c.iter().zip(&information).map(|(c, information)| scale_square * c / square / (1.0 + information)),
+            c.iter()
+                .zip(&information)
+                .map(|(c, information)| scale_square * c / square / (1.0 + information)),
         );
         let turned = DMatrix::from_fn(c.len(), c.len(), |i, k| {
             prior[i] * eigen.eigenvectors[(i, k)] * (scale_square / (1.0 + information[k])).sqrt()

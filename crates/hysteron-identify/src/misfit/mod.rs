@@ -70,15 +70,16 @@ fn posterior(
     let lowest_rate = rates.iter().copied().fold(f64::INFINITY, f64::min);
     let highest_rate = rates.iter().copied().fold(0.0, f64::max);
     let drives = records.iter().flat_map(|r| &r.data.u);
-    let (low_v, high_v) =
-        drives.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), u| (a.min(*u), b.max(*u)));
-    if records.is_empty() || high_v <= low_v || records.iter().any(|r| r.simulated.iter().any(|y| y.is_nan())) {
+    let (low_v, high_v) = drives.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), u| (a.min(*u), b.max(*u)));
+    if records.is_empty() || high_v <= low_v || records.iter().any(|r| r.simulated.iter().any(|y| y.is_nan()))
+    {
         return Ok(None);
     }
-    let fastest = excited_hz.map_or(0.0, |(_, fastest)| fastest);
-    let frequency_hz = fastest
-        .max((LOWEST.0 * lowest_rate).min(LOWEST.1 * fastest))
-        .min(HIGHEST * highest_rate);
+    // Of a random drive no highest frequency is known: the upper end of the range.
+    let fastest = excited_hz.map(|(_, fastest)| fastest).filter(|fastest| *fastest > 0.0);
+    let fastest = fastest.unwrap_or(HIGHEST * highest_rate);
+    let frequency_hz =
+        fastest.max((LOWEST.0 * lowest_rate).min(LOWEST.1 * fastest)).min(HIGHEST * highest_rate);
     let basis = Basis { low_v, high_v, frequency_hz };
     let prior = reference::prior(&basis, model)?;
     let samples: usize = records.iter().map(|r| r.data.len()).sum();
@@ -105,8 +106,7 @@ fn rows(record: &RecordFit, columns: &[Vec<f64>], factor: usize) -> Option<(DMat
     let first = scores.skipped_samples.saturating_sub(invalid);
     let counts = |k: usize| k >= first && data.is_valid(k);
     let total = columns.first().map_or(0, Vec::len);
-    let kept: Vec<usize> =
-        (0..total).filter(|row| (row * factor..(row + 1) * factor).all(counts)).collect();
+    let kept: Vec<usize> = (0..total).filter(|row| (row * factor..(row + 1) * factor).all(counts)).collect();
     if kept.is_empty() {
         return None;
     }

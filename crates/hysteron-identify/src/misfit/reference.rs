@@ -35,7 +35,8 @@ pub(super) fn prior(basis: &Basis, model: &Model) -> Result<DVector<f64>, Misfit
     let drive = UniformDrive { samples_v: &samples_v, rate_hz, start: &start };
     let columns = basis.columns(model, &drive, 1)?;
     let output = model.simulate(&samples_v, Some(rate_hz), &start)?;
-    let (low, high) = output.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| (a.min(*y), b.max(*y)));
+    let (low, high) =
+        output.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| (a.min(*y), b.max(*y)));
     let stroke = high - low;
     let first = &output[..(RATE * LOOP) as usize];
     // The drive is even about the middle of its loop.
@@ -70,7 +71,8 @@ fn drive() -> Vec<f64> {
     };
     let random: Vec<f64> =
         (0..(RATE * RANDOM) as usize).map(|k| (0..SINES).map(|sine| tone(sine, k)).sum()).collect();
-    let (low, high) = random.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+    let (low, high) =
+        random.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
     samples.extend(random.iter().map(|x| (x - low) / (high - low)));
     samples
 }

@@ -22,17 +22,8 @@ use crate::record::Timing;
 use crate::start::Start;
 
 /// Half-widths of the plays in units of the trained half-range, and the hats over each.
-const PLAYS: [(f64, usize); 9] = [
-    (0.02, 5),
-    (0.06, 5),
-    (0.12, 5),
-    (0.2, 5),
-    (0.3, 5),
-    (0.42, 5),
-    (0.56, 5),
-    (0.72, 3),
-    (0.88, 3),
-];
+const PLAYS: [(f64, usize); 9] =
+    [(0.02, 5), (0.06, 5), (0.12, 5), (0.2, 5), (0.3, 5), (0.42, 5), (0.56, 5), (0.72, 3), (0.88, 3)];
 /// Degrees of the polynomial in the drive.
 const DEGREE: usize = 5;
 /// Corner of the derivatives in units of the reference frequency, and their highest order.
@@ -45,12 +36,8 @@ const RATE_PLAYS: [f64; 3] = [0.06, 0.3, 0.6];
 const RATE_CORNERS: [f64; 2] = [0.015, 0.15];
 
 /// Columns of the basis, by group in this order.
-pub const GROUPS: [(ColumnGroup, usize); 4] = [
-    (ColumnGroup::Memory, 46),
-    (ColumnGroup::Dynamics, 5),
-    (ColumnGroup::Creep, 4),
-    (ColumnGroup::Rate, 6),
-];
+pub const GROUPS: [(ColumnGroup, usize); 4] =
+    [(ColumnGroup::Memory, 46), (ColumnGroup::Dynamics, 5), (ColumnGroup::Creep, 4), (ColumnGroup::Rate, 6)];
 /// Columns of the basis.
 pub const COLUMNS: usize = 61;
 /// Columns of [`ColumnGroup::Memory`] that are polynomials of the drive; they come last of it.
@@ -179,7 +166,8 @@ fn hat_integral(index: usize, count: usize, p: f64) -> f64 {
     let spacing = 2.0 / (count - 1) as f64;
     let x = (p + 1.0) / spacing;
     let last = (count - 1) as f64;
-    let rising = if index > 0 { 0.5 * (x - (index as f64 - 1.0)).clamp(0.0, 1.0).powi(2) } else { x.min(0.0) };
+    let rising =
+        if index > 0 { 0.5 * (x - (index as f64 - 1.0)).clamp(0.0, 1.0).powi(2) } else { x.min(0.0) };
     let falling = if index + 1 < count {
         let t = (x - index as f64).clamp(0.0, 1.0);
         t - 0.5 * t * t

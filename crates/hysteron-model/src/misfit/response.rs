@@ -17,7 +17,9 @@ impl ModelResponse {
         let g = match &model.dynamics {
             Dynamics::None => return Ok(Self::Delay { samples: model.delay_s * rate_hz }),
             Dynamics::Arx(_) => return Err(MisfitError::OneRate),
-            Dynamics::Integer(_) | Dynamics::Fractional(_) if model.scheme.parameters_belong_to_sample_rate() => {
+            Dynamics::Integer(_) | Dynamics::Fractional(_)
+                if model.scheme.parameters_belong_to_sample_rate() =>
+            {
                 return Err(MisfitError::OneRate);
             }
             Dynamics::Integer(g) | Dynamics::Fractional(g) => g,

@@ -48,8 +48,7 @@ fn agrees_with_a_dense_product_with_the_covariance() {
         let mean = column.iter().sum::<f64>() / column.len() as f64;
         column.iter_mut().for_each(|x| *x -= mean);
     }
-    let covariance =
-        |i: usize, j: usize| of.directions.iter().map(|f| f[i] * f[j]).sum::<f64>();
+    let covariance = |i: usize, j: usize| of.directions.iter().map(|f| f[i] * f[j]).sum::<f64>();
     for t in [0, 13, 311, 699] {
         let row: Vec<f64> = columns.iter().map(|c| c[t]).collect();
         let mean: f64 = row.iter().zip(&of.mean).map(|(x, b)| x * b).sum();
@@ -73,7 +72,8 @@ fn the_half_width_holds_its_share_of_a_normal_distribution() {
     let share = |mean: f64, sd: f64, g: f64| {
         let steps = 200_000;
         let width = 2.0 * g / f64::from(steps);
-        let density = |x: f64| (-0.5 * ((x - mean) / sd).powi(2)).exp() / (sd * (2.0 * std::f64::consts::PI).sqrt());
+        let density =
+            |x: f64| (-0.5 * ((x - mean) / sd).powi(2)).exp() / (sd * (2.0 * std::f64::consts::PI).sqrt());
         (0..steps).map(|k| width * density(-g + (f64::from(k) + 0.5) * width)).sum::<f64>()
     };
     for (mean, sd) in [(0.0, 1.0), (0.3, 1.0), (-1.0, 2.0), (5.0, 1.0), (2.0, 0.5), (1.0, 0.3)] {
@@ -85,12 +85,8 @@ fn the_half_width_holds_its_share_of_a_normal_distribution() {
 
 #[test]
 fn without_misfit_the_band_is_that_of_the_noise() {
-    let none = MisfitModel {
-        mean: vec![0.0; COLUMNS],
-        directions: Vec::new(),
-        information: Vec::new(),
-        ..misfit()
-    };
+    let none =
+        MisfitModel { mean: vec![0.0; COLUMNS], directions: Vec::new(), information: Vec::new(), ..misfit() };
     let found = none.predict(&model(), &drive(100), Timing::Rate(500.0), &Start::AsIdentified).unwrap();
     assert!(found.half_width(0.95).iter().all(|h| (h / (1.8 * 1.959_963_985 * 0.02) - 1.0).abs() < 1e-8));
     assert!((found.expected_rms() - 0.02).abs() < 1e-15 && found.unexcited == 0.0);
@@ -104,7 +100,13 @@ fn a_long_drive_is_averaged_and_taken_back_to_every_sample() {
     let uniform = UniformDrive { samples_v: &drive, rate_hz: 20_000.0, start: &start };
     let columns = of.basis.columns(&model(), &uniform, 1).unwrap();
     let exact: Vec<f64> = (0..drive.len())
-        .map(|t| columns.iter().zip(&of.mean).map(|(c, b)| b * (c[t] - c.iter().sum::<f64>() / c.len() as f64)).sum())
+        .map(|t| {
+            columns
+                .iter()
+                .zip(&of.mean)
+                .map(|(c, b)| b * (c[t] - c.iter().sum::<f64>() / c.len() as f64))
+                .sum()
+        })
         .step_by(9973)
         .collect();
     let largest = found.discrepancy.iter().fold(0.0f64, |m, x| m.max(x.abs()));

@@ -98,7 +98,9 @@ impl MisfitEntry {
             magnitudes(&path, &row.0)?;
         }
         match self.information.0.iter().enumerate().find(|(_, value)| **value < 0.0) {
-            Some((k, value)) => allowed(&format!("misfit.information[{k}]"), *value, false, "a number of at least 0"),
+            Some((k, value)) => {
+                allowed(&format!("misfit.information[{k}]"), *value, false, "a number of at least 0")
+            }
             None => Ok(()),
         }
     }

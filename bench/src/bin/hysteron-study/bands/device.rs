@@ -50,7 +50,8 @@ impl Device {
         let mut law = self.law();
         let step_s = 1.0 / (RATE_HZ * FINER as f64);
         let scale = STROKE_UM / (self.ends.1 - self.ends.0);
-        let mut static_um = |drive_v: f64, step_s: f64| scale * (law.step(drive_v / HIGH_V, step_s) - self.ends.0);
+        let mut static_um =
+            |drive_v: f64, step_s: f64| scale * (law.step(drive_v / HIGH_V, step_s) - self.ends.0);
         let rest_v = drive_v.first().copied().unwrap_or(0.0);
         // A device that creeps has crept.
         let rest = (0..200).map(|_| static_um(rest_v, 0.5)).last().unwrap_or(0.0);

@@ -85,8 +85,12 @@ impl Kind {
             }
             Self::Random => random_reference(RATE_HZ, 3.0, 1000 + seed)?.samples_v,
             Self::Raster => {
-                let raster =
-                    Waveform::Raster { line_hz: 9.0, lines: 27, return_fraction: 0.3, turnaround_fraction: 0.05 };
+                let raster = Waveform::Raster {
+                    line_hz: 9.0,
+                    lines: 27,
+                    return_fraction: 0.3,
+                    turnaround_fraction: 0.05,
+                };
                 let samples = drive(RATE_HZ, raster)?.samples_v;
                 samples.iter().map(|u| 0.7 * u).collect()
             }
@@ -106,7 +110,8 @@ fn minor_loops(seed: u64) -> Vec<f64> {
         let bias = draw.between(amplitude, 1.0 - amplitude);
         let from = samples.last().copied().unwrap_or(0.0) / HIGH_V;
         let moving = (0.2 * RATE_HZ) as usize;
-        samples.extend((1..=moving).map(|k| HIGH_V * (from + (bias - from) * smooth(k as f64 / moving as f64))));
+        samples
+            .extend((1..=moving).map(|k| HIGH_V * (from + (bias - from) * smooth(k as f64 / moving as f64))));
         let looping = RATE_HZ as usize;
         samples.extend((1..=looping).map(|k| {
             let angle = std::f64::consts::TAU * 3.0 * k as f64 / RATE_HZ;

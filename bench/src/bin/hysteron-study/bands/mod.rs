@@ -13,8 +13,9 @@ use std::io::{Write, stderr, stdout};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use hysteron_identify::{DynamicsChoice, FamilyChoice, Options};
+use hysteron_identify::{Choice, DynamicsChoice, FamilyChoice, Options};
 use hysteron_model::hysteresis::HysteresisForm;
+use hysteron_optimize::{Algorithm, LeastSquaresOptions};
 use rayon::prelude::*;
 
 use crate::Outcome;
@@ -34,6 +35,19 @@ fn families() -> [(&'static str, FamilyChoice); 2] {
     ]
 }
 
+/// One start of the search, a cubic and a resonance: the study is of bands, and whatever misfit the fit leaves.
+fn options() -> Options {
+    let once = LeastSquaresOptions { starts: 1, agreement: Some(1), ..LeastSquaresOptions::default() };
+    Options {
+        algorithm: Some(Algorithm::LeastSquares(once)),
+        degree: Choice::Given(3),
+        n: Choice::Given(1.0),
+        dynamics: DynamicsChoice::Integer,
+        threads: Some(1),
+        ..Options::default()
+    }
+}
+
 /// One device: every family, campaign and kind of record.
 fn bench(number: usize, sort: Sort) -> Outcome<Vec<Scored>> {
     let device = Device::new(sort, number as u64 + 1);
@@ -43,11 +57,22 @@ fn bench(number: usize, sort: Sort) -> Outcome<Vec<Scored>> {
     for campaign in Campaign::ALL {
         let records = campaign.records(&device)?;
         for (name, family) in families() {
-            let options = Options { hysteresis: family, threads: Some(1), dynamics: DynamicsChoice::Integer, ..Options::default() };
-            let t = Instant::now();
-            let fitted = match scored(&records, &options, &unseen) { Ok(f) => f, Err(e) => {eprintln!("{} {} {e}", name, campaign.in_words()); continue} };
-            eprintln!("{} {} {:.2} s", name, campaign.in_words(), t.elapsed().as_secs_f64());
-            all.extend(fitted.into_iter().map(|(kind, bands)| Scored { sort, campaign, kind, family: name, bands }));
+            let options = Options { hysteresis: family, ..options() };
+            let fitted = match scored(&records, &options, &unseen) {
+                Ok(fitted) => fitted,
+                Err(reason) => {
+                    let of = format!("{}, {name}, {}", sort.in_words(), campaign.in_words());
+                    writeln!(stderr(), "left out: device {number}, {of}: {reason}")?;
+                    continue;
+                }
+            };
+            all.extend(fitted.into_iter().map(|(kind, bands)| Scored {
+                sort,
+                campaign,
+                kind,
+                family: name,
+                bands,
+            }));
         }
     }
     Ok(all)
@@ -65,7 +90,9 @@ fn series(name: &str, sorts: &[Sort], devices: usize) -> Outcome<()> {
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             let took = began.elapsed().as_secs_f64();
             let _ = writeln!(stderr(), "{name}: {done} of {devices} devices, {took:.0} s");
-            found.map_err(|e| format!("device {number}, {}: {e}", sorts[number % sorts.len()].in_words()).into())
+            found.map_err(|e| {
+                format!("device {number}, {}: {e}", sorts[number % sorts.len()].in_words()).into()
+            })
         };
         let found: Vec<Vec<Scored>> = part.par_iter().map(of).collect::<Outcome<_>>()?;
         all.extend(found.into_iter().flatten());

@@ -59,7 +59,8 @@ pub fn scored(
             let band = PredictionBand::of_file(file, &data.u, &data.time, &start)?;
             Ok(Band::of(&errors, &band.of_measurement()))
         };
-        let bands = Bands { class: band(&class_alone)?, misfit: band(&file)?, outside: file.misfit.is_some() };
+        let bands =
+            Bands { class: band(&class_alone)?, misfit: band(&file)?, outside: file.misfit.is_some() };
         Ok((*kind, bands))
     });
     each.collect()
@@ -92,8 +93,18 @@ fn summary(bands: &[Band]) -> [String; 4] {
 /// Prints the tables of the scores so far.
 pub fn tables(all: &[Scored], sorts: &[Sort]) -> Outcome<()> {
     let header = [
-        "family", "campaign", "record", "outside", "class: pooled", "10th", "width", "90th", "misfit: pooled", "10th",
-        "width", "90th",
+        "family",
+        "campaign",
+        "record",
+        "outside",
+        "class: pooled",
+        "10th",
+        "width",
+        "90th",
+        "misfit: pooled",
+        "10th",
+        "width",
+        "90th",
     ];
     let row = |of: Vec<&Scored>, names: [&str; 3]| {
         let outside = of.iter().filter(|s| s.bands.outside).count();

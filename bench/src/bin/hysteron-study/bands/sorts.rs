@@ -73,7 +73,9 @@ struct Play {
 
 impl Play {
     fn follow(&mut self, u: f64, widths: f64) {
-        self.state = self.state.clamp(u - self.rising * widths, (u + self.falling * widths).max(u - self.rising * widths));
+        self.state = self
+            .state
+            .clamp(u - self.rising * widths, (u + self.falling * widths).max(u - self.rising * widths));
     }
 
     /// ∫ weight (1 + bend₀ p + bend₁ p²) dp.
@@ -119,16 +121,67 @@ impl Hysteresis {
             _ => {}
         }
         own.p = match sort {
-            Sort::GeneralisedPlays => [draw.between(1.0, 3.0), draw.between(-0.3, 0.3), draw.between(1.0, 3.0), draw.between(-0.3, 0.3), 0.0, 0.0, 0.0, 0.0],
-            Sort::TwoBoucWen => [share * draw.between(0.1, 0.25), draw.between(8.0, 20.0), draw.between(-4.0, 4.0), share * draw.between(0.1, 0.25), draw.between(1.5, 5.0), draw.between(-1.0, 1.0), 0.0, 0.0],
+            Sort::GeneralisedPlays => [
+                draw.between(1.0, 3.0),
+                draw.between(-0.3, 0.3),
+                draw.between(1.0, 3.0),
+                draw.between(-0.3, 0.3),
+                0.0,
+                0.0,
+                0.0,
+                0.0,
+            ],
+            Sort::TwoBoucWen => [
+                share * draw.between(0.1, 0.25),
+                draw.between(8.0, 20.0),
+                draw.between(-4.0, 4.0),
+                share * draw.between(0.1, 0.25),
+                draw.between(1.5, 5.0),
+                draw.between(-1.0, 1.0),
+                0.0,
+                0.0,
+            ],
             Sort::RateDependentPlays => [draw.between(0.02, 0.12), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-            Sort::CreepingPlays => [draw.between(0.02, 0.4), draw.between(0.01, 0.04), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-            Sort::Duhem => [draw.between(2.0, 7.0), draw.between(0.1, 0.3), draw.between(1.0, 3.0), draw.between(0.3, 0.7), 0.0, 0.0, 0.0, 0.0],
-            Sort::JilesAtherton => [draw.between(0.15, 0.35), draw.between(0.0, 0.15), draw.between(0.04, 0.15), draw.between(0.1, 0.4), draw.between(0.3, 0.8), 0.0, 0.0, 0.0],
-            Sort::BentPlays => [draw.between(0.3, 1.1), draw.between(-0.3, 0.3), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            Sort::CreepingPlays => {
+                [draw.between(0.02, 0.4), draw.between(0.01, 0.04), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+            }
+            Sort::Duhem => [
+                draw.between(2.0, 7.0),
+                draw.between(0.1, 0.3),
+                draw.between(1.0, 3.0),
+                draw.between(0.3, 0.7),
+                0.0,
+                0.0,
+                0.0,
+                0.0,
+            ],
+            Sort::JilesAtherton => [
+                draw.between(0.15, 0.35),
+                draw.between(0.0, 0.15),
+                draw.between(0.04, 0.15),
+                draw.between(0.1, 0.4),
+                draw.between(0.3, 0.8),
+                0.0,
+                0.0,
+                0.0,
+            ],
+            Sort::BentPlays => {
+                [draw.between(0.3, 1.1), draw.between(-0.3, 0.3), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+            }
             Sort::MovingPreisach => [draw.between(-0.25, 0.25), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-            Sort::NonSymmetricBoucWen => [0.3 * share, draw.between(2.0, 8.0), draw.between(-1.5, 1.5), draw.between(1.2, 2.2), draw.between(-0.6, 0.6), 0.0, 0.0, 0.0],
-            Sort::BoucWen => [0.3 * share, draw.between(2.0, 8.0), draw.between(-1.5, 1.5), 1.0, 0.0, 0.0, 0.0, 0.0],
+            Sort::NonSymmetricBoucWen => [
+                0.3 * share,
+                draw.between(2.0, 8.0),
+                draw.between(-1.5, 1.5),
+                draw.between(1.2, 2.2),
+                draw.between(-0.6, 0.6),
+                0.0,
+                0.0,
+                0.0,
+            ],
+            Sort::BoucWen => {
+                [0.3 * share, draw.between(2.0, 8.0), draw.between(-1.5, 1.5), 1.0, 0.0, 0.0, 0.0, 0.0]
+            }
             _ => [0.0; 8],
         };
         own
@@ -309,7 +362,15 @@ fn plays(draw: &mut Draw, share: f64, skew: f64, bend: f64) -> Vec<Play> {
 
 /// Relays (up, down, weight, state) on the triangle: two Gaussian hills along its edge and a flat ground.
 fn relays(draw: &mut Draw, share: f64) -> Vec<[f64; 4]> {
-    let hill = |draw: &mut Draw| [draw.between(0.2, 0.8), draw.between(0.02, 0.3), draw.between(0.1, 0.35), draw.between(0.05, 0.2), draw.between(0.4, 1.0)];
+    let hill = |draw: &mut Draw| {
+        [
+            draw.between(0.2, 0.8),
+            draw.between(0.02, 0.3),
+            draw.between(0.1, 0.35),
+            draw.between(0.05, 0.2),
+            draw.between(0.4, 1.0),
+        ]
+    };
     let hills = [hill(draw), hill(draw)];
     let ground = draw.between(0.02, 0.2);
     let at = |k: usize| -0.05 + 1.1 * (k as f64 + 0.5) / RELAYS as f64;
