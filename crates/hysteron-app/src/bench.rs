@@ -9,7 +9,7 @@ use crate::api::{BenchMade, BenchRequest, DriveMade, DriveRequest, RecordSetting
 use crate::command;
 use crate::draw::{Along, over_time};
 use crate::refused::{Answer, Refused};
-use crate::workspace::Workspace;
+use crate::workspace::{Kind, Workspace};
 
 /// Folder of the records unless named otherwise.
 const FOLDER: &str = "bench";
@@ -32,7 +32,7 @@ pub(crate) fn measure(workspace: &Workspace, request: &BenchRequest) -> Answer<B
         let id = format!("{folder}/{}.csv", run.record.name);
         let path = workspace.path(&id)?;
         if path.exists() {
-            workspace.discard(&id)?;
+            workspace.keep_replaced(&id, Kind::Record)?;
         }
         write_atomically_with(&path, |out| {
             for comment in &run.comments {

@@ -192,6 +192,19 @@ fn jobs_queue_and_are_watched_stopped_resumed_and_deleted() {
 }
 
 #[test]
+fn fits_that_wait_have_names_of_their_own() {
+    let server = Server::start();
+    server.upload("loop.csv", loops(1200).as_bytes()).done();
+    let request = json!({"kind": "identify", "records": ["loop.csv"]});
+    let queued = |_| server.post("/api/v1/jobs", &request).done();
+    let jobs: Vec<Value> = (0..3).map(queued).collect();
+    let mut names: Vec<_> = jobs.iter().map(|job| job["request"]["model"].as_str().unwrap()).collect();
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), 3, "{jobs:?}");
+}
+
+#[test]
 fn a_job_that_cannot_be_done_says_why() {
     let server = Server::start();
     server.upload("loop.csv", loops(400).as_bytes()).done();

@@ -184,6 +184,36 @@ fn deleting_can_be_undone() {
     assert_eq!(server.get("/api/v1/workspace").done()["trash"], json!([]));
 }
 
+/// What was said of a record goes with it: to the trash and back, and to no other record of its name.
+#[test]
+fn settings_go_with_their_file() {
+    let server = Server::start();
+    let said = || server.get("/api/v1/records").done()[0]["settings"].clone();
+    server.upload("run.csv", loops(600).as_bytes()).done();
+    let cut = json!({"from_s": 0.5, "role": "validate"});
+    server.send("PATCH", "/api/v1/records/run.csv", &cut).done();
+    let before = said();
+    assert_eq!(before["from_s"], 0.5);
+    let wrong = server.delete("/api/v1/reports/run.csv").refused(404);
+    assert!(wrong.contains("is no report"), "{wrong}");
+    let deleted = server.delete("/api/v1/records/run.csv").done();
+    server.upload("run.csv", loops(800).as_bytes()).done();
+    assert_ne!(said()["from_s"], 0.5);
+    server.delete("/api/v1/records/run.csv").done();
+    let token = deleted["token"].as_str().unwrap();
+    server.post(&format!("/api/v1/trash/{token}/restore"), &json!({})).done();
+    assert_eq!(said(), before);
+    let path = "/api/v1/records?name=run.csv&replace=1";
+    request(server.address, "POST", path, &[], loops(900).as_bytes()).done();
+    assert_ne!(said()["from_s"], 0.5);
+    assert_eq!(server.get("/api/v1/records").done()[0]["samples"], 900);
+    // The file is taken away by another program, and another one comes.
+    server.send("PATCH", "/api/v1/records/run.csv", &cut).done();
+    std::fs::remove_file(server.path("run.csv")).unwrap();
+    server.upload("run.csv", loops(700).as_bytes()).done();
+    assert_ne!(said()["from_s"], 0.5);
+}
+
 #[test]
 fn the_folder_is_what_the_command_line_sees_and_names_stay_data() {
     let server = Server::start();
@@ -212,6 +242,11 @@ fn an_example_is_one_request_away() {
     let second = server.get(&format!("/api/v1/records/{}", encoded(opened["records"][1].as_str().unwrap())));
     let second = second.done();
     assert_eq!(second["settings"]["continues"], opened["records"][0]);
+    // Opened again, it leaves what was said of its records.
+    let path = format!("/api/v1/records/{}", encoded(opened["records"][1].as_str().unwrap()));
+    server.send("PATCH", &path, &json!({"from_s": 0.25})).done();
+    server.post("/api/v1/examples/afm-z-scanner", &json!({})).done();
+    assert_eq!(server.get(&path).done()["settings"]["from_s"], 0.25);
     assert!(second["segments"].as_u64().unwrap() > 3, "{}", second["segments"]);
     assert_eq!(second["simulated"], false);
     server.post("/api/v1/examples/nothing", &json!({})).refused(404);

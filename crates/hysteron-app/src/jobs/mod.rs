@@ -27,6 +27,7 @@ use plan::Plan;
 pub(crate) struct Jobs {
     workspace: Arc<Workspace>,
     state: Mutex<State>,
+    planning: Mutex<()>,
     wake: Condvar,
 }
 
@@ -79,7 +80,12 @@ impl Jobs {
             }
             state.jobs.insert(job.id, job);
         }
-        let jobs = Arc::new(Self { workspace, state: Mutex::new(state), wake: Condvar::new() });
+        let jobs = Arc::new(Self {
+            workspace,
+            state: Mutex::new(state),
+            planning: Mutex::default(),
+            wake: Condvar::new(),
+        });
         let worker = Arc::clone(&jobs);
         std::thread::spawn(move || worker.work());
         Ok(jobs)
@@ -94,7 +100,9 @@ impl Jobs {
     /// # Errors
     /// For records that are not there and options that contradict one another.
     pub(crate) fn add(&self, request: JobRequest) -> Answer<Job> {
-        let Plan { request, name, command, unit } = plan::plan(&self.workspace, request)?;
+        // One at a time, so that no two take the same name.
+        let _planning = self.planning.lock().unwrap_or_else(PoisonError::into_inner);
+        let Plan { request, name, command, unit } = self.plan(request)?;
         let mut job = Job {
             id: 0,
             name,
@@ -133,7 +141,14 @@ impl Jobs {
     /// # Errors
     /// Those of [`Self::add`].
     pub(crate) fn command(&self, request: JobRequest) -> Answer<Command> {
-        Ok(plan::plan(&self.workspace, request)?.command)
+        Ok(self.plan(request)?.command)
+    }
+
+    fn plan(&self, request: JobRequest) -> Answer<Plan> {
+        let is_open = |job: &&Job| matches!(job.state, JobState::Waiting | JobState::Running);
+        let taken: Vec<String> =
+            self.state().jobs.values().filter(is_open).filter_map(plan::model_of).cloned().collect();
+        plan::plan(&self.workspace, request, &taken)
     }
 
     /// All jobs, newest first.

@@ -18,11 +18,11 @@ pub(super) struct Plan {
     pub unit: String,
 }
 
-/// Completes a request.
+/// Completes a request; `taken`: models of jobs that have not ended.
 ///
 /// # Errors
 /// For records that are not there, names that are none, structures that are unknown.
-pub(super) fn plan(workspace: &Workspace, request: JobRequest) -> Answer<Plan> {
+pub(super) fn plan(workspace: &Workspace, request: JobRequest, taken: &[String]) -> Answer<Plan> {
     match request {
         JobRequest::Identify { records, task, structure, model, inputs, outputs, report } => {
             let entries = entries(workspace, &records)?;
@@ -32,7 +32,7 @@ pub(super) fn plan(workspace: &Workspace, request: JobRequest) -> Answer<Plan> {
             }
             let model = match model {
                 Some(model) => named_model(workspace, &model)?,
-                None => free_name(workspace, &entries, &task)?,
+                None => free_name(workspace, &entries, &task, taken)?,
             };
             let page = report.then(|| beside(&model, "html"));
             let axes = (&inputs[..], &outputs[..]);
@@ -112,7 +112,12 @@ fn named_model(workspace: &Workspace, model: &str) -> Answer<String> {
 }
 
 /// A name after the first record and the structure that is asked for, and a number where it is taken.
-fn free_name(workspace: &Workspace, entries: &[RecordEntry], task: &Task) -> Answer<String> {
+fn free_name(
+    workspace: &Workspace,
+    entries: &[RecordEntry],
+    task: &Task,
+    taken: &[String],
+) -> Answer<String> {
     let first = entries.first().map_or("model", |entry| entry.id.as_str());
     let mut stem = stem_of(first).to_owned();
     match task {
@@ -132,8 +137,10 @@ fn free_name(workspace: &Workspace, entries: &[RecordEntry], task: &Task) -> Ans
         1 => format!("{place}{stem}.json"),
         k => format!("{place}{stem}-{k}.json"),
     });
-    let is_free =
-        |id: &String| workspace.path(id).is_ok_and(|path| !path.exists() && !partial_path(&path).exists());
+    let is_free = |id: &String| {
+        let beside = [id.clone(), beside(id, "partial.json"), beside(id, "searches.json")];
+        !taken.contains(id) && beside.iter().all(|id| workspace.path(id).is_ok_and(|path| !path.exists()))
+    };
     names.take(10_000).find(is_free).ok_or_else(|| Refused::conflict("no name is free for the model"))
 }
 
@@ -142,11 +149,8 @@ pub(super) fn beside(model: &str, ending: &str) -> String {
     format!("{}.{ending}", model.strip_suffix(".json").unwrap_or(model))
 }
 
-fn partial_path(path: &std::path::Path) -> PathBuf {
-    path.with_extension("partial.json")
-}
-
-fn model_of(job: &Job) -> Option<&String> {
+/// The model that a job writes.
+pub(super) fn model_of(job: &Job) -> Option<&String> {
     match &job.request {
         JobRequest::Identify { model, .. } => model.as_ref(),
         JobRequest::Compare { .. } => None,

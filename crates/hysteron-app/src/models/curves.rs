@@ -14,7 +14,7 @@ use crate::api::{
 use crate::command;
 use crate::draw::{Along, between, over, over_time};
 use crate::refused::{Answer, Refused};
-use crate::workspace::Workspace;
+use crate::workspace::{Workspace, device_of};
 
 /// Curves of a model on a record of one input and one output, with the scores of the same series.
 ///
@@ -63,7 +63,8 @@ pub(crate) fn curves(workspace: &Workspace, id: &str, query: &ModelCurvesQuery) 
     let fitted_on = training_scores(&super::data(&model), "");
     let is_same = |name: &str| {
         let last = |path: &str| path.rsplit('/').next().unwrap_or_default().to_owned();
-        last(name) == last(&query.record)
+        let of_its_device = device_of(id) == device_of(&query.record);
+        name == query.record || (of_its_device && last(name) == last(&query.record))
     };
     Ok(ModelCurves {
         record: query.record.clone(),

@@ -17,7 +17,7 @@ use crate::command;
 use crate::draw::{Along, over_time};
 use crate::problem::remedy;
 use crate::refused::{Answer, Refused};
-use crate::workspace::Workspace;
+use crate::workspace::{Kind, Workspace};
 
 /// Width of drawings unless given \[pixels\].
 const PIXELS: usize = 800;
@@ -173,7 +173,7 @@ fn save(
         return Err(Refused::bad("a drive is written as .csv, .npz or .mat"));
     }
     if path.exists() {
-        workspace.discard(file)?;
+        workspace.keep_replaced(file, Kind::Record)?;
     }
     if let Some(parent) = path.parent() {
         std::fs::create_dir_all(parent).map_err(Refused::failed)?;

@@ -19,8 +19,9 @@ use crate::refused::Refused;
 /// Nothing from elsewhere, nothing inline, no frames.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; \
     font-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-/// Name of the cookie that holds the token.
-const COOKIE_NAME: &str = "hysteron";
+/// What the name of the cookie with the token begins with; the port follows, since the servers of a machine
+/// share its cookies.
+const COOKIE_NAME: &str = "hysteron-";
 
 /// Who may ask.
 pub(crate) struct Access {
@@ -57,7 +58,9 @@ impl Access {
         is_here && host.port_u16().unwrap_or(80) == self.port && !host.as_str().contains('@')
     }
 
-    fn refuses(&self, headers: &HeaderMap) -> Option<&'static str> {
+    /// Why a request is refused, if it is. A foreign page's image or script comes without `Origin`; browsers
+    /// say where it comes from otherwise. A link to the page itself may come from anywhere.
+    fn refuses(&self, headers: &HeaderMap, uri: &Uri) -> Option<&'static str> {
         let mut hosts = headers.get_all(HOST).iter();
         let host = hosts.next().and_then(|host| host.to_str().ok());
         let Some(host) = host.filter(|host| self.is_own(host)) else {
@@ -67,7 +70,11 @@ impl Access {
             return Some("a request names one host");
         }
         let own = format!("http://{host}");
-        let foreign = headers.get_all(ORIGIN).iter().any(|origin| origin.as_bytes() != own.as_bytes());
+        let is =
+            |name: &str, values: &[&str]| headers.get(name).is_none_or(|v| values.iter().any(|x| v == x));
+        let is_link = uri.path() == "/" && is("sec-fetch-mode", &["navigate"]);
+        let foreign = headers.get_all(ORIGIN).iter().any(|origin| origin.as_bytes() != own.as_bytes())
+            || !(is_link || is("sec-fetch-site", &["same-origin", "none"]));
         foreign.then_some("this server answers to its own page only")
     }
 
@@ -77,11 +84,11 @@ impl Access {
         let bearer = headers.get(AUTHORIZATION).and_then(|value| value.to_str().ok());
         let bearer = bearer.and_then(|value| value.strip_prefix("Bearer "));
         let cookies = headers.get_all(COOKIE).iter().filter_map(|value| value.to_str().ok());
-        let cookies = cookies.flat_map(|cookies| cookies.split(';'));
-        let mut cookies =
-            cookies.filter_map(|cookie| cookie.trim().strip_prefix(COOKIE_NAME)?.strip_prefix('='));
+        let mut cookies = cookies.flat_map(|cookies| cookies.split(';'));
+        let own = format!("{COOKIE_NAME}{}=", self.port);
         bearer.is_some_and(|given| is_same(given, token))
-            || cookies.any(|given| is_same(given, token))
+            || cookies
+                .any(|cookie| cookie.trim().strip_prefix(&own).is_some_and(|given| is_same(given, token)))
             || in_query(uri).is_some_and(|given| is_same(given, token))
     }
 }
@@ -99,7 +106,7 @@ fn is_same(given: &str, token: &str) -> bool {
 /// Refuses requests of others; gives every answer the headers of the page.
 pub(super) async fn guard(State(shared): State<Arc<Shared>>, request: Request, next: Next) -> Response {
     let access = &shared.access;
-    let refused = access.refuses(request.headers());
+    let refused = access.refuses(request.headers(), request.uri());
     let response = if let Some(why) = refused {
         Refused::new(StatusCode::FORBIDDEN, Problem::new(why, None)).into_response()
     } else if !access.knows(request.headers(), request.uri()) {
@@ -108,7 +115,7 @@ pub(super) async fn guard(State(shared): State<Arc<Shared>>, request: Request, n
         let problem = Problem { remedy: Some(remedy.to_owned()), ..Problem::new(why, None) };
         Refused::new(StatusCode::FORBIDDEN, problem).into_response()
     } else if let Some(token) = in_query(request.uri()).filter(|_| access.token.is_some()) {
-        remembered(token)
+        remembered(token, access.port)
     } else {
         next.run(request).await
     };
@@ -116,8 +123,8 @@ pub(super) async fn guard(State(shared): State<Arc<Shared>>, request: Request, n
 }
 
 /// Keeps the token in a cookie, so that it does not stay in the address.
-fn remembered(token: &str) -> Response {
-    let cookie = format!("{COOKIE_NAME}={token}; Path=/; HttpOnly; SameSite=Strict");
+fn remembered(token: &str, port: u16) -> Response {
+    let cookie = format!("{COOKIE_NAME}{port}={token}; Path=/; HttpOnly; SameSite=Strict");
     let mut response = StatusCode::SEE_OTHER.into_response();
     let headers = response.headers_mut();
     headers.insert(LOCATION, HeaderValue::from_static("/"));
@@ -163,9 +170,14 @@ mod tests {
     fn only_its_own_address_and_page_are_answered() {
         let access = Access::to("127.0.0.1:80".parse().unwrap()).unwrap();
         let access = Access { port: 4711, ..access };
+        let page: Uri = "/".parse().unwrap();
         for host in ["127.0.0.1:4711", "localhost:4711", "LOCALHOST:4711", "[::1]:4711"] {
-            assert_eq!(access.refuses(&headers(host, None)), None, "{host}");
-            assert_eq!(access.refuses(&headers(host, Some(&format!("http://{host}")))), None, "{host}");
+            assert_eq!(access.refuses(&headers(host, None), &page), None, "{host}");
+            assert_eq!(
+                access.refuses(&headers(host, Some(&format!("http://{host}"))), &page),
+                None,
+                "{host}"
+            );
         }
         for host in [
             "127.0.0.1",
@@ -177,12 +189,26 @@ mod tests {
             "",
             "localhost.evil.example:4711",
         ] {
-            assert!(access.refuses(&headers(host, None)).is_some(), "{host}");
+            assert!(access.refuses(&headers(host, None), &page).is_some(), "{host}");
         }
         for origin in ["http://evil.example", "null", "https://127.0.0.1:4711", "http://127.0.0.1:1"] {
-            assert!(access.refuses(&headers("127.0.0.1:4711", Some(origin))).is_some(), "{origin}");
+            assert!(access.refuses(&headers("127.0.0.1:4711", Some(origin)), &page).is_some(), "{origin}");
         }
-        assert!(access.refuses(&HeaderMap::new()).is_some());
+        assert!(access.refuses(&HeaderMap::new(), &page).is_some());
+        let record: Uri = "/api/v1/records".parse().unwrap();
+        for (site, mode, uri, is_refused) in [
+            ("cross-site", "no-cors", &record, true),
+            ("same-site", "cors", &record, true),
+            ("cross-site", "navigate", &record, true),
+            ("cross-site", "navigate", &page, false),
+            ("none", "navigate", &record, false),
+            ("same-origin", "cors", &record, false),
+        ] {
+            let mut headers = headers("127.0.0.1:4711", None);
+            headers.insert("sec-fetch-site", site.parse().unwrap());
+            headers.insert("sec-fetch-mode", mode.parse().unwrap());
+            assert_eq!(access.refuses(&headers, uri).is_some(), is_refused, "{site} {mode} {uri}");
+        }
     }
 
     #[test]
@@ -192,12 +218,12 @@ mod tests {
         assert_eq!(token.len(), 32);
         let uri: Uri = "/api/v1/records".parse().unwrap();
         let mut headers = headers("10.0.0.1:4711", None);
-        assert_eq!(access.refuses(&headers), None);
+        assert_eq!(access.refuses(&headers, &uri), None);
         assert!(!access.knows(&headers, &uri));
         assert!(access.knows(&headers, &format!("/?token={token}").parse().unwrap()));
-        headers.insert(COOKIE, format!("a=b; hysteron={token}").parse().unwrap());
+        headers.insert(COOKIE, format!("a=b; hysteron-1=0; hysteron-4711={token}").parse().unwrap());
         assert!(access.knows(&headers, &uri));
-        headers.insert(COOKIE, "hysteron=0".parse().unwrap());
+        headers.insert(COOKIE, "hysteron-4711=0".parse().unwrap());
         assert!(!access.knows(&headers, &uri));
         headers.insert(AUTHORIZATION, format!("Bearer {token}").parse().unwrap());
         assert!(access.knows(&headers, &uri));

@@ -9,6 +9,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::api::{Command, Job, RecordSettings, Trashed};
+use crate::refused::Answer;
 
 /// Version of the tables below.
 const VERSION: i64 = 1;
@@ -22,7 +23,9 @@ const TABLES: &str = "
     CREATE TABLE IF NOT EXISTS jobs (id INTEGER PRIMARY KEY AUTOINCREMENT, job TEXT NOT NULL);
     CREATE TABLE IF NOT EXISTS fits (model TEXT PRIMARY KEY, sha256 TEXT NOT NULL, found TEXT NOT NULL);
     CREATE TABLE IF NOT EXISTS actions (id INTEGER PRIMARY KEY AUTOINCREMENT, command TEXT NOT NULL);
-    CREATE TABLE IF NOT EXISTS trash (token TEXT PRIMARY KEY, id TEXT NOT NULL, deleted TEXT NOT NULL);
+    CREATE TABLE IF NOT EXISTS trash (
+        token TEXT PRIMARY KEY, id TEXT NOT NULL, deleted TEXT NOT NULL, settings TEXT
+    );
 ";
 
 /// The open history.
@@ -68,6 +71,28 @@ impl History {
         Ok(self.one(query, record)?.unwrap_or_default())
     }
 
+    /// Forgets the settings of a record.
+    pub(crate) fn forget_settings(&self, record: &str) -> rusqlite::Result<()> {
+        self.connection().execute("DELETE FROM settings WHERE record = ?1", [record])?;
+        Ok(())
+    }
+
+    /// Changes the settings of a record in one step, so that no change of another page is lost.
+    pub(crate) fn change_settings(
+        &self,
+        record: &str,
+        change: impl FnOnce(RecordSettings) -> Answer<RecordSettings>,
+    ) -> Answer<()> {
+        let mut connection = self.connection();
+        let both = connection.transaction()?;
+        let query = "SELECT settings FROM settings WHERE record = ?1";
+        let found: Option<String> = both.query_row(query, [record], |row| row.get(0)).optional()?;
+        let before = found.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default();
+        let query = "INSERT INTO settings VALUES (?1, ?2) ON CONFLICT DO UPDATE SET settings = ?2";
+        both.execute(query, params![record, json(&change(before)?)?])?;
+        Ok(both.commit()?)
+    }
+
     /// Keeps the settings of a record.
     pub(crate) fn keep_settings(&self, record: &str, settings: &RecordSettings) -> rusqlite::Result<()> {
         let query = "INSERT INTO settings VALUES (?1, ?2) ON CONFLICT DO UPDATE SET settings = ?2";
@@ -103,11 +128,13 @@ impl History {
 
     /// Adds a job and returns its number.
     pub(crate) fn add_job(&self, job: &Job) -> rusqlite::Result<i64> {
-        let connection = self.connection();
-        connection.execute("INSERT INTO jobs (job) VALUES (?1)", params![json(job)?])?;
-        let id = connection.last_insert_rowid();
+        let mut connection = self.connection();
+        let both = connection.transaction()?;
+        both.execute("INSERT INTO jobs (job) VALUES (?1)", params![json(job)?])?;
+        let id = both.last_insert_rowid();
         let numbered = Job { id, ..job.clone() };
-        connection.execute("UPDATE jobs SET job = ?2 WHERE id = ?1", params![id, json(&numbered)?])?;
+        both.execute("UPDATE jobs SET job = ?2 WHERE id = ?1", params![id, json(&numbered)?])?;
+        both.commit()?;
         Ok(id)
     }
 
@@ -141,10 +168,11 @@ impl History {
 
     /// A file has another name: its settings and findings go with it.
     pub(crate) fn renamed(&self, old: &str, new: &str) -> rusqlite::Result<()> {
-        let connection = self.connection();
-        connection.execute("UPDATE OR REPLACE fits SET model = ?2 WHERE model = ?1", [old, new])?;
-        connection.execute("UPDATE OR REPLACE settings SET record = ?2 WHERE record = ?1", [old, new])?;
-        Ok(())
+        let mut connection = self.connection();
+        let both = connection.transaction()?;
+        both.execute("UPDATE OR REPLACE fits SET model = ?2 WHERE model = ?1", [old, new])?;
+        both.execute("UPDATE OR REPLACE settings SET record = ?2 WHERE record = ?1", [old, new])?;
+        both.commit()
     }
 
     /// Adds a command to what was done; one that was just done is not added again.
@@ -164,11 +192,16 @@ impl History {
         self.all("SELECT command FROM actions ORDER BY id")
     }
 
-    /// Adds a deleted file.
+    /// Adds a deleted file. Its settings go with it: another file of its name begins with none.
     pub(crate) fn add_trash(&self, trashed: &Trashed) -> rusqlite::Result<()> {
         let Trashed { token, id, deleted } = trashed;
-        self.connection().execute("INSERT INTO trash VALUES (?1, ?2, ?3)", [token, id, deleted])?;
-        Ok(())
+        let mut connection = self.connection();
+        let both = connection.transaction()?;
+        let query = "INSERT INTO trash SELECT ?1, ?2, ?3, \
+                     (SELECT settings FROM settings WHERE record = ?2)";
+        both.execute(query, [token, id, deleted])?;
+        both.execute("DELETE FROM settings WHERE record = ?1", [id])?;
+        both.commit()
     }
 
     /// Deleted files, newest first.
@@ -182,10 +215,15 @@ impl History {
         statement.query_map([], row)?.collect()
     }
 
-    /// Forgets a deleted file that is restored.
+    /// Forgets a deleted file that is restored; its settings hold again.
     pub(crate) fn forget_trash(&self, token: &str) -> rusqlite::Result<()> {
-        self.connection().execute("DELETE FROM trash WHERE token = ?1", [token])?;
-        Ok(())
+        let mut connection = self.connection();
+        let both = connection.transaction()?;
+        let query = "INSERT OR REPLACE INTO settings \
+                     SELECT id, settings FROM trash WHERE token = ?1 AND settings IS NOT NULL";
+        both.execute(query, [token])?;
+        both.execute("DELETE FROM trash WHERE token = ?1", [token])?;
+        both.commit()
     }
 }
 

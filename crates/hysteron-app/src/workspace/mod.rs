@@ -44,6 +44,12 @@ impl Workspace {
         std::fs::create_dir_all(folder).map_err(cannot)?;
         let folder = folder.canonicalize().map_err(cannot)?;
         let history = History::open(&folder.join(HISTORY))?;
+        // Uploads that ended with the program; no other one runs here now.
+        for entry in std::fs::read_dir(&folder).map_err(cannot)?.flatten() {
+            if entry.file_name().to_string_lossy().starts_with(upload::UPLOAD) {
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
         Ok(Self {
             history,
             notices: Notices::default(),

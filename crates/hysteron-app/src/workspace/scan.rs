@@ -19,6 +19,16 @@ pub(crate) enum Kind {
     Report,
 }
 
+impl Kind {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Record => "record",
+            Self::Model => "model",
+            Self::Report => "report",
+        }
+    }
+}
+
 /// A file of the workspace.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Found {
@@ -54,7 +64,7 @@ impl Listing {
 }
 
 /// Kind of a file, by its name; `None` for a file that is not shown.
-fn kind_of(name: &str) -> Option<Kind> {
+pub(super) fn kind_of(name: &str) -> Option<Kind> {
     let (_, ending) = name.rsplit_once('.')?;
     let ending = ending.to_ascii_lowercase();
     match ending.as_str() {

@@ -3,18 +3,44 @@
 use std::path::Path;
 
 use super::names::TRASH;
+use super::scan::{Kind, kind_of};
 use super::{Workspace, shown};
 use crate::api::Trashed;
 use crate::clock::now;
 use crate::refused::{Answer, Refused};
 
 impl Workspace {
-    /// Moves a file into the trash folder.
+    /// Moves a file of a kind into the trash folder.
     ///
     /// # Errors
-    /// If it is not there or cannot be moved.
-    pub(crate) fn discard(&self, id: &str) -> Answer<Trashed> {
+    /// If it is not there, of another kind, or cannot be moved.
+    pub(crate) fn discard(&self, id: &str, kind: Kind) -> Answer<Trashed> {
+        let trashed = self.put_into_trash(id, kind, |from, to| std::fs::rename(from, to))?;
+        self.look();
+        Ok(trashed)
+    }
+
+    /// Keeps a file that is about to be replaced in the trash folder; it is there until then.
+    ///
+    /// # Errors
+    /// If it is not there, of another kind, or cannot be kept.
+    pub(crate) fn keep_replaced(&self, id: &str, kind: Kind) -> Answer<Trashed> {
+        let keep = |from: &Path, to: &Path| {
+            std::fs::hard_link(from, to).or_else(|_| std::fs::copy(from, to).map(drop))
+        };
+        self.put_into_trash(id, kind, keep)
+    }
+
+    fn put_into_trash(
+        &self,
+        id: &str,
+        kind: Kind,
+        put: impl Fn(&Path, &Path) -> std::io::Result<()>,
+    ) -> Answer<Trashed> {
         let path = self.existing(id)?;
+        if kind_of(&path.file_name().unwrap_or_default().to_string_lossy()) != Some(kind) {
+            return Err(Refused::missing(format!("`{}` is no {}", shown(id), kind.name())));
+        }
         let failed = |e: std::io::Error| {
             Refused::failed(format!("`{}` cannot be moved to the trash folder: {e}", shown(id)))
         };
@@ -28,12 +54,11 @@ impl Workspace {
         let trashed = Trashed { token, id: id.to_owned(), deleted: now() };
         // Written before the move: a file in the trash that nobody knows of could not be restored.
         self.history.add_trash(&trashed)?;
-        if let Err(e) = std::fs::rename(&path, own.path().join(name)) {
+        if let Err(e) = put(&path, &own.path().join(name)) {
             self.history.forget_trash(&trashed.token)?;
             return Err(failed(e));
         }
         let _ = own.keep();
-        self.look();
         Ok(trashed)
     }
 
@@ -53,8 +78,14 @@ impl Workspace {
         if let Some(parent) = path.parent() {
             std::fs::create_dir_all(parent).map_err(failed)?;
         }
-        // A hard link does not replace a file that has the name by now, unlike renaming.
-        std::fs::hard_link(own.join(name), &path).map_err(|e| match e.kind() {
+        // A hard link does not replace a file that has the name by now, unlike renaming; not every file system
+        // has them.
+        let renamed = |e: std::io::Error| match e.kind() {
+            std::io::ErrorKind::AlreadyExists | std::io::ErrorKind::NotFound => Err(e),
+            _ if path.exists() => Err(std::io::ErrorKind::AlreadyExists.into()),
+            _ => std::fs::rename(own.join(name), &path),
+        };
+        std::fs::hard_link(own.join(name), &path).or_else(renamed).map_err(|e| match e.kind() {
             std::io::ErrorKind::AlreadyExists => {
                 Refused::conflict(format!("another file is called `{}` now", shown(&trashed.id)))
                     .hint("Rename or delete it first.")

@@ -6,9 +6,13 @@ use std::path::{Path, PathBuf};
 use hysteron_io::{IoError, ReadOptions, contents};
 
 use super::read::read_as_said;
+use super::scan::Kind;
 use super::{ReadRecord, Workspace, shown};
 use crate::api::{Problem, RecordEntry, RecordSettings};
 use crate::refused::{Answer, Refused};
+
+/// What the names of arriving files begin with.
+pub(super) const UPLOAD: &str = ".upload-";
 
 /// A file that is arriving.
 pub(crate) struct Upload {
@@ -64,10 +68,10 @@ impl Workspace {
             return Err(taken(id));
         }
         let cannot = |e: std::io::Error| cannot_write(id, &e);
-        // Of the same ending, as it may choose the format; in the same folder, to be renamed.
+        // Of the same ending, as it may choose the format; in the workspace, to be renamed.
         let suffix = format!(".{}", ending.unwrap_or_default());
         let mut file = tempfile::Builder::new();
-        let file = file.prefix(".upload-").suffix(&suffix).tempfile_in(self.folder()).map_err(cannot)?;
+        let file = file.prefix(UPLOAD).suffix(&suffix).tempfile_in(self.folder()).map_err(cannot)?;
         let most = self.max_upload_bytes;
         Ok(Upload { id: id.to_owned(), path, replace, file, bytes: 0, most })
     }
@@ -92,13 +96,20 @@ impl Workspace {
             file.as_file().set_permissions(ordinary).map_err(cannot)?;
         }
         if replace && path.exists() {
-            self.discard(&id)?;
+            let kept = self.keep_replaced(&id, Kind::Record)?;
+            if let Err(e) = file.persist(&path) {
+                self.history.forget_trash(&kept.token)?;
+                return Err(cannot(e.error));
+            }
+        } else {
+            // A file of this name that another program has taken away had settings.
+            self.history.forget_settings(&id)?;
+            // Does not replace a file that has appeared meanwhile.
+            file.persist_noclobber(&path).map_err(|e| match e.error.kind() {
+                std::io::ErrorKind::AlreadyExists => taken(&id),
+                _ => cannot(e.error),
+            })?;
         }
-        // Does not replace a file that has appeared meanwhile.
-        file.persist_noclobber(&path).map_err(|e| match e.error.kind() {
-            std::io::ErrorKind::AlreadyExists => taken(&id),
-            _ => cannot(e.error),
-        })?;
         if let Some(read) = read {
             self.keep_read(&id, read)?;
         }

@@ -15,7 +15,7 @@ use crate::refused::{Answer, Refused};
 use crate::server::Shared;
 use crate::server::answer::{Ask, Input, attached, compute, run};
 use crate::server::operation::Operation;
-use crate::workspace::stem_of;
+use crate::workspace::{Kind, stem_of};
 
 pub(in crate::server) fn operations() -> Vec<Operation> {
     vec![
@@ -61,7 +61,7 @@ async fn patch(
 }
 
 async fn delete(State(shared): State<Arc<Shared>>, Path(id): Path<String>) -> Answer<Json<Trashed>> {
-    compute(move || shared.workspace.discard(&id)).await
+    compute(move || shared.workspace.discard(&id, Kind::Model)).await
 }
 
 async fn on_record(

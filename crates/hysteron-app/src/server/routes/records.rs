@@ -22,7 +22,7 @@ use crate::refused::{Answer, Refused};
 use crate::server::Shared;
 use crate::server::answer::{Ask, Input, attached, compute, run};
 use crate::server::operation::Operation;
-use crate::workspace::{Workspace, too_large};
+use crate::workspace::{Kind, Workspace, too_large};
 use hysteron_identify::recognised_roles;
 use hysteron_identify::structure::prospects;
 
@@ -73,7 +73,9 @@ fn read_beside(shared: Arc<Shared>, unread: Vec<String>) {
     }
     tokio::task::spawn_blocking(move || {
         for id in fresh {
-            let _ = shared.workspace.entry(&id);
+            // A file that breaks its reader must not keep the others from being read.
+            let read = std::panic::AssertUnwindSafe(|| shared.workspace.entry(&id).map(drop));
+            let _ = std::panic::catch_unwind(read);
             shared.reading.lock().unwrap_or_else(PoisonError::into_inner).remove(&id);
             shared.workspace.notices.changed(Change::Records);
         }
@@ -128,20 +130,21 @@ async fn settings(
         let workspace = &shared.workspace;
         workspace.existing(&id)?;
         let Value::Object(patch) = patch else { return Err(Refused::bad("the patch must be an object")) };
-        let before = workspace.history.settings(&id)?;
-        let mut merged = serde_json::to_value(before).map_err(Refused::failed)?;
-        for (key, value) in patch {
-            match value {
-                // A field that is taken away has its default again.
-                Value::Null => {
-                    merged.as_object_mut().and_then(|settings| settings.remove(&key));
+        workspace.history.change_settings(&id, |before| {
+            let mut merged = serde_json::to_value(before).map_err(Refused::failed)?;
+            for (key, value) in patch {
+                match value {
+                    // A field that is taken away has its default again.
+                    Value::Null => {
+                        merged.as_object_mut().and_then(|settings| settings.remove(&key));
+                    }
+                    value => merged[key] = value,
                 }
-                value => merged[key] = value,
             }
-        }
-        let settings: RecordSettings = serde_json::from_value(merged).map_err(Refused::bad)?;
-        check(workspace, &id, &settings)?;
-        workspace.history.keep_settings(&id, &settings)?;
+            let settings: RecordSettings = serde_json::from_value(merged).map_err(Refused::bad)?;
+            check(workspace, &id, &settings)?;
+            Ok(settings)
+        })?;
         workspace.notices.changed(Change::Records);
         workspace.entry(&id)
     })
@@ -171,7 +174,7 @@ fn check(workspace: &Workspace, id: &str, settings: &RecordSettings) -> Answer<(
 }
 
 async fn delete(State(shared): State<Arc<Shared>>, Path(id): Path<String>) -> Answer<Json<Trashed>> {
-    compute(move || shared.workspace.discard(&id)).await
+    compute(move || shared.workspace.discard(&id, Kind::Record)).await
 }
 
 async fn curve(

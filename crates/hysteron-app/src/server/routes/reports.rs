@@ -55,5 +55,5 @@ async fn one(State(shared): State<Arc<Shared>>, Path(id): Path<String>) -> Answe
 }
 
 async fn delete(State(shared): State<Arc<Shared>>, Path(id): Path<String>) -> Answer<Json<Trashed>> {
-    compute(move || shared.workspace.discard(&id)).await
+    compute(move || shared.workspace.discard(&id, Kind::Report)).await
 }
