@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::{Command, Problem};
 
 /// A record in the list.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RecordEntry {
     /// Identifier: path relative to the workspace.
     pub id: String,

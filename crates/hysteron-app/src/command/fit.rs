@@ -5,7 +5,7 @@ use hysteron_model::dynamics::Creep;
 use hysteron_model::record::InterSample;
 use hysteron_optimize::Algorithm;
 
-use super::{Arguments, Words, ids, read, text};
+use super::{Arguments, Words, beside, ids, read, text};
 use crate::api::{Command, RecordEntry, Role};
 
 /// Role of a record in the fit, as a person gave it.
@@ -48,7 +48,7 @@ pub(crate) fn identify(
     };
     let python =
         format!("hy.{kind}({}).fit({}).model_.save({})", arguments.done(), read(records), text(model));
-    Command { shell: words.columns(records).done(), python }
+    beside(Command { shell: words.columns(records).done(), python }, records)
 }
 
 fn axes(words: Words, inputs: &[String], outputs: &[String]) -> Words {
@@ -194,8 +194,6 @@ pub(crate) fn compare(
         .when("quick", quick)
         .value("time_limit", time_limit_s)
         .when("continued", continued);
-    Command {
-        shell: words.columns(records).done(),
-        python: format!("print(hy.compare({}))", arguments.done()),
-    }
+    let python = format!("print(hy.compare({}))", arguments.done());
+    beside(Command { shell: words.columns(records).done(), python }, records)
 }

@@ -6,7 +6,9 @@ mod script;
 pub(crate) use fit::{compare, identify};
 pub(crate) use script::scripts;
 
-use crate::api::{Command, DownloadQuery, FollowRequest, Form, RecordEntry, ScoresRequest};
+use crate::api::{
+    Command, DownloadQuery, FollowRequest, Form, RecordEntry, RecordSettings, Role, ScoresRequest,
+};
 
 /// Name of the file of a reference that is drawn, not read.
 const REFERENCE: &str = "reference.csv";
@@ -68,7 +70,7 @@ impl Words {
         if condition { self.flag(flag) } else { self }
     }
 
-    /// Columns, scales and cut, where the records agree on them.
+    /// Columns, scales and cut of the first record; [`beside`] says so where others have their own.
     fn columns(self, records: &[RecordEntry]) -> Self {
         let Some(first) = records.first().map(|record| &record.settings) else { return self };
         let mut words = self
@@ -138,12 +140,32 @@ fn ids(records: &[RecordEntry]) -> impl Iterator<Item = &str> {
     records.iter().map(|record| record.id.as_str())
 }
 
+/// A command, with a comment on what is said of the records and is no part of it.
+fn beside(command: Command, records: &[RecordEntry]) -> Command {
+    let settings = || records.iter().map(|record| &record.settings);
+    let of_one = |one: &RecordSettings| RecordSettings {
+        masks: Vec::new(),
+        role: Role::default(),
+        continues: None,
+        ..one.clone()
+    };
+    let differ = settings().zip(settings().skip(1)).any(|(one, next)| of_one(one) != of_one(next));
+    let own = differ.then_some("columns, cut and scales are those of the first record");
+    let masks = settings().any(|one| !one.masks.is_empty()).then_some("masks are left out");
+    let scales = settings().any(|one| !one.scales.is_empty()).then_some("scales are left out");
+    let noted = |text: String, left: &[Option<&str>]| match left.iter().flatten().copied().collect::<Vec<_>>()
+    {
+        left if left.is_empty() => text,
+        left => format!("{text}  # {}", left.join("; ")),
+    };
+    let Command { shell, python } = command;
+    Command { shell: noted(shell, &[own, masks]), python: noted(python, &[own, masks, scales]) }
+}
+
 /// `hysteron inspect`.
 pub(crate) fn inspect(records: &[RecordEntry]) -> Command {
-    Command {
-        shell: Words::new("inspect").words(ids(records)).columns(records).done(),
-        python: format!("print(hy.inspect({}))", read(records)),
-    }
+    let shell = Words::new("inspect").words(ids(records)).columns(records).done();
+    beside(Command { shell, python: format!("print(hy.inspect({}))", read(records)) }, records)
 }
 
 /// `hysteron validate`.
@@ -156,10 +178,8 @@ pub(crate) fn validate(model: &str, records: &[RecordEntry], request: &ScoresReq
         .value("skip", request.skip_s)
         .when("fixed_offset", request.fixed_offset)
         .when("continued", request.continued);
-    Command {
-        shell: words.columns(records).done(),
-        python: format!("print(hy.load({}).scores({}))", text(model), arguments.done()),
-    }
+    let python = format!("print(hy.load({}).scores({}))", text(model), arguments.done());
+    beside(Command { shell: words.columns(records).done(), python }, records)
 }
 
 /// `hysteron invert`.
@@ -227,5 +247,17 @@ mod tests {
         assert_eq!(quoted("a b'; rm *.csv"), r"'a b'\''; rm *.csv'");
         assert_eq!(Words::new("inspect").word("-x.csv").done(), "hysteron inspect ./-x.csv");
         assert_eq!(text("a\"\n"), r#""a\"\n""#);
+    }
+
+    #[test]
+    fn what_is_no_part_of_a_command_stands_beside_it() {
+        let entry = |settings| RecordEntry { id: "run.csv".into(), settings, ..RecordEntry::default() };
+        let plain = inspect(&[entry(RecordSettings::default()), entry(RecordSettings::default())]);
+        assert_eq!(plain.shell, "hysteron inspect run.csv run.csv");
+        let masked = RecordSettings { masks: vec![[0.0, 1.0]], ..RecordSettings::default() };
+        assert!(inspect(&[entry(masked)]).shell.ends_with("  # masks are left out"));
+        let cut = RecordSettings { from_s: Some(1.0), ..RecordSettings::default() };
+        let both = inspect(&[entry(RecordSettings::default()), entry(cut)]);
+        assert!(both.python.ends_with("  # columns, cut and scales are those of the first record"));
     }
 }
