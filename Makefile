@@ -4,7 +4,8 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .PHONY: FORCE help demo check test test-python kept-outputs python-tools wheel docs bench-python \
   export-tools bench study article figures clean check-toolchain check-components \
-  app page page-tools browser-tools test-browser smoke-browser
+  app page page-tools browser-tools test-browser smoke-browser \
+  page-figure
 
 RECORD := examples/piezo-p885-200hz/identification_1hz.csv
 CYCLES := $(wildcard examples/afm-z-scanner/cycle_1_300hz_0*.csv)
@@ -130,6 +131,9 @@ test-browser: browser-tools ## the page in a real browser: newcomer, keyboard, a
 	cargo build --locked -p hysteron-cli
 	cd $(PAGE) && CHROMIUM=$(CHROMIUM) HYSTERON=$(abspath target/debug/hysteron) \
 	  OUT=$(abspath $(OUT))/browser node --test --test-concurrency=1 $(SCENARIOS)
+
+page-figure: browser-tools page-tools $(HYSTERON) ## the picture of the page in the README
+	cd $(PAGE) && CHROMIUM=$(CHROMIUM) HYSTERON=$(abspath $(HYSTERON)) node tests/figure.mjs
 
 smoke-browser: browser-tools
 	@if test -n "$(CHROMIUM)" && command -v npm >/dev/null; then \
