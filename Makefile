@@ -136,9 +136,9 @@ page-figure: browser-tools page-tools $(HYSTERON) ## the picture of the page in 
 	cd $(PAGE) && CHROMIUM=$(CHROMIUM) HYSTERON=$(abspath $(HYSTERON)) node tests/figure.mjs
 
 smoke-browser: browser-tools
-	@if test -n "$(CHROMIUM)" && command -v npm >/dev/null; then \
-	  $(MAKE) test-browser SCENARIOS=tests/newcomer.test.mjs; \
-	else echo "skipped: the page in a browser (chromium or npm is missing)"; fi
+	@if test -z "$(CHROMIUM)" || ! command -v npm >/dev/null || ! $(MAKE) page-tools; then \
+	  echo "skipped: the page in a browser (chromium, npm or its packages are missing)"; \
+	else $(MAKE) test-browser SCENARIOS=tests/newcomer.test.mjs; fi
 
 article: $(HYSTERON) ## reproduce the article on the simulated bench: tables, figures, page
 	$(HYSTERON) article --out-dir $(OUT)/article
