@@ -61,15 +61,9 @@ pub(crate) fn measure(workspace: &Workspace, request: &BenchRequest) -> Answer<B
 pub(crate) fn make_drive(workspace: &Workspace, request: &DriveRequest) -> Answer<DriveMade> {
     let made = request.specification.generate().map_err(Refused::bad)?;
     if let Some(file) = &request.save {
-        let path = workspace.path(file)?;
-        if !["csv", "npz", "mat"].iter().any(|ending| file.ends_with(&format!(".{ending}"))) {
-            return Err(Refused::bad("a drive is written as .csv, .npz or .mat"));
-        }
+        let path = workspace.path_of_drive(file)?;
         if path.exists() {
             return Err(Refused::conflict(format!("`{file}` is there already")));
-        }
-        if let Some(parent) = path.parent() {
-            std::fs::create_dir_all(parent).map_err(Refused::failed)?;
         }
         write_record(&path, &made.to_record()).map_err(Refused::failed)?;
         workspace.look();

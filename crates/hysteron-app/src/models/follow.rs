@@ -168,15 +168,9 @@ fn save(
     input: &str,
     request: &FollowRequest,
 ) -> Answer<()> {
-    let path = workspace.path(file)?;
-    if !["csv", "npz", "mat"].iter().any(|ending| file.ends_with(&format!(".{ending}"))) {
-        return Err(Refused::bad("a drive is written as .csv, .npz or .mat"));
-    }
+    let path = workspace.path_of_drive(file)?;
     if path.exists() {
         workspace.keep_replaced(file, Kind::Record)?;
-    }
-    if let Some(parent) = path.parent() {
-        std::fs::create_dir_all(parent).map_err(Refused::failed)?;
     }
     let time = TimeBase::uniform(wanted.rate);
     let symbol = wanted.unit.symbol();

@@ -28,6 +28,9 @@ const TABLES: &str = "
     );
 ";
 
+const SETTINGS: &str = "SELECT settings FROM settings WHERE record = ?1";
+const KEEP_SETTINGS: &str = "INSERT INTO settings VALUES (?1, ?2) ON CONFLICT DO UPDATE SET settings = ?2";
+
 /// The open history.
 pub(crate) struct History(Mutex<Connection>);
 
@@ -50,11 +53,12 @@ impl History {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn one<T: DeserializeOwned>(&self, query: &str, key: &str) -> rusqlite::Result<Option<T>> {
-        let connection = self.connection();
-        let found: Option<String> = connection.query_row(query, [key], |row| row.get(0)).optional()?;
-        // A row that an older program wrote differently counts as missing.
-        Ok(found.and_then(|text| serde_json::from_str(&text).ok()))
+    fn one<T: DeserializeOwned>(
+        &self,
+        query: &str,
+        keys: impl rusqlite::Params,
+    ) -> rusqlite::Result<Option<T>> {
+        one(&self.connection(), query, keys)
     }
 
     fn all<T: DeserializeOwned>(&self, query: &str) -> rusqlite::Result<Vec<T>> {
@@ -67,8 +71,7 @@ impl History {
 
     /// Settings of a record; the default ones where none were made.
     pub(crate) fn settings(&self, record: &str) -> rusqlite::Result<RecordSettings> {
-        let query = "SELECT settings FROM settings WHERE record = ?1";
-        Ok(self.one(query, record)?.unwrap_or_default())
+        Ok(self.one(SETTINGS, [record])?.unwrap_or_default())
     }
 
     /// Forgets the settings of a record.
@@ -85,28 +88,20 @@ impl History {
     ) -> Answer<()> {
         let mut connection = self.connection();
         let both = connection.transaction()?;
-        let query = "SELECT settings FROM settings WHERE record = ?1";
-        let found: Option<String> = both.query_row(query, [record], |row| row.get(0)).optional()?;
-        let before = found.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default();
-        let query = "INSERT INTO settings VALUES (?1, ?2) ON CONFLICT DO UPDATE SET settings = ?2";
-        both.execute(query, params![record, json(&change(before)?)?])?;
+        let before = one(&both, SETTINGS, [record])?.unwrap_or_default();
+        both.execute(KEEP_SETTINGS, params![record, json(&change(before)?)?])?;
         Ok(both.commit()?)
     }
 
     /// Keeps the settings of a record.
     pub(crate) fn keep_settings(&self, record: &str, settings: &RecordSettings) -> rusqlite::Result<()> {
-        let query = "INSERT INTO settings VALUES (?1, ?2) ON CONFLICT DO UPDATE SET settings = ?2";
-        self.connection().execute(query, params![record, json(settings)?])?;
+        self.connection().execute(KEEP_SETTINGS, params![record, json(settings)?])?;
         Ok(())
     }
 
     /// What was found in a record when its file and its settings had this stamp.
     pub(crate) fn seen<T: DeserializeOwned>(&self, record: &str, stamp: &str) -> rusqlite::Result<Option<T>> {
-        let connection = self.connection();
-        let query = "SELECT entry FROM seen WHERE record = ?1 AND stamp = ?2";
-        let found: Option<String> =
-            connection.query_row(query, [record, stamp], |row| row.get(0)).optional()?;
-        Ok(found.and_then(|text| serde_json::from_str(&text).ok()))
+        self.one("SELECT entry FROM seen WHERE record = ?1 AND stamp = ?2", [record, stamp])
     }
 
     /// Keeps what was found in a record.
@@ -152,11 +147,7 @@ impl History {
 
     /// What the fit of a model found, if the file is still that of the fit.
     pub(crate) fn fit<T: DeserializeOwned>(&self, model: &str, sha256: &str) -> rusqlite::Result<Option<T>> {
-        let connection = self.connection();
-        let query = "SELECT found FROM fits WHERE model = ?1 AND sha256 = ?2";
-        let found: Option<String> =
-            connection.query_row(query, [model, sha256], |row| row.get(0)).optional()?;
-        Ok(found.and_then(|text| serde_json::from_str(&text).ok()))
+        self.one("SELECT found FROM fits WHERE model = ?1 AND sha256 = ?2", [model, sha256])
     }
 
     /// Keeps what the fit of a model found.
@@ -225,6 +216,16 @@ impl History {
         both.execute("DELETE FROM trash WHERE token = ?1", [token])?;
         both.commit()
     }
+}
+
+/// What the first row holds as JSON; a row that an older program wrote differently counts as missing.
+fn one<T: DeserializeOwned>(
+    connection: &Connection,
+    query: &str,
+    keys: impl rusqlite::Params,
+) -> rusqlite::Result<Option<T>> {
+    let found: Option<String> = connection.query_row(query, keys, |row| row.get(0)).optional()?;
+    Ok(found.and_then(|text| serde_json::from_str(&text).ok()))
 }
 
 fn json(value: &impl Serialize) -> rusqlite::Result<String> {

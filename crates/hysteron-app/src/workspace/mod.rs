@@ -73,6 +73,21 @@ impl Workspace {
         path_of(&self.folder, id)
     }
 
+    /// The path of a drive that is to be written, in a folder that is there.
+    ///
+    /// # Errors
+    /// For an identifier that is none, or has another ending than those of drives.
+    pub(crate) fn path_of_drive(&self, id: &str) -> Answer<PathBuf> {
+        let path = self.path(id)?;
+        if !["csv", "npz", "mat"].iter().any(|ending| id.ends_with(&format!(".{ending}"))) {
+            return Err(Refused::bad("a drive is written as .csv, .npz or .mat"));
+        }
+        if let Some(parent) = path.parent() {
+            std::fs::create_dir_all(parent).map_err(Refused::failed)?;
+        }
+        Ok(path)
+    }
+
     /// The path of a file that is there.
     ///
     /// # Errors

@@ -49,6 +49,21 @@ export function Dock() {
   );
 }
 
+/** Shell or Python, for every command that the page shows. */
+export function Language({ of }: { of: string }) {
+  const python = useSignal(route).query.get('lang') === 'python';
+  return (
+    <span class="seg" role="group" aria-label={`Language of the ${of}`}>
+      <button type="button" aria-pressed={!python} onClick={() => settle({ lang: null })}>
+        Shell
+      </button>
+      <button type="button" aria-pressed={python} onClick={() => settle({ lang: 'python' })}>
+        Python
+      </button>
+    </span>
+  );
+}
+
 function Echo() {
   const now = useSignal(command);
   const { query } = useSignal(route);
@@ -56,14 +71,7 @@ function Echo() {
   const text = now ? (python ? now.python : now.shell) : '';
   return (
     <div class="echo">
-      <span class="seg" role="group" aria-label="Language of the command">
-        <button type="button" aria-pressed={!python} onClick={() => settle({ lang: null })}>
-          Shell
-        </button>
-        <button type="button" aria-pressed={python} onClick={() => settle({ lang: 'python' })}>
-          Python
-        </button>
-      </span>
+      <Language of="command" />
       <code tabIndex={0} role="group" aria-label="The command that does the same">
         {text || '# nothing to run yet'}
       </code>

@@ -3,7 +3,7 @@ import { useEffect, useState } from 'preact/hooks';
 import { href, path, query } from '../api/client';
 import { useLatest, useResource } from '../api/resource';
 import type { History, ModelDetail, ModelEntry, Preview, ReportEntry } from '../api/types';
-import { command, copy } from '../components/dock';
+import { command, copy, Language } from '../components/dock';
 import { Icon } from '../components/icon';
 import { ModelChoice, NoModel, useModel } from '../components/models';
 import { Failure, Head, Origin, Waiting } from '../components/words';
@@ -273,14 +273,7 @@ export function Repeat() {
     <div>
       <div class="ph">
         <h2>Repeat everything</h2>
-        <span class="seg" role="group" aria-label="Language of the script">
-          <button type="button" aria-pressed={!python} onClick={() => settle({ lang: null })}>
-            Shell
-          </button>
-          <button type="button" aria-pressed={python} onClick={() => settle({ lang: 'python' })}>
-            Python
-          </button>
-        </span>
+        <Language of="script" />
         <span class="sp" />
         <button
           type="button"
