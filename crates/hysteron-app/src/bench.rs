@@ -30,10 +30,7 @@ pub(crate) fn measure(workspace: &Workspace, request: &BenchRequest) -> Answer<B
     let mut made = BenchMade { records: Vec::new(), samples: 0, command: command::rig(folder, request.seed) };
     for CampaignRun { run, role, .. } in &runs {
         let id = format!("{folder}/{}.csv", run.record.name);
-        let path = workspace.path(&id)?;
-        if path.exists() {
-            workspace.keep_replaced(&id, Kind::Record)?;
-        }
+        let path = workspace.to_write(&id, Kind::Record)?;
         write_atomically_with(&path, |out| {
             for comment in &run.comments {
                 writeln!(out, "# {comment}")?;
@@ -61,10 +58,10 @@ pub(crate) fn measure(workspace: &Workspace, request: &BenchRequest) -> Answer<B
 pub(crate) fn make_drive(workspace: &Workspace, request: &DriveRequest) -> Answer<DriveMade> {
     let made = request.specification.generate().map_err(Refused::bad)?;
     if let Some(file) = &request.save {
-        let path = workspace.path_of_drive(file)?;
-        if path.exists() {
+        if workspace.path(file)?.exists() {
             return Err(Refused::conflict(format!("`{file}` is there already")));
         }
+        let path = workspace.to_write(file, Kind::Record)?;
         write_record(&path, &made.to_record()).map_err(Refused::failed)?;
         workspace.look();
     }

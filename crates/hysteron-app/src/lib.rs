@@ -16,8 +16,10 @@ mod jobs;
 mod models;
 mod notice;
 mod options;
+mod prepare;
 mod problem;
 mod refused;
+mod response;
 mod server;
 mod workspace;
 

@@ -12,7 +12,10 @@ use schemars::{JsonSchema, schema_for};
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::api::{Choice, Choices, OptionsOffered};
+use crate::api::{
+    AdaptOptions, Choice, Choices, OperationOffered, OptionsOffered, PrepareOptions, RealiseOptions,
+    RecalibrateOptions, ResponseFitOptions, SimulateOptions,
+};
 
 /// Options with their schemas, defaults and choices.
 pub(crate) fn offered() -> OptionsOffered {
@@ -36,6 +39,14 @@ pub(crate) fn offered() -> OptionsOffered {
         plan_default: value(&CampaignPlan::default()),
         drive: schema::<ExcitationSpec>(),
         track: schema::<TrackOptions>(),
+        operations: vec![
+            operation::<PrepareOptions>("prepare"),
+            operation::<SimulateOptions>("simulate"),
+            operation::<RecalibrateOptions>("recalibrate"),
+            operation::<AdaptOptions>("adapt"),
+            operation::<RealiseOptions>("realise"),
+            operation::<ResponseFitOptions>("frequency-response"),
+        ],
     }
 }
 
@@ -73,6 +84,10 @@ fn choices<T: Serialize>(
         value: value(&one),
     };
     Choices { option: option.to_owned(), choices: all.into_iter().map(choice).collect() }
+}
+
+fn operation<T: JsonSchema + Default + Serialize>(name: &str) -> OperationOffered {
+    OperationOffered { name: name.to_owned(), schema: schema::<T>(), usual: value(&T::default()) }
 }
 
 fn schema<T: JsonSchema>() -> Value {

@@ -10,6 +10,7 @@ use hysteron_model::advice::ColumnRole;
 use hysteron_model::control::ControlError;
 use hysteron_model::invert::InversionError;
 use hysteron_model::model::{RunError, Unsupported};
+use hysteron_model::model_file::ModelFileError;
 use hysteron_model::record::RecordError;
 
 use crate::api::{Line, Problem};
@@ -69,7 +70,7 @@ macro_rules! said {
     };
 }
 
-said!(RunError, Unsupported, InversionError, ControlError, ExportError);
+said!(RunError, ModelFileError, Unsupported, InversionError, ControlError, ExportError);
 
 /// The lines of a text file around one of them; none of a file that is no text.
 fn around(path: &Path, line: u64) -> Vec<Line> {

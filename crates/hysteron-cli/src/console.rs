@@ -2,6 +2,8 @@
 
 use std::io::{self, ErrorKind, IsTerminal, Write};
 
+use hysteron_report::results::Listing;
+pub use hysteron_report::results::in_unit;
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -57,9 +59,11 @@ pub fn table(header: &[&str]) -> comfy_table::Table {
     table
 }
 
-/// A heading with its unit, where it has one.
-pub fn in_unit(name: &str, unit: &str) -> String {
-    if unit.is_empty() { name.to_owned() } else { format!("{name} [{unit}]") }
+/// A table of a result.
+pub fn listed(listing: &Listing) -> comfy_table::Table {
+    let mut table = table(&listing.columns.iter().map(String::as_str).collect::<Vec<_>>());
+    table.add_rows(&listing.rows);
+    table
 }
 
 /// A clock that starts now.

@@ -6,6 +6,7 @@ use clap::Args;
 use hysteron_model::model::{Capability, CheckedRealisation, Sweep};
 use hysteron_model::realise::{Realisation, RealiseError, RealiseOptions, Verification, realise, verify};
 use hysteron_report::number::significant;
+use hysteron_report::results::realisation::{facts, sections};
 
 use crate::console;
 use crate::console::clock;
@@ -138,67 +139,5 @@ fn cannot(model: &Path, error: &RealiseError) -> Failure {
 }
 
 fn text(found: &CheckedRealisation) -> String {
-    let (linear, check) = (&found.realisation.dynamics, &found.verification);
-    let rate = found.realisation.sample_rate_hz;
-    let number = |x: f64| significant(x, 6);
-    let mut sections = console::table(&["section", "decay rate [rad/s]", "g", "c"]);
-    let taps = linear.taps.iter().enumerate();
-    for (j, tap) in taps {
-        sections.add_row([
-            format!("tap, {} samples ago", linear.delay_samples + j),
-            "-".into(),
-            "-".into(),
-            number(*tap),
-        ]);
-    }
-    for section in &linear.sections {
-        let complex = |re: f64, im: f64| {
-            if section.is_pair() {
-                format!("{} {} {}i", number(re), if im < 0.0 { "−" } else { "+" }, number(im.abs()))
-            } else {
-                number(re)
-            }
-        };
-        sections.add_row([
-            if section.is_pair() { "pole pair" } else { "real pole" }.to_owned(),
-            significant(section.rate(rate), 4),
-            complex(section.gain.re, section.gain.im),
-            complex(section.weight.re, section.weight.im),
-        ]);
-    }
-    let band = if linear.band_hz.0 > 0.0 {
-        format!("{} Hz to {} Hz", significant(linear.band_hz.0, 3), significant(linear.band_hz.1, 4))
-    } else {
-        format!("rest to {} Hz", significant(linear.band_hz.1, 4))
-    };
-    let mut facts = console::table(&["", ""]);
-    for (what, value) in [
-        ("states", linear.states().to_string()),
-        ("taps", linear.taps.len().to_string()),
-        ("delay", format!("{} samples, plus that of the taps", linear.delay_samples)),
-        ("static gain", significant(linear.rest_gain, 6)),
-        ("requested accuracy [fraction of range]", significant(found.accuracy, 2)),
-        ("largest error of the response", format!("{}, {band}", significant(linear.frequency_error, 2))),
-        (
-            "against the batch simulation",
-            format!(
-                "{} largest, {} rms: sweep {} to {} Hz, {} to {} {}",
-                significant(check.largest, 2),
-                significant(check.rms, 2),
-                significant(found.sweep.frequencies_hz.0, 3),
-                significant(found.sweep.frequencies_hz.1, 3),
-                significant(found.sweep.voltages.0, 4),
-                significant(found.sweep.voltages.1, 4),
-                found.units.0
-            ),
-        ),
-        ("amplification of rounding (weights over gain)", significant(linear.amplification(), 3)),
-        (
-            "time per sample, double precision, this machine",
-            format!("{} ns", significant(found.nanoseconds, 3)),
-        ),
-    ] {
-        facts.add_row([what.to_owned(), value]);
-    }
-    format!("{sections}\n\n{facts}\n")
+    format!("{}\n\n{}\n", console::listed(&sections(found)), console::listed(&facts(found)))
 }

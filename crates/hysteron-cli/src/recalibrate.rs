@@ -4,13 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use hysteron_identify::IdentifyError;
-use hysteron_identify::recalibrate::{
-    Change, Prior, Recalibration, RecalibrationSummary, Recording, SIGNIFICANT, recalibrate,
-};
+use hysteron_identify::recalibrate::{Prior, Recalibration, RecalibrationSummary, Recording, recalibrate};
 use hysteron_model::model::{Capability, SignalRole};
 use hysteron_model::record::{InputOutput, MeasurementRun, Unit};
 use hysteron_model::{Model, Start};
-use hysteron_report::number::{significant, with_std_error};
+use hysteron_report::results::recalibration::{numbers, offset, scores, verdicts};
 use serde::Serialize;
 
 use crate::columns::ColumnFlags;
@@ -130,86 +128,21 @@ struct Outcome {
 
 fn text(found: &Recalibration, model: &Model) -> String {
     let units = model.units();
-    let mut numbers = console::table(&["", "old", "± ", "from the records", "±", "new", "±", "unit"]);
-    for (name, change, unit) in [("gain", &found.gain, ""), ("delay", &found.delay, "s")] {
-        let mut row = vec![name.to_owned()];
-        for (value, error) in [
-            (change.old, change.old_std_error),
-            (change.measured, change.measured_std_error),
-            (change.value, change.std_error),
-        ] {
-            let (value, shown) = with_std_error(value, error);
-            row.extend([value, if error.is_some() { shown } else { "-".to_owned() }]);
-        }
-        row.push(unit.to_owned());
-        numbers.add_row(row);
-    }
     let unit = Unit::new(&units.output).to_string();
-    let rmse = console::in_unit("RMSE", &unit);
-    let mut scores = console::table(&[
-        "record",
-        "samples",
-        &format!("{rmse} before"),
-        &format!("{rmse} after"),
-        "fit [%]",
-    ]);
-    let mut starts = String::new();
-    for r in &found.records {
-        scores.add_row([
-            r.data.name.clone(),
-            r.after.samples.to_string(),
-            significant(r.before.rmse, 4),
-            significant(r.after.rmse, 4),
-            r.after.fit_percent.map_or("-".to_owned(), |fit| format!("{fit:.2}")),
-        ]);
-        let start = r.start.in_words(&units.input, &units.output);
-        starts += &format!("data: {}: simulated {start}.\n", r.data.name);
-    }
-    let offset = significant(found.model.offset, 6);
+    let starts: String = found
+        .records
+        .iter()
+        .map(|r| {
+            format!("data: {}: simulated {}.\n", r.data.name, r.start.in_words(&units.input, &units.output))
+        })
+        .collect();
+    let verdicts: String = verdicts(found).iter().map(|verdict| format!("verdict: {verdict}\n")).collect();
     format!(
-        "{numbers}\n\noffset: {offset} {unit} (of the first record)\n\n{scores}\n\n{}{}{starts}",
-        verdict("gain", &found.gain),
-        verdict("delay", &found.delay)
+        "{}\n\n{}\n\n{}\n\n{verdicts}{starts}",
+        console::listed(&numbers(found)),
+        offset(found, &unit),
+        console::listed(&scores(found, &unit))
     )
-}
-
-/// Verdict on the change of a parameter, in one line.
-fn verdict(name: &str, change: &Change) -> String {
-    let Some(times) = change.in_standard_errors() else {
-        return if change.value.to_bits() == change.old.to_bits() {
-            format!("verdict: {name}: the records do not determine it; it is held at its old value.\n")
-        } else {
-            format!(
-                "verdict: {name}: the estimate is on the edge of its search range, {}; it is held there, \
-                 without a standard error.\n",
-                significant(change.value, 4)
-            )
-        };
-    };
-    let prior = match (change.old_std_error, change.measured_std_error) {
-        (None, _) => {
-            " (the model file gives no standard error of the old value: that of the records alone)".to_owned()
-        }
-        // An uncertain old value must not be taken as evidence of an unchanged device.
-        (Some(old), Some(measured)) if old > SIGNIFICANT * measured => format!(
-            " (standard error of the old value ± {}, of that from the records only ± {})",
-            significant(old, 2),
-            significant(measured, 2)
-        ),
-        _ => String::new(),
-    };
-    let times = significant(times, 2);
-    if change.is_significant() {
-        format!(
-            "verdict: {name}: the device has changed: {times} combined standard errors from the old value, \
-             more than {SIGNIFICANT}{prior}; the new value is that of the records alone.\n"
-        )
-    } else {
-        format!(
-            "verdict: {name}: no significant change: {times} combined standard errors from the old \
-             value{prior}.\n"
-        )
-    }
 }
 
 fn explain(error: &IdentifyError) -> Failure {
@@ -220,28 +153,5 @@ fn explain(error: &IdentifyError) -> Failure {
              hysteron identify; --least-fit 0 returns the model regardless",
         ),
         error => failure.advised(error.advice()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_line_says_what_the_table_writes() {
-        let old = Change {
-            old: 1.0,
-            old_std_error: Some(0.01),
-            measured: 1.3,
-            measured_std_error: None,
-            value: 1.0,
-            std_error: Some(0.01),
-        };
-        assert!(verdict("gain", &old).contains("held at its old value"));
-        let edge =
-            verdict("delay", &Change { old: 0.002, measured: 0.0, value: 0.0, std_error: None, ..old });
-        assert!(edge.contains("edge") && !edge.contains("old value"), "{edge}");
-        let changed = Change { measured_std_error: Some(0.01), value: 1.3, ..old };
-        assert!(verdict("gain", &changed).contains("the device has changed"));
     }
 }

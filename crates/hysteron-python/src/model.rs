@@ -325,20 +325,7 @@ impl Model {
         let choice = ChannelChoice { input, output };
         let data = records.iter().map(|record| self.in_agreed_units(record, &choice));
         let data = data.collect::<PyResult<Vec<_>>>()?;
-        let recording = |data: InputOutput, beginning: Option<_>| {
-            let start = self.inner.expected_start(beginning.as_ref().unwrap_or(&data), &mut Vec::new());
-            Recording { data, start, start_is_known: false, beginning }
-        };
-        let recordings: Vec<Recording> = if continued {
-            let runs = MeasurementRun::of(&data).map_err(raised)?;
-            let of_run = |run: MeasurementRun| {
-                let beginning = run.beginning();
-                recording(run.data, Some(beginning))
-            };
-            runs.into_iter().map(of_run).collect()
-        } else {
-            data.into_iter().map(|data| recording(data, None)).collect()
-        };
+        let recordings = Recording::of(&self.inner, data, continued, &mut Vec::new()).map_err(raised)?;
         let prior = Prior::of(body.data());
         let found = work::run(py, || recalibrate(body.law(), prior, &recordings, least_fit_percent))?;
         let found = found.map_err(raised)?;

@@ -3,10 +3,11 @@
 use crate::figure::{
     Axis, Colour, Dash, Figure, FrequencyResponseCurve, Marker, Panel, Series, Style, frequency_response,
 };
-use crate::number::{significant, with_std_error};
+use crate::number::with_std_error;
 use crate::page::{Block, Column, Page, Section, Table};
+use crate::results::response::{ABOUT_AIC, cells};
 use hysteron_identify::frequency_response::empirical::{DetectionLines, EmpiricalResponse};
-use hysteron_identify::frequency_response::{Candidate, Explained, unwrapped_phase_deg};
+use hysteron_identify::frequency_response::{Explained, unwrapped_phase_deg};
 use hysteron_model::model_file::Maker;
 
 /// The page of the structures fitted to a frequency response; `maker`: who made it, and by which command.
@@ -62,7 +63,7 @@ fn bode(found: &Explained) -> Figure {
 }
 
 /// Phases moved by whole turns so that they start beside the measured ones.
-fn nearest_turn(phase: &[f64], measured: &[f64]) -> Vec<f64> {
+pub fn nearest_turn(phase: &[f64], measured: &[f64]) -> Vec<f64> {
     let turns = match (phase.first(), measured.first()) {
         (Some(a), Some(b)) => ((b - a) / 360.0).round(),
         _ => 0.0,
@@ -71,7 +72,7 @@ fn nearest_turn(phase: &[f64], measured: &[f64]) -> Vec<f64> {
 }
 
 /// `um_per_V` as µm/V.
-fn shown(unit: &str) -> String {
+pub fn shown(unit: &str) -> String {
     unit.replace("um", "µm").replace("_per_", "/")
 }
 
@@ -147,20 +148,3 @@ fn levels(found: &EmpiricalResponse) -> Figure {
          band that are not excited show distortion of odd and of even order above the noise.",
     )
 }
-
-/// One row of the comparison.
-pub fn cells(candidate: &Candidate, best: f64) -> [String; 6] {
-    let fit = &candidate.fit;
-    [
-        candidate.name.clone(),
-        fit.structure.to_string(),
-        fit.parameters.len().to_string(),
-        significant(100.0 * fit.relative_rms, 3),
-        significant(100.0 * fit.largest.0, 3),
-        format!("{:.0}", fit.aic - best),
-    ]
-}
-
-/// Explanation of the criterion.
-pub const ABOUT_AIC: &str = "AIC: Akaike's criterion, lower is better; it assumes independent residuals, \
-    which a wrong structure does not leave, so disregard small differences.";

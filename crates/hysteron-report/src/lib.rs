@@ -28,6 +28,7 @@ pub mod model;
 pub mod page;
 pub mod record_curves;
 pub mod records;
+pub mod results;
 mod sines;
 pub mod starts;
 pub mod tracking;

@@ -20,6 +20,9 @@ pub enum JobRequest {
         /// Structure by its name, as a comparison ranks them, in place of `task`.
         #[serde(default)]
         structure: Option<String>,
+        /// Model whose parameters are the first start of every search, of the kind of the task.
+        #[serde(default)]
+        start: Option<String>,
         /// Identifier of the model to write, `stage.json`; left out: named after record and structure.
         #[serde(default)]
         model: Option<String>,

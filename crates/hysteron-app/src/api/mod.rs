@@ -13,6 +13,7 @@ mod model;
 mod option;
 mod record;
 mod report;
+mod result;
 mod workspace;
 
 pub use bench::{BenchMade, BenchRequest, DriveMade, DriveRequest};
@@ -28,10 +29,15 @@ pub use model::{
     ModelPatch, ParameterRow, Preview, ResponseQuery, ResponseRow, Responses, Score, ScoreDefinition, Scored,
     ScoresRequest, Series, View,
 };
-pub use option::{Choice, Choices, OptionsOffered};
+pub use option::{Choice, Choices, OperationOffered, OptionsOffered};
 pub use record::{
     Column, ColumnUse, Gap, ProspectsRequest, ProspectsTogether, RecordDetail, RecordEntry, RecordSettings,
     Role, UploadQuery,
 };
 pub use report::ReportEntry;
+pub use result::{
+    AdaptOptions, AdaptRequest, BandOf, Figure, Listed, Outcome, PrepareOptions, PrepareRequest,
+    RealiseOptions, RealiseRequest, RecalibrateOptions, RecalibrateRequest, ResponseFitOptions,
+    ResponseFitRequest, SimulateOptions, SimulateRequest,
+};
 pub use workspace::{Changed, Example, ExampleOpened, History, Trashed, Workspace};

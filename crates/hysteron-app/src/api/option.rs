@@ -27,6 +27,19 @@ pub struct OptionsOffered {
     pub drive: Value,
     /// Schema of the options of `track`.
     pub track: Value,
+    /// Operations that answer with tables and sentences.
+    pub operations: Vec<OperationOffered>,
+}
+
+/// An operation with the schema of its options.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct OperationOffered {
+    /// Its name: `prepare`, `simulate`, `recalibrate`, `adapt`, `realise`, `frequency-response`.
+    pub name: String,
+    /// Schema of its options.
+    pub schema: Value,
+    /// Their usual values.
+    pub usual: Value,
 }
 
 /// Choices of one option.

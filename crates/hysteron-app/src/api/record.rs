@@ -65,6 +65,8 @@ pub struct RecordSettings {
     pub input: Option<String>,
     /// Output column.
     pub output: Option<String>,
+    /// Column of the rate of the input, for the force of a damper.
+    pub rate: Option<String>,
     /// Sample rate \[Hz\], for a file without time.
     pub sample_rate_hz: Option<f64>,
     /// Scales of columns: `y=2.5um/V`.
@@ -141,6 +143,8 @@ pub enum ColumnUse {
     Output,
     /// Time.
     Time,
+    /// Rate of the drive.
+    Rate,
 }
 
 /// A gap in the time stamps.

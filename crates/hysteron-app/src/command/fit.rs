@@ -22,6 +22,7 @@ pub(crate) fn identify(
     records: &[RecordEntry],
     task: &Task,
     model: &str,
+    start: Option<&str>,
     (inputs, outputs): (&[String], &[String]),
     report: Option<&str>,
 ) -> Command {
@@ -33,21 +34,29 @@ pub(crate) fn identify(
             Some(RecordRole::Dynamic) => words.with("--dynamic", &record.id),
         };
     }
-    words = words.with("-o", model).maybe("--report", report);
+    words = words.with("-o", model).maybe("--start", start).maybe("--report", report);
     let (words, kind, arguments) = match task {
         Task::Hammerstein(options) => {
             (hammerstein(words, options), "Hammerstein", python(Arguments::default(), options))
         }
         Task::Oscillator(_) => (words.with("--structure", "oscillator"), "Oscillator", Arguments::default()),
-        Task::Force(_) => (words.with("--structure", "force"), "Force", Arguments::default()),
+        Task::Force(_) => {
+            let rate = records.first().and_then(|record| record.settings.rate.as_ref());
+            let words = words.with("--structure", "force").maybe("--rate", rate);
+            (words, "Force", Arguments::default())
+        }
         Task::Modes(_) => (axes(words, inputs, outputs), "Modes", of_axes(inputs, outputs)),
         Task::Branches(_) => {
             let words = axes(words, inputs, outputs).with("--structure", "hammerstein");
             (words, "Branches", of_axes(inputs, outputs))
         }
     };
-    let python =
-        format!("hy.{kind}({}).fit({}).model_.save({})", arguments.done(), read(records), text(model));
+    let from = start.map_or_else(String::new, |start| format!(", start=hy.load({})", text(start)));
+    let fitted = format!("hy.{kind}({}).fit({}{from})", arguments.done(), read(records));
+    let mut python = format!("{fitted}.model_.save({})", text(model));
+    if matches!(task, Task::Force(_)) && records.iter().any(|record| record.settings.rate.is_some()) {
+        python += "  # the measured rate is left out";
+    }
     beside(Command { shell: words.columns(records).done(), python }, records)
 }
 

@@ -1,9 +1,11 @@
 //! The commands that do what the page does, for a shell in the workspace's folder and in Python.
 
 mod fit;
+mod operation;
 mod script;
 
 pub(crate) use fit::{compare, identify};
+pub(crate) use operation::{adapt, frequency_response, prepare, realise, recalibrate, simulate};
 pub(crate) use script::scripts;
 
 use crate::api::{

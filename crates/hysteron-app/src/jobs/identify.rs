@@ -45,10 +45,14 @@ pub(super) fn campaign_record(workspace: &Workspace, id: &str) -> Answer<Campaig
 /// If the records cannot be read, no model describes them, or the result cannot be written.
 pub(super) fn run(jobs: &Jobs, job: &Job, stop: &Stop) -> Answer<Ended> {
     let workspace = &*jobs.workspace;
-    let JobRequest::Identify { records: ids, task, model, inputs, outputs, report, .. } = &job.request else {
+    let JobRequest::Identify { records: ids, task, start, model, inputs, outputs, report, .. } = &job.request
+    else {
         return Err(Refused::failed("this is no identification"));
     };
-    let task = task.clone().unwrap_or_else(|| Task::Hammerstein(Box::default()));
+    let mut task = task.clone().unwrap_or_else(|| Task::Hammerstein(Box::default()));
+    if let Some(start) = start {
+        task = plan::started(workspace, &task, start)?;
+    }
     let model = model.clone().unwrap_or_else(|| "model.json".to_owned());
     let partial = plan::beside(&model, "partial.json");
     let searches = plan::beside(&model, "searches.json");

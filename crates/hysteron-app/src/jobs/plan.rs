@@ -4,9 +4,11 @@ use std::path::PathBuf;
 
 use hysteron_identify::structure::Candidate;
 use hysteron_identify::{FamilyChoice, Options, Task};
+use hysteron_model::model::Capability;
 
 use crate::api::{Command, Job, JobRequest, RecordEntry};
 use crate::command;
+use crate::models::load;
 use crate::refused::{Answer, Refused};
 use crate::workspace::{Workspace, device_of, stem_of};
 
@@ -24,7 +26,7 @@ pub(super) struct Plan {
 /// For records that are not there, names that are none, structures that are unknown.
 pub(super) fn plan(workspace: &Workspace, request: JobRequest, taken: &[String]) -> Answer<Plan> {
     match request {
-        JobRequest::Identify { records, task, structure, model, inputs, outputs, report } => {
+        JobRequest::Identify { records, task, structure, start, model, inputs, outputs, report } => {
             let entries = entries(workspace, &records)?;
             let task = task_of(task, structure.as_deref(), &entries)?;
             if task.takes_several_axes() && (inputs.is_empty() || outputs.is_empty()) {
@@ -34,14 +36,26 @@ pub(super) fn plan(workspace: &Workspace, request: JobRequest, taken: &[String])
                 Some(model) => named_model(workspace, &model)?,
                 None => free_name(workspace, &entries, &task, taken)?,
             };
+            if let Some(start) = &start {
+                started(workspace, &task, start)?;
+            }
             let page = report.then(|| beside(&model, "html"));
             let axes = (&inputs[..], &outputs[..]);
-            let command = command::identify(&entries, &task, &model, axes, page.as_deref());
+            let from = start.as_deref();
+            let command = command::identify(&entries, &task, &model, from, axes, page.as_deref());
             let name = stem_of(&model).to_owned();
             let unit = unit(&entries);
             let (task, model) = (Some(task), Some(model));
-            let request =
-                JobRequest::Identify { records, task, structure: None, model, inputs, outputs, report };
+            let request = JobRequest::Identify {
+                records,
+                task,
+                structure: None,
+                start,
+                model,
+                inputs,
+                outputs,
+                report,
+            };
             Ok(Plan { request, name, command, unit })
         }
         JobRequest::Compare { records, candidates, quick, time_limit_s, continued, report } => {
@@ -95,6 +109,19 @@ fn task_of(task: Option<Task>, structure: Option<&str>, entries: &[RecordEntry])
         options.continued |= continue_one_another(entries);
     }
     Ok(task)
+}
+
+/// The task with the first start of its searches from a model.
+///
+/// # Errors
+/// If there is no such model, or it is of another kind.
+pub(super) fn started(workspace: &Workspace, task: &Task, start: &str) -> Answer<Task> {
+    let model = load(workspace, start)?;
+    let Task::Hammerstein(options) = task else {
+        return Err(Refused::bad("a start can be given to the search of a Hammerstein model only"));
+    };
+    let law = model.hammerstein(Capability::Simulation).map_err(Refused::cannot)?.law().clone();
+    Ok(Task::Hammerstein(Box::new(Options { start: Some(law), ..(**options).clone() })))
 }
 
 fn continue_one_another(entries: &[RecordEntry]) -> bool {

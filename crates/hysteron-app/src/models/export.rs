@@ -34,11 +34,7 @@ struct Exported {
 fn exported(workspace: &Workspace, id: &str, query: &DownloadQuery) -> Answer<Exported> {
     let model = super::load(workspace, id)?;
     let body = model.hammerstein(Capability::Export).map_err(Refused::cannot)?;
-    let rate = query.sample_rate_hz.or(body.data().sample_rate_hz).filter(|rate| *rate > 0.0);
-    let rate = rate.ok_or_else(|| {
-        Refused::bad("the model was identified from records without a sample rate")
-            .hint("Give the sample rate of the controller.")
-    })?;
+    let rate = rate(body, query.sample_rate_hz)?;
     let options = body.realise_options(rate, RealiseOptions::default());
     let realisation = realise(body.law(), rate, &options).map_err(Refused::bad)?;
     let (states, error) = (realisation.dynamics.states(), realisation.dynamics.frequency_error);
@@ -49,6 +45,14 @@ fn exported(workspace: &Workspace, id: &str, query: &DownloadQuery) -> Answer<Ex
     let inverse = if query.inverse { Some(inverted(body, &subject, rate, query)?) } else { None };
     let files = files(query.form, &subject, inverse.as_ref()).map_err(Refused::cannot)?;
     Ok(Exported { name, files, states, error })
+}
+
+/// Sample rate of the controller: given, else that of the model's records.
+pub(super) fn rate(body: &Hammerstein, given: Option<f64>) -> Answer<f64> {
+    given.or(body.data().sample_rate_hz).filter(|rate| *rate > 0.0).ok_or_else(|| {
+        Refused::bad("the model was identified from records without a sample rate")
+            .hint("Give the sample rate of the controller.")
+    })
 }
 
 fn inverted(body: &Hammerstein, subject: &Subject, rate: f64, query: &DownloadQuery) -> Answer<Inverse> {

@@ -168,10 +168,7 @@ fn save(
     input: &str,
     request: &FollowRequest,
 ) -> Answer<()> {
-    let path = workspace.path_of_drive(file)?;
-    if path.exists() {
-        workspace.keep_replaced(file, Kind::Record)?;
-    }
+    let path = workspace.to_write(file, Kind::Record)?;
     let time = TimeBase::uniform(wanted.rate);
     let symbol = wanted.unit.symbol();
     let channels = vec![

@@ -1,16 +1,24 @@
 //! Models of the workspace: in the list, in full, on records, exported, inverted.
 
+mod adapt;
 mod curves;
 mod export;
 mod follow;
+mod realise;
+mod recalibrate;
 mod report;
 mod score;
+mod simulate;
 
+pub(crate) use adapt::adapt;
 pub(crate) use curves::{curves, response};
 pub(crate) use export::{archive, preview};
 pub(crate) use follow::{follow, track};
+pub(crate) use realise::realise;
+pub(crate) use recalibrate::recalibrate;
 pub(crate) use report::report;
 pub(crate) use score::scores;
+pub(crate) use simulate::simulate;
 
 use hysteron_identify::{FitParameter, Place};
 use hysteron_io::{load_model_and_source, sha256};
@@ -19,9 +27,10 @@ use hysteron_model::model_file::{Document, typographic};
 use hysteron_report::model::{Number, numbers_of};
 use hysteron_report::number::with_std_error;
 use hysteron_report::record_curves::is_simulated;
+use hysteron_report::results::Listing;
 use serde_json::Value;
 
-use crate::api::{ModelDetail, ModelEntry, ParameterRow, Problem, Score};
+use crate::api::{Listed, ModelDetail, ModelEntry, ParameterRow, Problem, Score};
 use crate::jobs::FitFound;
 use crate::refused::{Answer, Refused};
 use crate::workspace::{Found, Kind, Workspace, device_of, shown, stem_of};
@@ -189,6 +198,11 @@ fn number(n: Number) -> ParameterRow {
         None => (None, n.path),
     };
     ParameterRow { place, ..row(name, n.value, n.unit, n.std_error) }
+}
+
+/// A table of a result.
+pub(crate) fn listed(title: &str, listing: Listing) -> Listed {
+    Listed { title: title.to_owned(), columns: listing.columns, rows: listing.rows }
 }
 
 /// Gives the file of a model another name, and those that belong to it.

@@ -2,7 +2,7 @@
 
 use hysteron_identify::PredictionBand;
 use hysteron_model::axes::AxesRecord;
-use hysteron_model::model::{Capability, Score as Found, Signals};
+use hysteron_model::model::{Capability, Remark, Score as Found, Signals};
 use hysteron_model::record::{InputOutput, MeasurementRun, TimeBase};
 use hysteron_model::validate::{OffsetTreatment, Scoring, definitions};
 use hysteron_model::{Model, Start};
@@ -46,14 +46,16 @@ pub(super) fn score_of(record: &str, found: &Found) -> Score {
 
 /// Remarks of a simulation, in words.
 pub(super) fn remarks(model: &Model, found: &Found) -> Vec<String> {
-    let words = |remark: &hysteron_model::model::Remark| {
-        let (text, advice) = remark.in_words(model);
-        match advice {
-            Some(advice) => format!("{}. {}", text.trim_end_matches('.'), remedy(&advice)),
-            None => text,
-        }
-    };
-    found.simulation.remarks.iter().map(words).collect()
+    found.simulation.remarks.iter().map(|remark| in_words(model, remark)).collect()
+}
+
+/// A remark with its remedy.
+pub(super) fn in_words(model: &Model, remark: &Remark) -> String {
+    let (text, advice) = remark.in_words(model);
+    match advice {
+        Some(advice) => format!("{}. {}", text.trim_end_matches('.'), remedy(&advice)),
+        None => text,
+    }
 }
 
 /// The band of the output, where the model file gives one.

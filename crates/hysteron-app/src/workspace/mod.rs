@@ -73,17 +73,31 @@ impl Workspace {
         path_of(&self.folder, id)
     }
 
-    /// The path of a drive that is to be written, in a folder that is there.
+    /// The path of a file that is to be written, in a folder that is there; a file of this name goes to the
+    /// trash folder.
     ///
     /// # Errors
-    /// For an identifier that is none, or has another ending than those of drives.
-    pub(crate) fn path_of_drive(&self, id: &str) -> Answer<PathBuf> {
+    /// For an identifier that is none, or has another ending than files of this kind.
+    pub(crate) fn to_write(&self, id: &str, kind: Kind) -> Answer<PathBuf> {
         let path = self.path(id)?;
-        if !["csv", "npz", "mat"].iter().any(|ending| id.ends_with(&format!(".{ending}"))) {
-            return Err(Refused::bad("a drive is written as .csv, .npz or .mat"));
+        let endings: &[&str] = match kind {
+            Kind::Record => &[".csv", ".npz", ".mat"],
+            Kind::Model => &[".json"],
+            Kind::Report => &[".html"],
+        };
+        let is_kept = id.ends_with(".partial.json") || id.ends_with(".searches.json");
+        if is_kept || !endings.iter().any(|ending| id.ends_with(ending)) {
+            return Err(Refused::bad(format!(
+                "the name of a {} ends in {}",
+                kind.name(),
+                endings.join(", ")
+            )));
         }
         if let Some(parent) = path.parent() {
             std::fs::create_dir_all(parent).map_err(Refused::failed)?;
+        }
+        if path.exists() {
+            self.keep_replaced(id, kind)?;
         }
         Ok(path)
     }

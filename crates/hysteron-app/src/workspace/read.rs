@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock, PoisonError};
 
 use hysteron_io::{IoError, ReadOptions, holds_named_arrays, read_part, read_record};
 use hysteron_model::Finding;
+use hysteron_model::force::with_rate;
 use hysteron_model::record::{
     ChannelChoice, Cut, InputOutput, Inspection, Record, Scale, Source, find_periods, inspect,
 };
@@ -175,13 +176,11 @@ pub(super) fn read_as_said(path: &Path, id: &str, settings: &RecordSettings) -> 
     }
     let notes = record.select(&choice).map(|selection| selection.notes).unwrap_or_default();
     let data = record.input_output(&choice).map(|data| masked(data, &settings.masks));
-    Ok(ReadRecord {
-        data: data.map_err(Problem::from),
-        record,
-        notes,
-        inspection: OnceLock::new(),
-        periods: OnceLock::new(),
-    })
+    let data = data.map_err(Problem::from).and_then(|data| match &settings.rate {
+        Some(column) => with_rate(data, &record, column).map_err(|e| Problem::new(e, None)),
+        None => Ok(data),
+    });
+    Ok(ReadRecord { data, record, notes, inspection: OnceLock::new(), periods: OnceLock::new() })
 }
 
 fn masked(mut data: InputOutput, masks: &[[f64; 2]]) -> InputOutput {

@@ -136,7 +136,12 @@ fn mark_used(columns: &mut [Column], entry: &RecordEntry) {
         let bare = split_header(last).0;
         path == name || last == name || bare == name
     };
-    for (name, used) in [(&entry.input, ColumnUse::Input), (&entry.output, ColumnUse::Output)] {
+    let uses = [
+        (&entry.input, ColumnUse::Input),
+        (&entry.output, ColumnUse::Output),
+        (&entry.settings.rate, ColumnUse::Rate),
+    ];
+    for (name, used) in uses {
         let Some(name) = name else { continue };
         if let Some(column) = columns.iter_mut().find(|column| named(&column.path, name)) {
             column.used_as = Some(used);

@@ -8,6 +8,7 @@ use hysteron_model::model_file::{ModelFile, ScoreRole};
 use hysteron_model::record::{InputOutput, find_periods, noise_floor, range_of, shortest_swing};
 use hysteron_model::validate::{OffsetTreatment, Scores, Scoring, score};
 use hysteron_rt::{FitMonitor, MonitorSettings, Nlms, NlmsSettings, Rls, RlsSettings, Unexcited};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Most terms of a correction over a record.
@@ -45,7 +46,7 @@ pub struct FollowOptions {
 }
 
 /// Estimator of the coefficients.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum FollowMethod {
     /// Recursive least squares with forgetting.

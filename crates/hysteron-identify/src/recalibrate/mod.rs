@@ -15,10 +15,11 @@ mod tests;
 
 use super::{IdentifyError, RecordFacts, uncertainty};
 pub use file::RecalibrationSummary;
-use hysteron_model::Start;
 use hysteron_model::hammerstein::Model;
-use hysteron_model::record::{InputOutput, range_of};
+use hysteron_model::model::Remark;
+use hysteron_model::record::{InputOutput, MeasurementRun, RecordError, range_of};
 use hysteron_model::validate::{ScoreError, Scores, Scoring, choose_start, score};
+use hysteron_model::{Model as AnyModel, Start};
 use hysteron_optimize::{Algorithm, LeastSquaresOptions, Settings, Unobserved, minimize};
 use nalgebra::{DMatrix, DVector};
 use problem::{GainAndDelay, Names};
@@ -43,6 +44,34 @@ pub struct Recording {
     /// Beginning of a run of several records, which determines its start; `None`: the whole record determines
     /// it.
     pub beginning: Option<InputOutput>,
+}
+
+impl Recording {
+    /// Records, or the runs that `continued` ones form, each from the start that the model file assumes;
+    /// remarks on it are added to `remarks`.
+    ///
+    /// # Errors
+    /// [`RecordError`] for records that are no parts of a run.
+    pub fn of(
+        model: &AnyModel,
+        records: Vec<InputOutput>,
+        continued: bool,
+        remarks: &mut Vec<Remark>,
+    ) -> Result<Vec<Self>, RecordError> {
+        let mut recording = |data: InputOutput, beginning: Option<InputOutput>| {
+            let start = model.expected_start(beginning.as_ref().unwrap_or(&data), remarks);
+            Self { data, start, start_is_known: false, beginning }
+        };
+        if !continued {
+            return Ok(records.into_iter().map(|data| recording(data, None)).collect());
+        }
+        let runs = MeasurementRun::of(&records)?;
+        let of_run = |run: MeasurementRun| {
+            let beginning = run.beginning();
+            recording(run.data, Some(beginning))
+        };
+        Ok(runs.into_iter().map(of_run).collect())
+    }
 }
 
 /// Prior of gain and delay from the old model.

@@ -30,6 +30,7 @@ export interface RecordSettings {
   time: string | null;
   input: string | null;
   output: string | null;
+  rate: string | null;
   sample_rate_hz: number | null;
   scales: string[];
   from_s: number | null;
@@ -124,7 +125,7 @@ export interface RecordDetail extends RecordEntry {
     shape: number[];
     unit: string | null;
     kind: string;
-    used_as: 'input' | 'output' | 'time' | null;
+    used_as: 'input' | 'output' | 'time' | 'rate' | null;
   }[];
   inspection: Inspection | null;
   gaps: { from_s: number; to_s: number }[];
@@ -173,6 +174,21 @@ export interface Options {
   plan_default: Record<string, unknown>;
   drive: Schema;
   track: Schema;
+  operations: { name: string; schema: Schema; usual: Record<string, unknown> }[];
+}
+
+/** What an operation found and wrote. */
+export interface Outcome {
+  sentences: string[];
+  tables: { title: string; columns: string[]; rows: string[][] }[];
+  figures: {
+    title: string;
+    series: { name: string; curve: Curve }[];
+    log_across: boolean;
+    log_up: boolean;
+  }[];
+  files: string[];
+  command: Command;
 }
 
 /** JSON schema, as far as forms are made from it. */
@@ -202,7 +218,10 @@ export type JobRequest =
       records: string[];
       task?: unknown;
       structure?: string;
+      start?: string;
       model?: string;
+      inputs?: string[];
+      outputs?: string[];
       report?: boolean;
     }
   | { kind: 'compare'; records: string[]; candidates?: string[]; quick?: boolean; report?: string };

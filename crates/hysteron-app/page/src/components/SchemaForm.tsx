@@ -110,6 +110,23 @@ function Field({ label, schema, root, value, choices, usual, change }: FieldProp
           <small>{help}</small>
         </label>
       );
+    case 'texts':
+      return (
+        <label class="f">
+          <span>{label}</span>
+          <Typed
+            text={Array.isArray(value) ? value.join(', ') : ''}
+            read={(text) =>
+              text
+                .split(',')
+                .map((one) => one.trim())
+                .filter(Boolean)
+            }
+            change={change}
+          />
+          <small>{help} Several are separated by commas.</small>
+        </label>
+      );
     case 'text':
       return (
         <label class="f">

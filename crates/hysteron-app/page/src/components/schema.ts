@@ -17,6 +17,7 @@ export type Kind =
   | { kind: 'number'; whole: boolean; schema: Schema }
   | { kind: 'text' }
   | { kind: 'numbers' }
+  | { kind: 'texts' }
   | { kind: 'choice'; options: Option[] }
   | { kind: 'group'; fields: [string, Schema][] }
   | { kind: 'json' };
@@ -69,7 +70,8 @@ export function kindOf(given: Schema, root: Schema): Kind {
       return { kind: 'text' };
     case 'array': {
       const item = schema.items && resolved(schema.items, root);
-      return item?.type === 'number' || item?.type === 'integer' ? { kind: 'numbers' } : { kind: 'json' };
+      if (item?.type === 'number' || item?.type === 'integer') return { kind: 'numbers' };
+      return item?.type === 'string' && !item.enum ? { kind: 'texts' } : { kind: 'json' };
     }
     default:
       return schema.properties
@@ -130,6 +132,8 @@ export function start(given: Schema, root: Schema): unknown {
       return Math.max(1, schema.minimum ?? 1);
     case 'numbers':
       return [1];
+    case 'texts':
+      return [];
     case 'text':
       return '';
     case 'choice':

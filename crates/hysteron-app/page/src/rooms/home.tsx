@@ -6,6 +6,7 @@ import type { History, ModelDetail, ModelEntry, Preview, ReportEntry } from '../
 import { command, copy, Language } from '../components/dock';
 import { Icon } from '../components/icon';
 import { ModelChoice, NoModel, useModel } from '../components/models';
+import { Operation } from '../components/Operation';
 import { Failure, Head, Origin, Waiting } from '../components/words';
 import { TableBox } from '../components/window';
 import { bytes, count, fileName, integer, prose, significant } from '../format';
@@ -132,6 +133,15 @@ function Forms({ models, model }: { models: ModelEntry[]; model: ModelEntry }) {
             </TableBox>
           </fieldset>
           <Exactness preview={code ? preview.value : undefined} detail={detail} />
+          <Operation
+            key={model.id}
+            name="realise"
+            title="Poles for a controller"
+            about="The dynamics as a fixed number of real poles and pole pairs, checked against the simulation of a record."
+            at={`${path('models', model.id)}/realise`}
+            request={{}}
+            verb="Realise"
+          />
           <Reports />
         </div>
         <div class="stack">

@@ -7,10 +7,14 @@ use axum::extract::{Path, State};
 use axum::response::Response;
 
 use crate::api::{
-    DownloadQuery, Form, ModelCurves, ModelCurvesQuery, ModelDetail, ModelEntry, ModelPatch, Preview,
-    ResponseQuery, Responses, Scored, ScoresRequest, Trashed,
+    AdaptRequest, DownloadQuery, Form, ModelCurves, ModelCurvesQuery, ModelDetail, ModelEntry, ModelPatch,
+    Outcome, Preview, RealiseRequest, RecalibrateRequest, ResponseQuery, Responses, Scored, ScoresRequest,
+    SimulateRequest, Trashed,
 };
-use crate::models::{archive, curves, detail, list, preview, rename, report, response, scores};
+use crate::models::{
+    adapt, archive, curves, detail, list, preview, realise, recalibrate, rename, report, response, scores,
+    simulate,
+};
 use crate::refused::{Answer, Refused};
 use crate::server::Shared;
 use crate::server::answer::{Ask, Input, attached, compute, run};
@@ -35,6 +39,18 @@ pub(in crate::server) fn operations() -> Vec<Operation> {
         Operation::get("/api/v1/models/{id}/response", "Gain and phase at a record's sines.", sines)
             .asks::<ResponseQuery>()
             .answers::<Responses>(),
+        Operation::post("/api/v1/models/{id}/simulate", "The output for the drive of a record.", simulated)
+            .takes::<SimulateRequest>()
+            .answers::<Outcome>(),
+        Operation::post("/api/v1/models/{id}/recalibrate", "Gain, delay and offset anew.", recalibrated)
+            .takes::<RecalibrateRequest>()
+            .answers::<Outcome>(),
+        Operation::post("/api/v1/models/{id}/adapt", "Corrects a model over a record.", adapted)
+            .takes::<AdaptRequest>()
+            .answers::<Outcome>(),
+        Operation::post("/api/v1/models/{id}/realise", "Poles for a controller's rate.", realised)
+            .takes::<RealiseRequest>()
+            .answers::<Outcome>(),
         Operation::get("/api/v1/models/{id}/preview", "The files of an export.", files)
             .asks::<DownloadQuery>()
             .answers::<Preview>(),
@@ -86,6 +102,38 @@ async fn sines(
     Ask(query): Ask<ResponseQuery>,
 ) -> Answer<Json<Responses>> {
     compute(move || response(&shared.workspace, &id, &query.record)).await
+}
+
+async fn simulated(
+    State(shared): State<Arc<Shared>>,
+    Path(id): Path<String>,
+    Input(request): Input<SimulateRequest>,
+) -> Answer<Json<Outcome>> {
+    compute(move || simulate(&shared.workspace, &id, &request)).await
+}
+
+async fn recalibrated(
+    State(shared): State<Arc<Shared>>,
+    Path(id): Path<String>,
+    Input(request): Input<RecalibrateRequest>,
+) -> Answer<Json<Outcome>> {
+    compute(move || recalibrate(&shared.workspace, &id, &request)).await
+}
+
+async fn adapted(
+    State(shared): State<Arc<Shared>>,
+    Path(id): Path<String>,
+    Input(request): Input<AdaptRequest>,
+) -> Answer<Json<Outcome>> {
+    compute(move || adapt(&shared.workspace, &id, &request)).await
+}
+
+async fn realised(
+    State(shared): State<Arc<Shared>>,
+    Path(id): Path<String>,
+    Input(request): Input<RealiseRequest>,
+) -> Answer<Json<Outcome>> {
+    compute(move || realise(&shared.workspace, &id, &request.options)).await
 }
 
 async fn files(

@@ -13,12 +13,14 @@ use http_body_util::BodyExt;
 use serde_json::Value;
 
 use crate::api::{
-    Curve, CurveQuery, ProspectsRequest, ProspectsTogether, RecordDetail, RecordEntry, RecordSettings,
-    Trashed, UploadQuery,
+    Curve, CurveQuery, Outcome, PrepareRequest, ProspectsRequest, ProspectsTogether, RecordDetail,
+    RecordEntry, RecordSettings, ResponseFitRequest, Trashed, UploadQuery,
 };
 use crate::draw::{Along, between, over, over_time};
 use crate::notice::Change;
+use crate::prepare::prepare;
 use crate::refused::{Answer, Refused};
+use crate::response::explain;
 use crate::server::Shared;
 use crate::server::answer::{Ask, Input, attached, compute, run};
 use crate::server::operation::Operation;
@@ -49,6 +51,12 @@ pub(in crate::server) fn operations() -> Vec<Operation> {
         Operation::get("/api/v1/records/{id}/curve", "A curve of a record, as a drawing shows it.", curve)
             .asks::<CurveQuery>()
             .answers::<Curve>(),
+        Operation::post("/api/v1/prepare", "Records cut, joined, scaled, resampled to a new one.", prepared)
+            .takes::<PrepareRequest>()
+            .answers::<Outcome>(),
+        Operation::post("/api/v1/frequency-response", "Structures fitted to a response.", explained)
+            .takes::<ResponseFitRequest>()
+            .answers::<Outcome>(),
         Operation::post("/api/v1/prospects", "What records determine together.", together)
             .takes::<ProspectsRequest>()
             .answers::<ProspectsTogether>(),
@@ -218,6 +226,20 @@ fn drawn(workspace: &Workspace, id: &str, query: &CurveQuery) -> Answer<Curve> {
     let x = along(&query.x)?;
     let periods = read.periods();
     Ok(over(&x, &y, part, query.pixels, periods))
+}
+
+async fn prepared(
+    State(shared): State<Arc<Shared>>,
+    Input(request): Input<PrepareRequest>,
+) -> Answer<Json<Outcome>> {
+    compute(move || prepare(&shared.workspace, &request)).await
+}
+
+async fn explained(
+    State(shared): State<Arc<Shared>>,
+    Input(request): Input<ResponseFitRequest>,
+) -> Answer<Json<Outcome>> {
+    compute(move || explain(&shared.workspace, &request)).await
 }
 
 async fn together(

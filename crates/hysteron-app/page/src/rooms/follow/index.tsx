@@ -14,6 +14,7 @@ import { LimitsForm, ReferenceForm, type Limits, type Specification } from './Re
 import { DRAWN, read, sampled, written } from './drawn';
 import { Curves, Result } from './Result';
 import { Save } from './Save';
+import { Simulate } from './Simulate';
 
 const TITLE = 'Follow';
 const QUESTION = 'Which drive follows my reference, within my limits, and how well?';
@@ -182,6 +183,7 @@ function Ready(props: {
             />
           </div>
         )}
+        <Simulate model={model} records={records} />
       </div>
     </>
   );

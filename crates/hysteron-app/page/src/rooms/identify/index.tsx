@@ -16,7 +16,7 @@ import { isFit } from '../records/roles';
 import { About, Done } from './Done';
 import { Live } from './Live';
 import { Settings } from './Settings';
-import { asked } from './task';
+import { requested } from './task';
 
 const TITLE = 'Identify';
 const QUESTION = 'Which model describes these records, and how sure is each number?';
@@ -57,7 +57,7 @@ export function Identify() {
   const taken = own.filter((record) => !leftOut.has(record.id));
   const request: JobRequest | null =
     offered && taken.length > 0
-      ? { kind: 'identify', records: taken.map((record) => record.id), task: asked(offered) }
+      ? { kind: 'identify', records: taken.map((record) => record.id), ...requested(offered) }
       : null;
   const preview = useAnswer<Command>(request && !job ? 'commands' : null, request).value;
   useEffect(() => {
@@ -118,7 +118,12 @@ export function Identify() {
       <div class="cols g-id">
         <div class="stack">
           <Fold title={`Settings, ${count(taken.length, 'record')}`} folded={shownModel !== undefined}>
-            <Settings records={taken} out={own.filter((record) => leftOut.has(record.id))} running={runs} />
+            <Settings
+              records={taken}
+              out={own.filter((record) => leftOut.has(record.id))}
+              models={models}
+              running={runs}
+            />
           </Fold>
           {shownModel && <About id={shownModel.id} />}
         </div>

@@ -24,6 +24,27 @@ export function asked(offered: Options): Task {
   }
 }
 
+/** Kinds of several axes, whose inputs and outputs are named. */
+export const OF_AXES = ['modes', 'branches'];
+
+/** Names of columns in the URL. */
+export function columns(of: 'inputs' | 'outputs'): string[] {
+  return (route.value.query.get(of) ?? '').split(',').filter(Boolean);
+}
+
+/** What the settings ask of a fit beside its records. */
+export function requested(offered: Options) {
+  const task = asked(offered);
+  const axes = OF_AXES.includes(task.kind);
+  const start = route.value.query.get('start');
+  return {
+    task,
+    ...(start && task.kind === usual(offered).kind ? { start } : {}),
+    ...(axes ? { inputs: columns('inputs'), outputs: columns('outputs') } : {}),
+    ...(route.value.query.get('report') ? { report: true } : {}),
+  };
+}
+
 export function ask(offered: Options, task: Task): void {
   const base = usual(offered, task.kind);
   const changes = Object.entries(task.options).filter(

@@ -9,8 +9,10 @@ import { deleted } from '../../components/undo';
 import { go } from '../../route';
 import { ROLES, sameDevice, settings } from './roles';
 
-type Use = 'input' | 'output' | 'time';
+type Use = 'input' | 'output' | 'time' | 'rate';
 const USES: Use[] = ['time', 'input', 'output'];
+/** Columns that a record has before one can be the rate of the drive. */
+const WITHOUT_RATE = 3;
 
 export function RecordHead({ record, records }: { record: RecordDetail; records: RecordEntry[] }) {
   const others = sameDevice(records, record).filter((other) => other.id !== record.id);
@@ -75,10 +77,12 @@ export function RecordHead({ record, records }: { record: RecordDetail; records:
 /** Which column is what: a choice for each use, so that a file of many channels stays small. */
 function Columns({ record }: { record: RecordDetail }) {
   const numbers = record.columns.filter((column) => column.kind === 'numbers');
+  // The rate of the drive, measured beside it, is for the force of a damper.
+  const uses: Use[] = numbers.length > WITHOUT_RATE ? [...USES, 'rate'] : USES;
   const used = (use: Use): string => record.columns.find((column) => column.used_as === use)?.path ?? '';
   return (
     <>
-      {USES.map((use) => (
+      {uses.map((use) => (
         <label key={use}>
           <span class="soft">{use}</span>
           <select
@@ -89,7 +93,7 @@ function Columns({ record }: { record: RecordDetail }) {
               } as Partial<RecordSettings>)
             }
           >
-            {use === 'time' && <option value="">none</option>}
+            {(use === 'time' || use === 'rate') && <option value="">none</option>}
             {numbers.map((column) => (
               <option key={column.path} value={column.path}>
                 {column.path}

@@ -14,6 +14,7 @@ import { DriveMaker } from './DriveMaker';
 import { Determines, Facts, Remarks } from './Facts';
 import { RecordHead } from './Head';
 import { RecordList } from './List';
+import { PrepareRecords, ResponseFit } from './Operations';
 import { forFit } from './roles';
 import { Stretches } from './Stretches';
 import { drop, sendOne, uploads, type Upload } from './uploads';
@@ -124,6 +125,8 @@ function Detail({
         </div>
       )}
       {prospects?.measure_next && <MeasureNext text={prospects.measure_next} record={record} />}
+      {!record.error && <PrepareRecords record={record} records={records} />}
+      <ResponseFit record={record} records={records} />
     </div>
   );
 }

@@ -1,7 +1,7 @@
 // Room 4: how right is the model on records it has not seen?
 import { useEffect, useMemo } from 'preact/hooks';
-import { path, query } from '../api/client';
-import { useAll, useAnswer, useLatest, useResource } from '../api/resource';
+import { path, query } from '../../api/client';
+import { useAll, useAnswer, useLatest, useResource } from '../../api/resource';
 import type {
   GainPhase,
   Judged,
@@ -10,18 +10,19 @@ import type {
   RecordEntry,
   Responses,
   Scored,
-} from '../api/types';
-import { command } from '../components/dock';
-import { ModelChoice, NoModel, useModel } from '../components/models';
-import { Failure, Finding, Head, Lacking, Origin, Waiting } from '../components/words';
-import { TableBox } from '../components/window';
-import { fileName, prose, quantity, significant } from '../format';
-import { Plot } from '../plot/Plot';
-import type { Line, Spec } from '../plot/spec';
-import { zoomOf } from '../plot/zoom';
-import { address, go, route, settle } from '../route';
-import { useSignal } from '../signal';
-import { loopOf, recordsOf, residualOf, timeOf } from './identify/Done';
+} from '../../api/types';
+import { command } from '../../components/dock';
+import { ModelChoice, NoModel, useModel } from '../../components/models';
+import { Failure, Finding, Head, Lacking, Origin, Waiting } from '../../components/words';
+import { TableBox } from '../../components/window';
+import { fileName, prose, quantity, significant } from '../../format';
+import { Plot } from '../../plot/Plot';
+import type { Line, Spec } from '../../plot/spec';
+import { zoomOf } from '../../plot/zoom';
+import { address, go, route, settle } from '../../route';
+import { useSignal } from '../../signal';
+import { Adapt, Recalibrate } from './Operations';
+import { loopOf, recordsOf, residualOf, timeOf } from '../identify/Done';
 
 const TITLE = 'Validate';
 const QUESTION = 'How right is the model on records it has not seen?';
@@ -111,6 +112,12 @@ function Judgement({
           )}
           {chosen && <Curves key={chosen.id} model={model.id} record={chosen.id} />}
           <Response model={model.id} records={judged} />
+        </div>
+      )}
+      {usable.length > 0 && (
+        <div class="stack">
+          <Recalibrate key={`r ${model.id}`} model={model} records={usable} />
+          <Adapt key={`a ${model.id}`} model={model} records={usable} />
         </div>
       )}
     </>

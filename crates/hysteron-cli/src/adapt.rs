@@ -1,7 +1,5 @@
 //! `hysteron adapt`: a model corrected over a record, sample by sample, as a controller would.
 
-mod text;
-
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -12,6 +10,7 @@ use hysteron_model::Advice;
 use hysteron_model::model::{Capability, SignalRole};
 use hysteron_model::record::InputOutput;
 use hysteron_model::validate::Scoring;
+use hysteron_report::results::adaptation::{coefficients, errors, method, verdict};
 use serde::Serialize;
 
 use crate::columns::ColumnFlags;
@@ -174,7 +173,7 @@ impl Adapt {
             let model = self.out.as_deref().map(|path| path.display().to_string());
             console::json(&Outcome { model, found: found.summary(task.data, &task.options) })?;
         } else {
-            console::result(&text::text(&task, &found))?;
+            console::result(&text(&task, &found))?;
         }
         if let Some(path) = &self.out {
             console::message(&format!("model written to {}", path.display()));
@@ -192,4 +191,15 @@ impl Adapt {
     fn refused(&self, because: &dyn std::fmt::Display) -> Failure {
         Failure::new(format!("cannot follow {}", self.record.display())).because(because)
     }
+}
+
+fn text(task: &Task, found: &Followed) -> String {
+    let unit = task.data.y_unit.to_string();
+    format!(
+        "{}\n\n{}\n\n{}\n{}\n",
+        console::listed(&coefficients(found)),
+        console::listed(&errors(found, &unit)),
+        method(found, &task.options, &unit),
+        verdict(found, task.data, &task.options).join("\n")
+    )
 }

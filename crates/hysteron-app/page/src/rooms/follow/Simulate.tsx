@@ -1,0 +1,34 @@
+// The output for a drive that a record holds.
+import { useState } from 'preact/hooks';
+import { path } from '../../api/client';
+import type { ModelEntry, RecordEntry } from '../../api/types';
+import { Operation } from '../../components/Operation';
+import { fileName } from '../../format';
+
+export function Simulate({ model, records }: { model: ModelEntry; records: RecordEntry[] }) {
+  const [record, choose] = useState<string>('');
+  return (
+    <Operation
+      name="simulate"
+      title="Simulate a drive"
+      about="The output of the model for the drive of a record, in free run, beside what was measured where the record holds that."
+      at={`${path('models', model.id)}/simulate`}
+      request={record ? { record } : null}
+      verb="Simulate"
+      save={{ name: 'simulated.csv' }}
+    >
+      <label class="row">
+        <span class="soft">Drive of</span>
+        <select value={record} onChange={(event) => choose(event.currentTarget.value)}>
+          <option value="">a record…</option>
+          {records.map((one) => (
+            <option key={one.id} value={one.id}>
+              {one.device ? `${one.device}/` : ''}
+              {fileName(one.id)}
+            </option>
+          ))}
+        </select>
+      </label>
+    </Operation>
+  );
+}

@@ -1,0 +1,119 @@
+//! A model's output for a drive.
+
+use hysteron_io::write_record;
+use hysteron_model::axes::AxesRecord;
+use hysteron_model::model::{Capability, SignalRole, Signals, Simulation};
+use hysteron_model::record::{Driven, InputOutput, Unit};
+use hysteron_model::{Model, Start};
+
+use super::score::{band, in_words};
+use crate::api::{BandOf, Figure, Outcome, Series, SimulateRequest};
+use crate::command;
+use crate::draw::{Along, over_time};
+use crate::refused::{Answer, Refused};
+use crate::workspace::{Kind, Workspace};
+
+/// Width of drawings \[pixels\].
+const PIXELS: usize = 1000;
+
+/// Simulates a model for the drive of a record, beside what was measured where the record holds that.
+///
+/// # Errors
+/// If model and record do not go together, or the file cannot be written.
+pub(crate) fn simulate(workspace: &Workspace, id: &str, request: &SimulateRequest) -> Answer<Outcome> {
+    let model = super::load(workspace, id)?;
+    let options = &request.options;
+    let signals = drive(workspace, &model, &request.record)?;
+    let start = options.rest_voltage.map_or(Start::AsIdentified, |voltage_v| Start::Rest { voltage_v });
+    let found = model.simulate(&signals, start).map_err(Refused::cannot)?;
+    let ends = ends(&model, &signals, &found, options.band)?;
+    let names: Vec<String> = match model.channels() {
+        Some((_, outputs)) => outputs.to_vec(),
+        None => vec!["y".to_owned()],
+    };
+    let units = model.units();
+    let figures = figures(&signals, &found, &names, &Unit::new(&units.output), ends.as_ref());
+    let file = request.save.as_deref().unwrap_or("simulated.csv");
+    let command = command::simulate(id, &[workspace.entry(&request.record)?], options, file);
+    if let Some(save) = &request.save {
+        let record = found.to_record(save, &signals, &names, &units.output, ends).map_err(Refused::failed)?;
+        write_record(&workspace.to_write(save, Kind::Record)?, &record).map_err(Refused::failed)?;
+        workspace.history.add_action(&command)?;
+        workspace.look();
+    }
+    let mut sentences = vec![format!("Simulated {}.", found.start.in_words(&units.input, &units.output))];
+    sentences.extend(found.remarks.iter().map(|remark| in_words(&model, remark)));
+    Ok(Outcome {
+        sentences,
+        figures,
+        files: request.save.iter().cloned().collect(),
+        command,
+        ..Outcome::default()
+    })
+}
+
+/// The drive of a record, with the output that was measured beside it where it has the model's unit.
+fn drive(workspace: &Workspace, model: &Model, id: &str) -> Answer<Signals> {
+    let read = workspace.read(id)?;
+    if let Some((inputs, _)) = model.channels() {
+        return Ok(AxesRecord::new(&read.record, inputs, &[]).map_err(Refused::bad)?.into());
+    }
+    let input = workspace.history.settings(id)?.input;
+    let Driven { drive, measured } = read.record.driven(input.as_deref()).map_err(Refused::cannot)?;
+    let agrees = |m: &InputOutput| model.agreed_unit(SignalRole::Output, &m.y_unit, &mut Vec::new()).is_ok();
+    Ok(Driven { drive, measured: measured.filter(agrees) }.into())
+}
+
+/// Ends of the band about the output.
+fn ends(model: &Model, signals: &Signals, found: &Simulation, of: BandOf) -> Answer<Option<[Vec<f64>; 2]>> {
+    let (Signals::Single(drive), Some(y)) = (signals, found.outputs.first()) else { return Ok(None) };
+    if of == BandOf::None {
+        return Ok(None);
+    }
+    model.hammerstein(Capability::Bands).map_err(Refused::cannot)?;
+    let unknown = || Refused::bad("the model file does not say how sure its numbers are");
+    let band = band(model, &drive.u, &drive.time, &found.start).ok_or_else(unknown)?;
+    let half = match of {
+        BandOf::Measurement if band.noise > 0.0 => band.of_measurement(),
+        BandOf::Measurement => return Err(Refused::bad("the model file holds no scores of its records")),
+        BandOf::Model | BandOf::None => band.of_output(),
+    };
+    Ok(Some([-1.0, 1.0].map(|sign| y.iter().zip(&half).map(|(y, h)| y + sign * h).collect())))
+}
+
+/// Output and drive over time.
+fn figures(
+    signals: &Signals,
+    found: &Simulation,
+    names: &[String],
+    unit: &Unit,
+    ends: Option<&[Vec<f64>; 2]>,
+) -> Vec<Figure> {
+    let time = signals.time();
+    let draw = |name: &str, unit: &Unit, samples: &[f64]| Series {
+        name: name.to_owned(),
+        curve: over_time(time, &Along::new(name, unit, samples), 0..samples.len(), PIXELS),
+    };
+    let figure =
+        |title: &str, series| Figure { title: title.to_owned(), series, log_across: false, log_up: false };
+    let mut outputs = Vec::new();
+    let drives = match signals {
+        Signals::Single(record) => {
+            if !record.y.is_empty() {
+                outputs.push(draw("measured", unit, &record.y));
+            }
+            vec![draw("drive", &found.input_unit, &record.u)]
+        }
+        Signals::Several(record) => {
+            let inputs = record.inputs.iter().zip(&record.u);
+            inputs.map(|(name, u)| draw(name, &found.input_unit, u)).collect()
+        }
+    };
+    for (name, y) in names.iter().zip(&found.outputs) {
+        outputs.push(draw(if names.len() == 1 { "model" } else { name }, unit, y));
+    }
+    for (name, end) in ["band-low", "band-high"].into_iter().zip(ends.into_iter().flatten()) {
+        outputs.push(draw(name, unit, end));
+    }
+    vec![figure("Output", outputs), figure("Drive", drives)]
+}
