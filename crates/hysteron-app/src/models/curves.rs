@@ -1,10 +1,12 @@
 //! Curves and frequency response of a model on a record.
 
+use std::sync::{Arc, OnceLock};
+
 use hysteron_identify::SineResponse;
-use hysteron_model::Start;
 use hysteron_model::model::Signals;
 use hysteron_model::record::{InputOutput, Unit};
 use hysteron_model::validate::Scoring;
+use hysteron_model::{Model, Start};
 
 use super::score::{band, remarks, score_of, signals};
 use super::training_scores;
@@ -14,7 +16,7 @@ use crate::api::{
 use crate::command;
 use crate::draw::{Along, between, over, over_time};
 use crate::refused::{Answer, Refused};
-use crate::workspace::{Workspace, device_of};
+use crate::workspace::{Simulated, Workspace, device_of};
 
 /// Curves of a model on a record of one input and one output, with the scores of the same series.
 ///
@@ -22,13 +24,13 @@ use crate::workspace::{Workspace, device_of};
 /// If model or record are none, or do not go together.
 pub(crate) fn curves(workspace: &Workspace, id: &str, query: &ModelCurvesQuery) -> Answer<ModelCurves> {
     let model = super::load(workspace, id)?;
-    let signals = signals(workspace, &model, &query.record)?;
-    let Signals::Single(record) = &signals else {
+    let scored = scored(workspace, &model, id, &query.record)?;
+    let Simulated { signals, score: found, half_width } = &*scored;
+    let Signals::Single(record) = signals else {
         return Err(Refused::bad("curves are drawn of models of one input and one output"));
     };
-    let found = model.score(&signals, Start::AsIdentified, &Scoring::default()).map_err(Refused::cannot)?;
     // What is drawn is what was scored: the library returns both together.
-    let series = found.series(&signals).map_err(Refused::failed)?;
+    let series = found.series(signals).map_err(Refused::failed)?;
     let channel = |name: &str| {
         let channel = series.channel(name).map(|channel| channel.samples.as_slice());
         channel.ok_or_else(|| Refused::failed("the simulation has no such series"))
@@ -47,11 +49,14 @@ pub(crate) fn curves(workspace: &Workspace, id: &str, query: &ModelCurvesQuery) 
             } else {
                 vec![drawn.in_time("measured", &record.y), drawn.in_time("model", simulated)]
             };
-            let band = band(&model, &record.u, &record.time, &found.simulation.start);
-            if let Some(width) = band.filter(|band| band.noise > 0.0).map(|band| band.of_measurement()) {
+            let width = half_width.get_or_init(|| {
+                let band = band(&model, &record.u, &record.time, &found.simulation.start);
+                band.filter(|band| band.noise > 0.0).map(|band| band.of_measurement())
+            });
+            if let Some(width) = width {
                 let edge = |sign: f64| -> Vec<f64> {
                     let middle = |y: &f64| if is_residual { 0.0 } else { *y };
-                    simulated.iter().zip(&width).map(|(y, width)| middle(y) + sign * width).collect()
+                    simulated.iter().zip(width).map(|(y, width)| middle(y) + sign * width).collect()
                 };
                 all.push(drawn.in_time("band-low", &edge(-1.0)));
                 all.push(drawn.in_time("band-high", &edge(1.0)));
@@ -59,7 +64,7 @@ pub(crate) fn curves(workspace: &Workspace, id: &str, query: &ModelCurvesQuery) 
             all
         }
     };
-    let scores = score_of(&query.record, &found);
+    let scores = score_of(&query.record, found);
     let fitted_on = training_scores(&super::data(&model), "");
     let is_same = |name: &str| {
         let last = |path: &str| path.rsplit('/').next().unwrap_or_default().to_owned();
@@ -72,8 +77,19 @@ pub(crate) fn curves(workspace: &Workspace, id: &str, query: &ModelCurvesQuery) 
         series,
         scores,
         fitted: fitted_on.iter().any(|score| is_same(&score.record)),
-        remarks: remarks(&model, &found),
+        remarks: remarks(&model, found),
         command: command_of(workspace, id, &query.record)?,
+    })
+}
+
+/// A model on a record with its scores: one simulation for all that is drawn of it, at every zoom.
+fn scored(workspace: &Workspace, model: &Model, id: &str, record: &str) -> Answer<Arc<Simulated>> {
+    let key = format!("{} on {}", workspace.stamp_of(id)?, workspace.stamp_of(record)?);
+    workspace.scored.get(key, || {
+        let signals = signals(workspace, model, record)?;
+        let found = model.score(&signals, Start::AsIdentified, &Scoring::default());
+        let score = found.map_err(Refused::cannot)?;
+        Ok(Simulated { signals, score, half_width: OnceLock::new() })
     })
 }
 
@@ -119,11 +135,10 @@ impl Drawn<'_> {
 /// Those of [`curves`].
 pub(crate) fn response(workspace: &Workspace, id: &str, record_id: &str) -> Answer<Responses> {
     let model = super::load(workspace, id)?;
-    let signals = signals(workspace, &model, record_id)?;
-    let Signals::Single(record) = &signals else {
+    let scored = scored(workspace, &model, id, record_id)?;
+    let Simulated { signals: Signals::Single(record), score: found, .. } = &*scored else {
         return Err(Refused::bad("gain and phase are of models of one input and one output"));
     };
-    let found = model.score(&signals, Start::AsIdentified, &Scoring::default()).map_err(Refused::cannot)?;
     let simulated = found.simulation.outputs.first().map_or(&[][..], Vec::as_slice);
     let mut rows = SineResponse::of_record(record, simulated);
     if rows.is_empty() {

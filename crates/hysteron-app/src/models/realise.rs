@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use hysteron_model::model::{Capability, CheckedRealisation};
 use hysteron_model::realise::{self, realise as realised};
+use hysteron_report::number::significant;
 use hysteron_report::results::realisation::{facts, sections};
 
 use crate::api::{Outcome, RealiseOptions};
@@ -35,7 +36,8 @@ pub(crate) fn realise(workspace: &Workspace, id: &str, asked: &RealiseOptions) -
     let low = options.lowest_frequency_hz.filter(|_| asked.lowest_frequency_hz.is_none());
     let creeps = low.map(|low| {
         format!(
-            "The model creeps for ever; realised down to {low:.3} Hz, a thousandth of its records' lowest."
+            "The model creeps for ever; realised down to {} Hz, a thousandth of its records' lowest.",
+            significant(low, 3)
         )
     });
     Ok(Outcome {

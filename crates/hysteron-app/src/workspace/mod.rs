@@ -5,6 +5,7 @@ mod history;
 mod names;
 mod read;
 mod records;
+mod remembered;
 mod scan;
 mod trash;
 mod upload;
@@ -23,6 +24,8 @@ use crate::error::AppError;
 use crate::notice::{Change, Notices};
 use crate::refused::{Answer, Refused};
 use read::Cache;
+use remembered::Remembered;
+pub(crate) use remembered::Simulated;
 
 /// An open workspace.
 pub(crate) struct Workspace {
@@ -30,6 +33,8 @@ pub(crate) struct Workspace {
     pub(crate) history: History,
     pub(crate) notices: Notices,
     cache: Mutex<Cache>,
+    /// Models on records, with what was scored.
+    pub(crate) scored: Remembered<Simulated>,
     listing: Mutex<Listing>,
     pub(crate) max_upload_bytes: u64,
 }
@@ -54,6 +59,7 @@ impl Workspace {
             history,
             notices: Notices::default(),
             cache: Mutex::new(Cache::new(memory)),
+            scored: Remembered::default(),
             listing: Mutex::new(Listing::default()),
             folder,
             max_upload_bytes,

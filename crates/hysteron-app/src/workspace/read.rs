@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::{Arc, OnceLock, PoisonError};
 
+use hysteron_identify::structure::{Prospects, prospects};
 use hysteron_io::{IoError, ReadOptions, holds_named_arrays, read_part, read_record};
 use hysteron_model::Finding;
 use hysteron_model::force::with_rate;
@@ -27,6 +28,7 @@ pub(crate) struct ReadRecord {
     /// Choices made automatically.
     pub notes: Vec<Finding>,
     inspection: OnceLock<Inspection>,
+    prospects: OnceLock<Prospects>,
     periods: OnceLock<Option<(f64, usize)>>,
 }
 
@@ -46,6 +48,15 @@ impl ReadRecord {
     pub(crate) fn inspection(&self) -> Answer<&Inspection> {
         let data = self.data()?;
         Ok(self.inspection.get_or_init(|| inspect(data)))
+    }
+
+    /// What it determines alone.
+    ///
+    /// # Errors
+    /// Those of [`Self::data`].
+    pub(crate) fn prospects(&self) -> Answer<&Prospects> {
+        let data = self.data()?;
+        Ok(self.prospects.get_or_init(|| prospects(std::slice::from_ref(data))))
     }
 
     /// Samples of a period, and whole periods, where it repeats: less work than the inspection.
@@ -110,6 +121,21 @@ impl Workspace {
     pub(super) fn stamp(&self, found: &Found, settings: &RecordSettings) -> String {
         let said = serde_json::to_string(settings).unwrap_or_default();
         format!("{} {said}", found.stamp())
+    }
+
+    /// A text that changes with the file of a record or a model and with what was said of it.
+    ///
+    /// # Errors
+    /// If there is no such file.
+    pub(crate) fn stamp_of(&self, id: &str) -> Answer<String> {
+        let missing = || Refused::missing(format!("there is no `{}`", super::shown(id)));
+        let found = file_at(self.folder(), &self.existing(id)?).ok_or_else(missing)?;
+        Ok(format!("{id} {}", self.stamp(&found, &self.history.settings(id)?)))
+    }
+
+    /// The record, if it is in memory and its file has not changed.
+    pub(super) fn in_memory(&self, id: &str, stamp: &str) -> Option<Arc<ReadRecord>> {
+        self.cache.lock().unwrap_or_else(PoisonError::into_inner).get(id, stamp)?.ok()
     }
 
     /// The record, from memory where its file has not changed.
@@ -180,7 +206,14 @@ pub(super) fn read_as_said(path: &Path, id: &str, settings: &RecordSettings) -> 
         Some(column) => with_rate(data, &record, column).map_err(|e| Problem::new(e, None)),
         None => Ok(data),
     });
-    Ok(ReadRecord { data, record, notes, inspection: OnceLock::new(), periods: OnceLock::new() })
+    Ok(ReadRecord {
+        data,
+        record,
+        notes,
+        inspection: OnceLock::new(),
+        prospects: OnceLock::new(),
+        periods: OnceLock::new(),
+    })
 }
 
 fn masked(mut data: InputOutput, masks: &[[f64; 2]]) -> InputOutput {

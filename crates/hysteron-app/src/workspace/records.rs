@@ -1,6 +1,5 @@
 //! Entries of records in the list, and a record in full.
 
-use hysteron_identify::structure::prospects;
 use hysteron_io::{ReadOptions, contents};
 use hysteron_model::record::{InputOutput, Inspection, Periods, Record, TimeBase, split_header};
 use hysteron_report::record_curves::is_simulated;
@@ -26,10 +25,15 @@ impl Workspace {
         let mut entries = Vec::new();
         for found in self.look().of(Kind::Record) {
             let settings = self.history.settings(&found.id)?;
-            let known = self.history.seen(&found.id, &self.stamp(found, &settings))?;
+            let stamp = self.stamp(found, &settings);
+            let known = self.history.seen(&found.id, &stamp)?;
             entries.push(known.unwrap_or_else(|| {
                 unread.push(found.id.clone());
-                RecordEntry { reading: true, ..bare(found, settings) }
+                let bare = bare(found, settings);
+                match self.in_memory(&found.id, &stamp) {
+                    Some(read) => glimpsed(bare, &read),
+                    None => RecordEntry { reading: true, ..bare },
+                }
             }));
         }
         Ok((entries, unread))
@@ -64,16 +68,10 @@ impl Workspace {
             Ok(read) if read.record.len() > LONG => read,
             _ => return self.entry(id),
         };
-        let Ok(data) = &read.data else { return self.entry(id) };
-        let entry = bare(&self.found_record(id)?, self.history.settings(id)?);
-        let extent = data.time.extent_s(data.len());
-        Ok(RecordEntry {
-            reading: true,
-            duration_s: extent.map(|(first, last)| last - first),
-            rate_hz: data.sample_rate_hz(),
-            glyph: glyph(data, None),
-            ..with_channels(entry, data)
-        })
+        if read.data.is_err() {
+            return self.entry(id);
+        }
+        Ok(glimpsed(bare(&self.found_record(id)?, self.history.settings(id)?), &read))
     }
 
     /// The file of a record.
@@ -109,7 +107,7 @@ impl Workspace {
                 detail.inspection = Some(inspection.summary(data));
                 let gaps = data.time.gaps().into_iter();
                 detail.gaps = gaps.map(|gap| Gap { from_s: gap.from_s, to_s: gap.to_s }).collect();
-                detail.prospects = Some(prospects(std::slice::from_ref(data)));
+                detail.prospects = read.prospects().ok().cloned();
                 mark_used(&mut detail.columns, &detail.entry);
                 mark_time(&mut detail.columns, &read.record);
             }
@@ -203,6 +201,19 @@ fn described(entry: RecordEntry, read: &ReadRecord) -> RecordEntry {
         segments: inspection.segments.len().max(1),
         glyph: glyph(data, period(inspection)),
         warning: inspection.findings.iter().find(|f| f.is_warning()).map(|f| f.text.clone()),
+        ..with_channels(entry, data)
+    }
+}
+
+/// What is known of a record before its inspection; it is marked as being read.
+fn glimpsed(entry: RecordEntry, read: &ReadRecord) -> RecordEntry {
+    let entry = RecordEntry { reading: true, ..entry };
+    let Ok(data) = &read.data else { return entry };
+    let extent = data.time.extent_s(data.len());
+    RecordEntry {
+        duration_s: extent.map(|(first, last)| last - first),
+        rate_hz: data.sample_rate_hz(),
+        glyph: glyph(data, None),
         ..with_channels(entry, data)
     }
 }

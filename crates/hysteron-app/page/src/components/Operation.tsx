@@ -5,13 +5,15 @@ import { change, Refusal, type Complaint } from '../api/client';
 import { changed, useResource } from '../api/resource';
 import type { Choice, Curve, Options, Outcome } from '../api/types';
 import { Plot } from '../plot/Plot';
+import { settle } from '../route';
 import type { Color, Line, Spec } from '../plot/spec';
 import { command } from './dock';
 import { SchemaForm } from './SchemaForm';
 import { TableBox } from './window';
 import { Failure, Finding, Prose } from './words';
 
-const COLORS: Color[] = ['measured', 'model', 'k6', 'k4', 'residual', 'drive', 'reference'];
+const NAMED: Color[] = ['measured', 'model', 'drive'];
+const OTHERS: Color[] = ['model', 'k6', 'k4', 'residual', 'reference'];
 
 interface Saving {
   /** Name of the file that is suggested. */
@@ -31,6 +33,8 @@ export function Operation(props: {
   request: object | null;
   verb: string;
   save?: Saving;
+  /** Model that the room stays with, though a newer one is written. */
+  model?: string;
   choices?: Record<string, Choice[]>;
   children?: ComponentChildren;
 }) {
@@ -47,6 +51,7 @@ export function Operation(props: {
   const run = async (): Promise<void> => {
     if (lacks || works) return;
     work(true);
+    if (props.model) settle({ m: props.model });
     try {
       const saved = props.save && file ? { save: file } : {};
       const found = await change<Outcome>('POST', props.at, { ...props.request, ...saved, options });
@@ -132,7 +137,7 @@ function Found({ outcome, name }: { outcome: Outcome; name: string }) {
         <TableBox key={table.title} label={table.title}>
           <table>
             <caption>{table.title}</caption>
-            {table.columns.some(Boolean) && (
+            {titled(table) && (
               <thead>
                 <tr>
                   {table.columns.map((column, i) => (
@@ -145,7 +150,7 @@ function Found({ outcome, name }: { outcome: Outcome; name: string }) {
               {table.rows.map((row) => (
                 <tr key={row.join(' ')}>
                   {row.map((cell, i) => (
-                    <td key={i} class={/^[−-]?\d/.test(cell) ? 'n' : undefined}>
+                    <td key={i} class={titled(table) && /^[−-]?\d/.test(cell) ? 'n' : undefined}>
                       {cell}
                     </td>
                   ))}
@@ -157,6 +162,11 @@ function Found({ outcome, name }: { outcome: Outcome; name: string }) {
       ))}
     </div>
   );
+}
+
+/** Numbers stand under a heading to the right; in a list of facts beside their names. */
+function titled(table: Outcome['tables'][0]): boolean {
+  return table.columns.some(Boolean);
 }
 
 /** A heading with its unit, `RMSE [µm]`, in two lines. */
@@ -182,6 +192,11 @@ function line({ name, curve }: { name: string; curve: Curve }, color: Color, poi
   };
 }
 
+function colorOf(name: string, place: number): Color {
+  const own = NAMED.find((color) => color === name);
+  return own ?? OTHERS[Math.max(0, place - 1) % OTHERS.length] ?? 'model';
+}
+
 function specOf(figure: Outcome['figures'][0], name: string): Spec {
   const drawn = figure.series.filter((series) => !series.name.startsWith('band-'));
   const curve = (wanted: string): Curve | undefined =>
@@ -198,7 +213,7 @@ function specOf(figure: Outcome['figures'][0], name: string): Spec {
     flat: !figure.log_across,
     x: { label: across, unit: first?.across.unit ?? '', log: figure.log_across },
     y: { label: label(first?.up), unit: first?.up.unit ?? '', log: figure.log_up },
-    lines: drawn.map((series, i) => line(series, COLORS[i % COLORS.length]!, figure.log_across)),
+    lines: drawn.map((series, i) => line(series, colorOf(series.name, i), figure.log_across)),
     band: low && high && { name: '95 % band', x: low.x, low: low.y, high: high.y },
     tools: ['zoom', 'pan'],
   };

@@ -12,6 +12,7 @@ export function Simulate({ model, records }: { model: ModelEntry; records: Recor
       name="simulate"
       title="Simulate a drive"
       about="The output of the model for the drive of a record, in free run, beside what was measured where the record holds that."
+      model={model.id}
       at={`${path('models', model.id)}/simulate`}
       request={record ? { record } : null}
       verb="Simulate"

@@ -2,7 +2,7 @@
 import { useMemo } from 'preact/hooks';
 import { path, query } from '../../api/client';
 import { useLatest } from '../../api/resource';
-import type { Curve, CurveAxis, RecordDetail } from '../../api/types';
+import type { Curve, CurveAxis, RecordDetail, RecordEntry } from '../../api/types';
 import { Failure, Waiting } from '../../components/words';
 import { hertz } from '../../format';
 import { Plot } from '../../plot/Plot';
@@ -23,7 +23,10 @@ export function asLine(curve: Curve | undefined, color: Line['color'], width: nu
   return { x: curve?.x ?? [], y: curve?.y ?? [], breaks: curve?.breaks, color, width, name };
 }
 
-export function Curves({ record }: { record: RecordDetail }) {
+/** A record as its curves need it; before its inspection without the rest. */
+export type Drawn = RecordEntry & { inspection?: RecordDetail['inspection'] };
+
+export function Curves({ record }: { record: Drawn }) {
   useSignal(route);
   const zoom = zoomOf('t');
   const at = path('records', record.id) + '/curve';
@@ -57,7 +60,7 @@ export function Curves({ record }: { record: RecordDetail }) {
   );
 }
 
-function of(curve: Curve, key: string, record: RecordDetail): Spec {
+function of(curve: Curve, key: string, record: Drawn): Spec {
   const opening = record.inspection?.loop;
   return {
     key,
@@ -74,7 +77,7 @@ function of(curve: Curve, key: string, record: RecordDetail): Spec {
   };
 }
 
-function over(curve: Curve, record: RecordDetail, output: boolean): Spec {
+function over(curve: Curve, record: Drawn, output: boolean): Spec {
   const segments = record.inspection?.segments ?? [];
   return {
     key: 't',

@@ -103,7 +103,7 @@ function Detail({
     command.value = record?.command ?? null;
   }, [record]);
   if (answer.error) return <Failure problem={answer.error.complaint} />;
-  if (!record) return <Boxes name={fileName(entry.id)} />;
+  if (!record) return <Boxes entry={entry} />;
   const prospects = together ? joint.value?.prospects : record.prospects;
   return (
     <div class="stack">
@@ -196,22 +196,27 @@ function Loading() {
             <Waiting key={i} height={44} />
           ))}
         </div>
-        <Boxes name="" />
+        <Boxes />
       </div>
     </>
   );
 }
 
-function Boxes({ name }: { name: string }) {
+/** The curves of a record are there before its inspection. */
+function Boxes({ entry }: { entry?: RecordEntry }) {
   return (
     <div class="stack">
       <div class="rhead">
-        <h2 class="mono">{name || ' '}</h2>
+        <h2 class="mono">{entry ? fileName(entry.id) : ' '}</h2>
       </div>
-      <div class="cols g-plots">
-        <Waiting height={382} />
-        <Waiting height={408} />
-      </div>
+      {entry?.input && entry.output ? (
+        <Curves record={entry} />
+      ) : (
+        <div class="cols g-plots">
+          <Waiting height={382} />
+          <Waiting height={408} />
+        </div>
+      )}
       <div class="cols g-facts">
         <Waiting height={264} />
         <Waiting height={264} />

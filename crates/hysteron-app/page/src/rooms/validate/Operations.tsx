@@ -13,6 +13,7 @@ export function Recalibrate({ model, records }: { model: ModelEntry; records: Re
       name="recalibrate"
       title="Recalibrate on records of today"
       about="Gain, delay and offset anew from short records, the shape of the loop held; the old numbers with their standard errors count as knowledge, and a real change is told from noise."
+      model={model.id}
       at={`${path('models', model.id)}/recalibrate`}
       request={chosen.length > 0 ? { records: chosen } : null}
       verb="Recalibrate"
@@ -30,6 +31,7 @@ export function Adapt({ model, records }: { model: ModelEntry; records: RecordEn
       name="adapt"
       title="Follow a drift over a record"
       about="Corrects the model sample by sample, as a controller would, with a monitor that says where it no longer fits."
+      model={model.id}
       at={`${path('models', model.id)}/adapt`}
       request={record ? { record } : null}
       verb="Follow the drift"

@@ -115,7 +115,7 @@ function Judgement({
         </div>
       )}
       {usable.length > 0 && (
-        <div class="stack">
+        <div class="stack below">
           <Recalibrate key={`r ${model.id}`} model={model} records={usable} />
           <Adapt key={`a ${model.id}`} model={model} records={usable} />
         </div>
