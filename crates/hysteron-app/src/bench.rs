@@ -4,6 +4,8 @@ use hysteron_io::atomic_file::write_atomically_with;
 use hysteron_io::{save_json, write_csv_to, write_record};
 use hysteron_model::record::{TimeBase, Unit};
 use hysteron_rig::{CampaignRun, Role as Purpose, run_campaign};
+use serde::Serialize;
+use serde_json::Value;
 
 use crate::api::{BenchMade, BenchRequest, DriveMade, DriveRequest, RecordSettings, Role};
 use crate::command;
@@ -13,6 +15,8 @@ use crate::workspace::{Kind, Workspace};
 
 /// Folder of the records unless named otherwise.
 const FOLDER: &str = "bench";
+/// Most truths and plans that a folder of the bench keeps.
+const MOST_TRUTHS: u32 = 1000;
 /// Width of the drawing unless given \[pixels\].
 const PIXELS: usize = 800;
 
@@ -25,9 +29,10 @@ pub(crate) fn measure(workspace: &Workspace, request: &BenchRequest) -> Answer<B
     let place = workspace.path(folder)?;
     let runs = run_campaign(&request.truth, &request.plan, request.seed).map_err(Refused::bad)?;
     std::fs::create_dir_all(&place).map_err(Refused::failed)?;
-    save_json(&place.join("truth.json"), &request.truth, true).map_err(Refused::failed)?;
-    save_json(&place.join("plan.json"), &request.plan, true).map_err(Refused::failed)?;
-    let mut made = BenchMade { records: Vec::new(), samples: 0, command: command::rig(folder, request.seed) };
+    let truth = format!("{folder}/{}", kept_beside(&place, "truth", &request.truth)?);
+    let plan = format!("{folder}/{}", kept_beside(&place, "plan", &request.plan)?);
+    let command = command::rig(folder, request.seed, &truth, &plan);
+    let mut made = BenchMade { records: Vec::new(), samples: 0, command };
     for CampaignRun { run, role, .. } in &runs {
         let id = format!("{folder}/{}.csv", run.record.name);
         let path = workspace.to_write(&id, Kind::Record)?;
@@ -49,6 +54,26 @@ pub(crate) fn measure(workspace: &Workspace, request: &BenchRequest) -> Answer<B
     workspace.history.add_action(&made.command)?;
     workspace.look();
     Ok(made)
+}
+
+/// Keeps a truth or a plan and returns the name of its file: another one than those of other values, which
+/// earlier commands name.
+fn kept_beside(place: &std::path::Path, stem: &str, value: &impl Serialize) -> Answer<String> {
+    let value = serde_json::to_value(value).map_err(Refused::failed)?;
+    for k in 1..=MOST_TRUTHS {
+        let name = if k == 1 { format!("{stem}.json") } else { format!("{stem}-{k}.json") };
+        let path = place.join(&name);
+        let before = std::fs::read(&path).ok();
+        match before {
+            Some(bytes) if serde_json::from_slice::<Value>(&bytes).ok().as_ref() != Some(&value) => {}
+            Some(_) => return Ok(name),
+            None => {
+                save_json(&path, &value, true).map_err(Refused::failed)?;
+                return Ok(name);
+            }
+        }
+    }
+    Err(Refused::conflict(format!("the folder has {MOST_TRUTHS} files called {stem}")))
 }
 
 /// Makes a drive.

@@ -18,6 +18,16 @@ pub enum AppError {
     /// The history file is no such file, or cannot be written.
     #[error("the history of the workspace (hysteron.sqlite) cannot be used: {0}")]
     History(#[from] rusqlite::Error),
+    /// The history file is of a newer program.
+    #[error(
+        "the history of the workspace (hysteron.sqlite) is of version {version}, this program knows {known}"
+    )]
+    NewerHistory {
+        /// Version of the file.
+        version: i64,
+        /// Version that this program writes.
+        known: i64,
+    },
     /// The examples cannot be copied.
     #[error("{0}")]
     Examples(String),

@@ -81,6 +81,7 @@ fn cannot(error: &AppError) -> Failure {
         AppError::History(_) => {
             failure.hint("another hysteron app may use the folder; else move the file away")
         }
+        AppError::NewerHistory { .. } => failure.hint("use the newer program, or another folder"),
         _ => failure,
     }
 }

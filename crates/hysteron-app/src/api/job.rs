@@ -116,6 +116,9 @@ pub struct Job {
     pub resumable: bool,
     /// What it made.
     pub result: JobResult,
+    /// What goes wrong beside it while it runs: the best so far cannot be kept.
+    #[serde(default)]
+    pub warning: Option<String>,
     /// Why it failed.
     pub error: Option<Problem>,
 }

@@ -232,8 +232,7 @@ pub(crate) fn export(model: &str, name: &str, query: &DownloadQuery) -> Command 
 }
 
 /// `hysteron rig`.
-pub(crate) fn rig(folder: &str, seed: u64) -> Command {
-    let (truth, plan) = (format!("{folder}/truth.json"), format!("{folder}/plan.json"));
+pub(crate) fn rig(folder: &str, seed: u64, truth: &str, plan: &str) -> Command {
     let words = Words::new("rig").with("--out-dir", folder).with("--seed", seed);
     let shell = words.with("--truth", truth).with("--plan", plan).done();
     let python = format!("# {shell}");

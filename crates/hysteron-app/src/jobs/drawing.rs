@@ -128,11 +128,10 @@ fn run(
                 rests_until = Some(Instant::now() + begun.elapsed() * REST);
             }
             Some(Work::Keep { searches, model }) => {
+                let kept = save_json(searches_file, &*searches, false)
+                    .and_then(|()| model.map_or(Ok(()), |model| save_model(partial, &model)));
                 // One that cannot be written is followed by another.
-                let _ = save_json(searches_file, &*searches, false);
-                if let Some(model) = model {
-                    let _ = save_model(partial, &model);
-                }
+                jobs.warned(id, kept.err().map(|e| format!("the best so far cannot be kept: {e}")));
             }
             None => jobs.still_running(id),
         }

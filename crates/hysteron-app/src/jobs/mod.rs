@@ -122,6 +122,7 @@ impl Jobs {
             ended: None,
             resumable: false,
             result: JobResult::default(),
+            warning: None,
             error: None,
         };
         job.id = self.workspace.history.add_job(&job)?;
@@ -205,6 +206,7 @@ impl Jobs {
         let job = Job {
             state: JobState::Waiting,
             ended: None,
+            warning: None,
             error: None,
             left_s: None,
             stages: Vec::new(),

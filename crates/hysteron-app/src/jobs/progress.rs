@@ -112,6 +112,18 @@ impl Jobs {
         update
     }
 
+    /// Tells the pages that the best so far can be kept, or why it cannot.
+    pub(super) fn warned(&self, id: i64, warning: Option<String>) {
+        let mut state = self.state();
+        let Some(job) = state.jobs.get_mut(&id).filter(|job| job.warning != warning) else { return };
+        job.warning = warning;
+        let job = state.jobs.get(&id).map(|job| state.shown(job));
+        drop(state);
+        if let Some(job) = job {
+            self.tell(&job);
+        }
+    }
+
     /// Tells the pages of a job from which nothing was heard for a moment.
     pub(super) fn still_running(&self, id: i64) {
         let state = self.state();

@@ -9,7 +9,7 @@ mod page;
 mod routes;
 
 use std::future::IntoFuture;
-use std::net::SocketAddr;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -100,11 +100,13 @@ impl App {
         Ok(Self { runtime, listener, shared, close, address })
     }
 
-    /// Address of the page, with the token where one is needed.
+    /// Address of the page, with the token where one is needed. Of a server that listens on all addresses,
+    /// it is the one that other machines reach.
     pub fn url(&self) -> String {
         let token = self.shared.access.token.as_ref();
         let token = token.map_or_else(String::new, |token| format!("?token={token}"));
-        format!("http://{}/{token}", self.address)
+        let ip = if self.address.ip().is_unspecified() { outward() } else { self.address.ip() };
+        format!("http://{}/{token}", SocketAddr::new(ip, self.address.port()))
     }
 
     /// The workspace's folder.
@@ -139,6 +141,17 @@ impl App {
         runtime.shutdown_background();
         outcome
     }
+}
+
+/// Address of this machine in its network, this machine itself where it has none. Nothing is sent: the system
+/// says from where it would.
+fn outward() -> IpAddr {
+    let documentation = (Ipv4Addr::new(192, 0, 2, 1), 9);
+    let found = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0)).and_then(|socket| {
+        socket.connect(documentation)?;
+        socket.local_addr()
+    });
+    found.map_or(Ipv4Addr::LOCALHOST.into(), |address| address.ip())
 }
 
 /// Looks at the folder while a page is open, as other programs write into it.

@@ -9,6 +9,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::api::{Command, Job, RecordSettings, Trashed};
+use crate::error::AppError;
 use crate::refused::Answer;
 
 /// Version of the tables below.
@@ -38,12 +39,16 @@ impl History {
     /// Opens the file, which is made where it is missing, for this program alone.
     ///
     /// # Errors
-    /// If it is no such file, cannot be written, or another program has it open.
-    pub(crate) fn open(path: &Path) -> rusqlite::Result<Self> {
+    /// If it is no such file, cannot be written, a newer program wrote it, or another program has it open.
+    pub(crate) fn open(path: &Path) -> Result<Self, AppError> {
         let connection = Connection::open(path)?;
         connection.busy_timeout(BUSY)?;
         // One server a folder: another would take its running jobs for interrupted ones.
         connection.pragma_update(None, "locking_mode", "EXCLUSIVE")?;
+        let version: i64 = connection.pragma_query_value(None, "user_version", |row| row.get(0))?;
+        if version > VERSION {
+            return Err(AppError::NewerHistory { version, known: VERSION });
+        }
         connection.execute_batch(TABLES)?;
         connection.pragma_update(None, "user_version", VERSION)?;
         Ok(Self(Mutex::new(connection)))

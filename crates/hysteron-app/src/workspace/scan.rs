@@ -1,5 +1,6 @@
 //! What is in the folder, by the endings of the files.
 
+use std::collections::VecDeque;
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -7,6 +8,8 @@ use super::names::{DEEPEST, HISTORY, TRASH, id_of};
 
 /// Most files listed.
 const MOST: usize = 10_000;
+/// Most entries looked at, so that a folder of anything does not keep a processor busy.
+const MOST_ENTRIES: usize = 100_000;
 
 /// Kind of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,12 +72,20 @@ pub(super) fn kind_of(name: &str) -> Option<Kind> {
     let ending = ending.to_ascii_lowercase();
     match ending.as_str() {
         // Searches of an interrupted fit, truth and plan of the bench.
-        "json" if name.ends_with(".searches.json") || name == "truth.json" || name == "plan.json" => None,
+        "json" if name.ends_with(".searches.json") || is_of_bench(name) => None,
         "json" => Some(Kind::Model),
         "html" | "htm" => Some(Kind::Report),
         ending if hysteron_io::record_extensions().any(|known| known == ending) => Some(Kind::Record),
         _ => None,
     }
+}
+
+/// Truth or plan of the bench: `truth.json`, `plan-2.json`.
+fn is_of_bench(name: &str) -> bool {
+    let stem = name.strip_suffix(".json").unwrap_or(name);
+    let number =
+        |rest: &str| rest.is_empty() || rest.strip_prefix('-').is_some_and(|n| n.parse::<u32>().is_ok());
+    ["truth", "plan"].iter().any(|word| stem.strip_prefix(word).is_some_and(number))
 }
 
 /// A file at `path`.
@@ -88,11 +99,17 @@ pub(super) fn file_at(folder: &Path, path: &Path) -> Option<Found> {
 
 pub(super) fn scan(folder: &Path) -> Listing {
     let mut found = Vec::new();
-    let mut folders = vec![(folder.to_path_buf(), 1)];
-    while let Some((place, depth)) = folders.pop() {
+    let mut left = MOST_ENTRIES;
+    // The nearest folders first.
+    let mut folders = VecDeque::from([(folder.to_path_buf(), 1)]);
+    while let Some((place, depth)) = folders.pop_front() {
         // A folder that cannot be read is not shown.
         let Ok(entries) = std::fs::read_dir(&place) else { continue };
         for entry in entries.flatten() {
+            if left == 0 {
+                break;
+            }
+            left -= 1;
             let name = entry.file_name();
             let Some(name) = name.to_str() else { continue };
             let reserved = depth == 1 && (name == TRASH || name.starts_with(HISTORY));
@@ -101,7 +118,7 @@ pub(super) fn scan(folder: &Path) -> Listing {
             }
             let Ok(kind) = entry.file_type() else { continue };
             if kind.is_dir() && depth < DEEPEST {
-                folders.push((entry.path(), depth + 1));
+                folders.push_back((entry.path(), depth + 1));
             } else if kind.is_file() && found.len() < MOST {
                 found.extend(file_at(folder, &entry.path()));
             }

@@ -247,6 +247,7 @@ export interface Job {
   left_s: number | null;
   ahead: number;
   command: Command;
+  warning?: string | null;
   created: string;
   started: string | null;
   ended: string | null;

@@ -76,7 +76,7 @@ export function Done({ id, records }: { id: string; records: RecordEntry[] }) {
           <LibraryFinding key={finding.text} finding={finding} />
         ))}
       </div>
-      <Parameters model={model} />
+      <Parameters model={model} record={chosen?.id} />
     </div>
   );
 }

@@ -5,7 +5,7 @@ import { useLatest } from '../../api/resource';
 import type { Job, RecordDetail, RecordEntry } from '../../api/types';
 import { act } from '../../components/dock';
 import { Icon } from '../../components/icon';
-import { Failure, Finding, Numbers, Waiting, type Quantity } from '../../components/words';
+import { Failure, Finding, Numbers, Waiting, type Quantity, Prose } from '../../components/words';
 import { fileName, left, quantity, seconds, significant } from '../../format';
 import { Plot } from '../../plot/Plot';
 import type { Line, Range, Spec } from '../../plot/spec';
@@ -25,6 +25,11 @@ export function Live({ job, records }: { job: Job; records: RecordEntry[] }) {
   return (
     <div class="stack">
       {job.state !== 'running' && <Ended job={job} />}
+      {runs && job.warning && (
+        <Finding kind="warn">
+          <Prose text={job.warning} />.
+        </Finding>
+      )}
       {kept ? (
         <Done id={kept} records={records} />
       ) : (

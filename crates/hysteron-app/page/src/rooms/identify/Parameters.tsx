@@ -3,16 +3,27 @@ import type { ModelDetail, ParameterRow } from '../../api/types';
 import { words } from '../../components/schema';
 import { TableBox } from '../../components/window';
 import { printed, significant, unitText } from '../../format';
+import { address } from '../../route';
 
 /** Half the width of a linear bar, as a share of the value. */
 const HALF = 0.5;
 /** A bar that this does not hold is drawn over decades: a tenth to ten times the value. */
 const DECADES = 1;
 
-export function Parameters({ model }: { model: ModelDetail }) {
+/** Relative standard error from which a number is called poorly known. */
+const POOR = 0.3;
+
+/** What the records leave open of a number; nothing where they determine it. */
+function leftOpen(row: ParameterRow): string | null {
+  if (row.at_limit) return 'at the end of its range';
+  const poor = !row.held && row.std_error != null && row.std_error > POOR * Math.abs(row.value);
+  return poor ? 'poorly known' : null;
+}
+
+export function Parameters({ model, record }: { model: ModelDetail; record?: string }) {
   const rows = model.parameters;
   const places = rows.some((row) => row.place);
-  const open = rows.some((row) => row.at_limit);
+  const open = rows.some((row) => leftOpen(row) !== null);
   return (
     <TableBox label="Parameters">
       <table class="params">
@@ -52,7 +63,17 @@ export function Parameters({ model }: { model: ModelDetail }) {
               <td>
                 <IntervalBar row={row} />
               </td>
-              {open && <td class="soft">{row.at_limit ? 'at the end of its range' : ''}</td>}
+              {open && (
+                <td class="soft">
+                  {leftOpen(row)}
+                  {leftOpen(row) && record && (
+                    <>
+                      {' '}
+                      <a href={address({ r: record, make: '1', m: null }, 'records')}>measure it…</a>
+                    </>
+                  )}
+                </td>
+              )}
             </tr>
           ))}
         </tbody>

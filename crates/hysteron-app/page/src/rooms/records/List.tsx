@@ -2,11 +2,11 @@
 import { useState } from 'preact/hooks';
 import { Icon } from '../../components/icon';
 import { Origin, Tag } from '../../components/words';
-import type { RecordEntry } from '../../api/types';
+import type { RecordEntry, Role } from '../../api/types';
 import { fileName, hertz, seconds } from '../../format';
 import { address, go } from '../../route';
-import { useSignal } from '../../signal';
-import { roleName, settings } from './roles';
+import { Signal, useSignal } from '../../signal';
+import { roleName, ROLES, settings } from './roles';
 import { uploads } from './uploads';
 
 export function Glyph({ points, large }: { points: [number, number][]; large?: boolean }) {
@@ -18,6 +18,9 @@ export function Glyph({ points, large }: { points: [number, number][]; large?: b
   );
 }
 
+/** The record that is being dragged. */
+const dragged = new Signal<string | null>(null);
+
 export function RecordList({ records, chosen }: { records: RecordEntry[]; chosen: string | null }) {
   const sending = useSignal(uploads);
   const devices = [...new Set(records.map((record) => record.device))];
@@ -25,6 +28,7 @@ export function RecordList({ records, chosen }: { records: RecordEntry[]; chosen
   const under = sending.filter((upload) => !upload.problem);
   return (
     <div class="rl" role="group" aria-label="Records in the workspace">
+      <RoleTargets />
       {devices.map((device) => (
         <Device
           key={device}
@@ -57,6 +61,34 @@ export function RecordList({ records, chosen }: { records: RecordEntry[]; chosen
             <progress class="bar" max={1} value={upload.share} aria-label={`${upload.name}: share sent`} />
           </span>
         </div>
+      ))}
+    </div>
+  );
+}
+
+/** Where a record that is dragged can be dropped; the select in its head does the same. */
+function RoleTargets() {
+  const moved = useSignal(dragged);
+  const [over, set] = useState<Role | null>(null);
+  if (!moved) return null;
+  return (
+    <div class="targets" aria-hidden="true">
+      {ROLES.map(([role, name]) => (
+        <span
+          key={role}
+          class={`tag role ${over === role ? 'over' : ''}`}
+          onDragOver={(event) => {
+            event.preventDefault();
+            set(role);
+          }}
+          onDragLeave={() => set(null)}
+          onDrop={() => {
+            dragged.value = null;
+            void settings(moved, { role });
+          }}
+        >
+          {name}
+        </span>
       ))}
     </div>
   );
@@ -129,7 +161,12 @@ function Chip(props: {
       title={record.id}
       draggable
       onClick={() => go({ r: record.id })}
-      onDragStart={(event) => event.dataTransfer?.setData(DRAGGED, record.id)}
+      onDragStart={(event) => {
+        event.dataTransfer?.setData(DRAGGED, record.id);
+        // The list may change only when the drag has begun.
+        setTimeout(() => (dragged.value = record.id));
+      }}
+      onDragEnd={() => (dragged.value = null)}
       onDragOver={(event) => {
         if (!event.dataTransfer?.types.includes(DRAGGED)) return;
         event.preventDefault();

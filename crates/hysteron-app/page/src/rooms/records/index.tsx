@@ -124,15 +124,17 @@ function Detail({
           )}
         </div>
       )}
-      {prospects?.measure_next && <MeasureNext text={prospects.measure_next} record={record} />}
+      {(prospects?.measure_next || route.value.query.get('make')) && (
+        <MeasureNext text={prospects?.measure_next ?? null} record={record} />
+      )}
       {!record.error && <PrepareRecords record={record} records={records} />}
       <ResponseFit record={record} records={records} />
     </div>
   );
 }
 
-function MeasureNext({ text, record }: { text: string; record: RecordDetail }) {
-  const [open, show] = useState(false);
+function MeasureNext({ text, record }: { text: string | null; record: RecordDetail }) {
+  const [open, show] = useState(route.value.query.get('make') !== null);
   return (
     <>
       <Finding
@@ -143,7 +145,8 @@ function MeasureNext({ text, record }: { text: string; record: RecordDetail }) {
           </button>
         }
       >
-        <b class="h">Measure next:</b> {prose(text)}.
+        <b class="h">Measure next:</b>{' '}
+        {text ? `${prose(text)}.` : 'another amplitude or frequency than these records have.'}
       </Finding>
       {open && <DriveMaker record={record} />}
     </>
