@@ -8,7 +8,6 @@ use hysteron_model::model::Capability;
 
 use crate::api::{Command, Job, JobRequest, RecordEntry};
 use crate::command;
-use crate::models::load;
 use crate::refused::{Answer, Refused};
 use crate::workspace::{Workspace, device_of, stem_of};
 
@@ -116,7 +115,7 @@ fn task_of(task: Option<Task>, structure: Option<&str>, entries: &[RecordEntry])
 /// # Errors
 /// If there is no such model, or it is of another kind.
 pub(super) fn started(workspace: &Workspace, task: &Task, start: &str) -> Answer<Task> {
-    let model = load(workspace, start)?;
+    let model = workspace.model(start)?;
     let Task::Hammerstein(options) = task else {
         return Err(Refused::bad("a start can be given to the search of a Hammerstein model only"));
     };

@@ -21,7 +21,7 @@ use crate::workspace::{Kind, Workspace};
 /// # Errors
 /// If the record does not go with the model, or the options cannot hold.
 pub(crate) fn adapt(workspace: &Workspace, id: &str, request: &AdaptRequest) -> Answer<Outcome> {
-    let model = super::load(workspace, id)?;
+    let model = workspace.model(id)?;
     let body = model.hammerstein(Capability::Adaptation).map_err(Refused::cannot)?;
     let asked = &request.options;
     let parsed = asked.terms.iter().map(|term| term.parse::<Term>());

@@ -23,7 +23,7 @@ use crate::workspace::{Simulated, Workspace, device_of};
 /// # Errors
 /// If model or record are none, or do not go together.
 pub(crate) fn curves(workspace: &Workspace, id: &str, query: &ModelCurvesQuery) -> Answer<ModelCurves> {
-    let model = super::load(workspace, id)?;
+    let model = workspace.model(id)?;
     let scored = scored(workspace, &model, id, &query.record)?;
     let Simulated { signals, score: found, half_width } = &*scored;
     let Signals::Single(record) = signals else {
@@ -134,7 +134,7 @@ impl Drawn<'_> {
 /// # Errors
 /// Those of [`curves`].
 pub(crate) fn response(workspace: &Workspace, id: &str, record_id: &str) -> Answer<Responses> {
-    let model = super::load(workspace, id)?;
+    let model = workspace.model(id)?;
     let scored = scored(workspace, &model, id, record_id)?;
     let Simulated { signals: Signals::Single(record), score: found, .. } = &*scored else {
         return Err(Refused::bad("gain and phase are of models of one input and one output"));

@@ -32,7 +32,7 @@ struct Exported {
 }
 
 fn exported(workspace: &Workspace, id: &str, query: &DownloadQuery) -> Answer<Exported> {
-    let model = super::load(workspace, id)?;
+    let model = workspace.model(id)?;
     let body = model.hammerstein(Capability::Export).map_err(Refused::cannot)?;
     let rate = rate(body, query.sample_rate_hz)?;
     let options = body.realise_options(rate, RealiseOptions::default());

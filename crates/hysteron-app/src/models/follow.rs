@@ -85,7 +85,7 @@ fn range_of(body: &Hammerstein, given: Option<[f64; 2]>) -> Answer<[f64; 2]> {
 /// # Errors
 /// If the model has no inverse, or the reference cannot be followed at all.
 pub(crate) fn follow(workspace: &Workspace, id: &str, request: &FollowRequest) -> Answer<Followed> {
-    let model = super::load(workspace, id)?;
+    let model = workspace.model(id)?;
     let body = model.hammerstein(Capability::Inversion).map_err(Refused::cannot)?;
     let mut wanted = wanted(workspace, &model, &request.reference)?;
     let range_v = range_of(body, request.range)?;
@@ -193,7 +193,7 @@ fn save(
 /// # Errors
 /// If the model or the reference leave nothing to simulate.
 pub(crate) fn track(workspace: &Workspace, id: &str, request: &TrackRequest) -> Answer<Tracked> {
-    let model = super::load(workspace, id)?;
+    let model = workspace.model(id)?;
     let body = model.hammerstein(Capability::Tracking).map_err(Refused::cannot)?;
     let wanted = wanted(workspace, &model, &request.reference)?;
     let time = TimeBase::uniform(wanted.rate);

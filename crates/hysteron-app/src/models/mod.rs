@@ -21,7 +21,7 @@ pub(crate) use score::scores;
 pub(crate) use simulate::simulate;
 
 use hysteron_identify::{FitParameter, Place};
-use hysteron_io::{load_model_and_source, sha256};
+use hysteron_io::sha256;
 use hysteron_model::Model;
 use hysteron_model::model_file::{Document, typographic};
 use hysteron_report::model::{Number, numbers_of};
@@ -30,23 +30,13 @@ use hysteron_report::record_curves::is_simulated;
 use hysteron_report::results::Listing;
 use serde_json::Value;
 
-use crate::api::{Listed, ModelDetail, ModelEntry, ParameterRow, Problem, Score};
+use crate::api::{Listed, ModelDetail, ModelEntry, ParameterRow, Score};
 use crate::jobs::FitFound;
 use crate::refused::{Answer, Refused};
 use crate::workspace::{Found, Kind, Workspace, device_of, shown, stem_of};
 
 /// Ending of the best model so far of an interrupted fit.
 const PARTIAL: &str = ".partial.json";
-
-/// The model of an identifier.
-///
-/// # Errors
-/// If there is none, or its file is not sound.
-pub(crate) fn load(workspace: &Workspace, id: &str) -> Answer<Model> {
-    let path = workspace.existing(id)?;
-    let loaded = load_model_and_source(&path).map(|(model, _)| model);
-    loaded.map_err(|e| Refused::cannot(Problem::of_file(&e, &path, id)))
-}
 
 /// The models of the workspace.
 pub(crate) fn list(workspace: &Workspace) -> Vec<ModelEntry> {
@@ -56,7 +46,7 @@ pub(crate) fn list(workspace: &Workspace) -> Vec<ModelEntry> {
 /// The entry of a file; `None` where the file is JSON of another kind.
 fn entry(workspace: &Workspace, found: &Found) -> Option<ModelEntry> {
     let bare = bare(found);
-    match load(workspace, &found.id) {
+    match workspace.model(&found.id) {
         Ok(model) => Some(described(bare, &model)),
         Err(refused) => {
             let path = workspace.path(&found.id).ok()?;
@@ -144,7 +134,7 @@ pub(super) fn scores_of_training(model: &Model) -> Vec<Score> {
 /// # Errors
 /// If there is none, or its file is not sound.
 pub(crate) fn detail(workspace: &Workspace, id: &str) -> Answer<ModelDetail> {
-    let model = load(workspace, id)?;
+    let model = workspace.model(id)?;
     let listed = workspace.look();
     let found = listed.of(Kind::Model).find(|found| found.id == id);
     let found = found.ok_or_else(|| Refused::missing(format!("`{}` is no model", shown(id))))?;

@@ -17,7 +17,7 @@ use crate::workspace::Workspace;
 /// # Errors
 /// If the model cannot be realised so.
 pub(crate) fn realise(workspace: &Workspace, id: &str, asked: &RealiseOptions) -> Answer<Outcome> {
-    let model = super::load(workspace, id)?;
+    let model = workspace.model(id)?;
     let body = model.hammerstein(Capability::Realisation).map_err(Refused::cannot)?;
     let rate = super::export::rate(body, asked.sample_rate_hz)?;
     if !(asked.accuracy > 0.0 && asked.accuracy < 1.0) {

@@ -19,7 +19,7 @@ use crate::workspace::{Kind, Workspace};
 /// # Errors
 /// If the records do not go with the model, or even the new model does not describe them.
 pub(crate) fn recalibrate(workspace: &Workspace, id: &str, request: &RecalibrateRequest) -> Answer<Outcome> {
-    let model = super::load(workspace, id)?;
+    let model = workspace.model(id)?;
     let body = model.hammerstein(Capability::Recalibration).map_err(Refused::cannot)?;
     let mut remarks = Vec::new();
     let mut read = |record: &String| {

@@ -22,7 +22,7 @@ pub(crate) fn report(workspace: &Workspace, id: &str) -> Answer<Vec<u8>> {
     if let Ok(path) = workspace.existing(&beside) {
         return std::fs::read(path).map_err(Refused::failed);
     }
-    let model = super::load(workspace, id)?;
+    let model = workspace.model(id)?;
     let recorded = model.provenance().map_or(&[][..], |provenance| &provenance.records);
     let scored = recorded.iter().filter_map(|record| {
         let signals = signals(workspace, &model, &record.path).ok()?;

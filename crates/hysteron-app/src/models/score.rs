@@ -85,7 +85,7 @@ fn judged(workspace: &Workspace, model: &Model, id: &str, scoring: &Scoring) -> 
 /// # Errors
 /// If the model is none.
 pub(crate) fn scores(workspace: &Workspace, id: &str, request: &ScoresRequest) -> Answer<Scored> {
-    let model = super::load(workspace, id)?;
+    let model = workspace.model(id)?;
     let offset = if request.fixed_offset { OffsetTreatment::Fixed } else { OffsetTreatment::Estimated };
     let scoring = Scoring { skip_s: request.skip_s, offset };
     if request.continued {

@@ -21,7 +21,7 @@ const PIXELS: usize = 1000;
 /// # Errors
 /// If model and record do not go together, or the file cannot be written.
 pub(crate) fn simulate(workspace: &Workspace, id: &str, request: &SimulateRequest) -> Answer<Outcome> {
-    let model = super::load(workspace, id)?;
+    let model = workspace.model(id)?;
     let options = &request.options;
     let signals = drive(workspace, &model, &request.record)?;
     let start = options.rest_voltage.map_or(Start::AsIdentified, |voltage_v| Start::Rest { voltage_v });

@@ -2,6 +2,7 @@
 
 mod examples;
 mod history;
+mod models;
 mod names;
 mod read;
 mod records;

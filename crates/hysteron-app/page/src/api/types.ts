@@ -357,7 +357,6 @@ export interface ModelEntry {
 export interface ParameterRow {
   place: string | null;
   name: string;
-  meaning: string | null;
   value: number;
   text: string;
   unit: string;

@@ -28,6 +28,9 @@ use crate::workspace::{Kind, Workspace, too_large};
 use hysteron_identify::recognised_roles;
 use hysteron_identify::structure::prospects;
 
+/// Bytes of an upload that are written at once.
+const UPLOAD_PART: usize = 1 << 20;
+
 pub(in crate::server) fn operations() -> Vec<Operation> {
     vec![
         Operation::get("/api/v1/records", "The records.", list).answers::<Vec<RecordEntry>>(),
@@ -102,14 +105,26 @@ async fn upload(
         return Err(too_large(most));
     }
     let mut upload = shared.workspace.begin_upload(&query.name, query.replace == 1)?;
+    // A slow disk must not keep the server's only thread from its other requests.
+    let mut arrived = Vec::new();
     while let Some(frame) = body.frame().await {
         let frame = frame.map_err(|e| Refused::bad(format!("the upload broke off: {e}")))?;
-        if let Ok(bytes) = frame.into_data() {
-            upload.write(&bytes)?;
+        arrived.extend_from_slice(frame.data_ref().map_or(&[][..], |bytes| bytes));
+        if arrived.len() >= UPLOAD_PART {
+            (upload, arrived) = run(move || {
+                upload.write(&arrived)?;
+                arrived.clear();
+                Ok((upload, arrived))
+            })
+            .await?;
         }
     }
     let workspace = Arc::clone(&shared.workspace);
-    let entry = run(move || workspace.end_upload(upload)).await?;
+    let ended = run(move || {
+        upload.write(&arrived)?;
+        workspace.end_upload(upload)
+    });
+    let entry = ended.await?;
     if entry.reading {
         read_beside(shared, vec![entry.id.clone()]);
     }

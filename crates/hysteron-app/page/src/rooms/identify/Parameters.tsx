@@ -54,9 +54,7 @@ export function Parameters({ model, record }: { model: ModelDetail; record?: str
           {rows.map((row) => (
             <tr key={`${row.place} ${row.name}`}>
               {places && <td>{row.place}</td>}
-              <td>
-                {words(row.name)} {row.meaning && <small class="soft">{row.meaning}</small>}
-              </td>
+              <td>{words(row.name)}</td>
               <td class="n">{printed(row.text)}</td>
               <td class="n soft">{row.held ? 'held' : printed(row.std_error_text)}</td>
               <td class="nw">{unitText(row.unit)}</td>
