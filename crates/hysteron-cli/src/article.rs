@@ -6,9 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use hysteron_article::page::{page, tables};
 use hysteron_article::{ArticleError, Plan, Reproduction, Summary, reproduce};
-use hysteron_io::atomic_file::write_atomically;
-use hysteron_io::save_json;
-use hysteron_report::{write_figures, write_page};
+use hysteron_io::atomic_file::Batch;
+use hysteron_report::figure_files;
 use serde::Serialize;
 
 use crate::console;
@@ -100,27 +99,22 @@ impl Article {
     fn write(&self, found: &Reproduction) -> Result<Vec<PathBuf>, Failure> {
         let mut page = page(found);
         page.footer.push(format!("hysteron {}, seed {}.", env!("CARGO_PKG_VERSION"), self.seed));
-        let failed = |e: hysteron_io::atomic_file::AtomicWriteError| {
-            Failure::new("cannot write the reproduction").because(e)
-        };
-        let figures = self.out_dir.join("figures");
+        let failure = || Failure::new("cannot write the reproduction");
+        let (figures, folder) = (self.out_dir.join("figures"), self.out_dir.join("tables"));
         make_folder(&figures)?;
-        let mut files = write_figures(&figures, "article", &page).map_err(failed)?;
-        let folder = self.out_dir.join("tables");
         make_folder(&folder)?;
-        for table in tables(found) {
-            let path = folder.join(table.name);
-            write_atomically(&path, table.text.as_bytes()).map_err(failed)?;
-            files.push(path);
+        let drawn = figure_files("article", &page).into_iter();
+        let mut files: Vec<(PathBuf, String)> = drawn.map(|(name, svg)| (figures.join(name), svg)).collect();
+        files.extend(tables(found).into_iter().map(|table| (folder.join(table.name), table.text)));
+        let json = serde_json::to_string(found).map_err(|e| failure().because(e))?;
+        files.push((self.out_dir.join("article.json"), json));
+        files.push((self.out_dir.join("index.html"), page.to_html()));
+        let mut batch = Batch::default();
+        for (path, text) in &files {
+            batch.add(path, text.as_bytes()).map_err(|e| failure().because(e))?;
         }
-        let path = self.out_dir.join("article.json");
-        save_json(&path, found, false)
-            .map_err(|e| Failure::new("cannot write the reproduction").because(e))?;
-        files.push(path);
-        let path = self.out_dir.join("index.html");
-        write_page(&path, &page).map_err(failed)?;
-        files.push(path);
-        Ok(files)
+        batch.finish().map_err(|e| failure().because(e))?;
+        Ok(files.into_iter().map(|(path, _)| path).collect())
     }
 
     /// The verdicts, as a table.

@@ -3,8 +3,8 @@
 use std::borrow::Borrow;
 
 use clap::Args;
+use hysteron_io::atomic_file::Batch;
 use hysteron_report::page::Page;
-use hysteron_report::write_page;
 
 use crate::console;
 use crate::failure::Failure;
@@ -41,9 +41,30 @@ impl ResultFlags {
     /// # Errors
     /// If it cannot be written.
     pub fn write<P: Borrow<Page>>(&self, page: impl FnOnce() -> P) -> Result<(), Failure> {
-        let Some(path) = &self.report else { return Ok(()) };
-        write_page(path, page().borrow()).map_err(|e| output::cannot_write("the report", path, e))?;
-        console::message(&format!("report written to {}", path.display()));
+        if self.report.is_none() {
+            return Ok(());
+        }
+        let mut batch = Batch::default();
+        self.add(&mut batch, page().borrow())?;
+        output::finish(batch)?;
+        self.tell();
         Ok(())
+    }
+
+    /// Adds the report, if one is wanted, to files that are written together.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn add(&self, batch: &mut Batch, page: &Page) -> Result<(), Failure> {
+        let Some(path) = &self.report else { return Ok(()) };
+        let added = batch.add(path, page.to_html().as_bytes());
+        added.map_err(|e| output::cannot_write("the report", path, e))
+    }
+
+    /// Says where the report is.
+    pub fn tell(&self) {
+        if let Some(path) = &self.report {
+            console::message(&format!("report written to {}", path.display()));
+        }
     }
 }

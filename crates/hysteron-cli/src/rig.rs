@@ -1,11 +1,9 @@
 //! `hysteron rig`: the simulated test bench.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use hysteron_io::atomic_file::write_atomically_with;
-use hysteron_io::{IoError, JsonFileError, load_json, save_json, write_csv_to};
+use hysteron_io::{IoError, JsonFileError, NamedFile, load_json, write_csv_to, write_folder};
 use hysteron_model::Advice;
 use hysteron_model::record::{Driven, Quantity, TimeBase};
 use hysteron_rig::excitation::Excitation;
@@ -67,14 +65,19 @@ impl Rig {
         let truth: Truth = read_or_default(self.truth.as_deref(), "truth")?;
         let plan: CampaignPlan = read_or_default(self.plan.as_deref(), "plan")?;
         let runs = self.measure(&truth, &plan)?;
-        fs::create_dir_all(&self.out_dir).map_err(|e| {
-            Failure::new(format!("cannot make the folder {}", self.out_dir.display())).because(e)
-        })?;
-        self.write_json("truth.json", &truth)?;
+        let mut files = vec![settings("truth.json", &truth)?];
         if self.drives.is_empty() {
-            self.write_json("plan.json", &plan)?;
+            files.push(settings("plan.json", &plan)?);
         }
-        runs.iter().try_for_each(|run| self.write(run))
+        for run in &runs {
+            files.push(self.file(run)?);
+        }
+        write_folder(&self.out_dir, &files, None)
+            .map_err(|e| Failure::new("cannot write the records").because(e))?;
+        for run in &runs {
+            self.tell(run);
+        }
+        Ok(())
     }
 
     fn measure(&self, truth: &Truth, plan: &CampaignPlan) -> Result<Vec<RigRun>, Failure> {
@@ -120,18 +123,20 @@ impl Rig {
         ))
     }
 
-    fn write(&self, run: &RigRun) -> Result<(), Failure> {
-        let path = self.record_of(&run.record.name);
+    /// The file of a record, with what it is in comments.
+    fn file(&self, run: &RigRun) -> Result<NamedFile, Failure> {
         let with_truth = self.with_truth.then(|| run.record_with_truth());
         let record = with_truth.as_ref().unwrap_or(&run.record);
-        write_atomically_with(&path, |out| {
-            for comment in &run.comments {
-                writeln!(out, "# {comment}")?;
-            }
-            write_csv_to(out, record)
-        })
-        .map_err(|e| Failure::new(format!("cannot write the record {}", path.display())).because(e))?;
-        console::message(&format!("wrote {} ({} samples)", path.display(), record.len()));
+        let mut text: Vec<u8> =
+            run.comments.iter().flat_map(|comment| format!("# {comment}\n").into_bytes()).collect();
+        write_csv_to(&mut text, record)
+            .map_err(|e| Failure::new(format!("cannot write the record {}", run.record.name)).because(e))?;
+        Ok(NamedFile::new(format!("{}.csv", run.record.name), text))
+    }
+
+    fn tell(&self, run: &RigRun) {
+        let path = self.record_of(&run.record.name);
+        console::message(&format!("wrote {} ({} samples)", path.display(), run.record.len()));
         if run.clipped_samples > 0 {
             console::note(&format!(
                 "{}: {} samples saturate the converter",
@@ -139,13 +144,14 @@ impl Rig {
                 run.clipped_samples
             ));
         }
-        Ok(())
     }
+}
 
-    fn write_json(&self, name: &str, value: &impl serde::Serialize) -> Result<(), Failure> {
-        save_json(&self.out_dir.join(name), value, true)
-            .map_err(|e| Failure::new(format!("cannot write {name}")).because(e))
-    }
+/// A file of settings, as JSON to be edited.
+fn settings(name: &str, value: &impl serde::Serialize) -> Result<NamedFile, Failure> {
+    let failure = |e| Failure::new(format!("cannot write {name}")).because(e);
+    let text = serde_json::to_string_pretty(value).map_err(failure)?;
+    Ok(NamedFile::new(name, text + "\n"))
 }
 
 /// Reads a JSON file of settings; without a file, the defaults.

@@ -41,7 +41,7 @@ pub use summary::{ExportSummary, FileSummary};
 /// # Errors
 /// [`ExportError::Folder`]. Nothing has changed then.
 pub fn write_folder(folder: &std::path::Path, files: &[NamedFile]) -> Result<(), ExportError> {
-    Ok(hysteron_io::write_folder(folder, files, MARK)?)
+    Ok(hysteron_io::write_folder(folder, files, Some(MARK))?)
 }
 
 /// Marks exported files: a file without these bytes was not written by an export and is not overwritten.

@@ -31,14 +31,15 @@ pub fn temporary_folder() -> io::Result<tempfile::TempDir> {
 }
 
 /// Writes all `files` into `folder`, made where it does not exist. Files of other names stay as they are; one
-/// of the same name is replaced where it holds `mark`, as all files written this way do. Everything is
+/// of the same name is replaced where it holds `mark`, as all files written this way do; without a mark,
+/// whatever it holds. Everything is
 /// written beside its place first, and then renamed; what was replaced is put back where a later rename
 /// fails. A symbolic link to a file stays, and that file is replaced or made.
 ///
 /// # Errors
 /// [`IoError::Foreign`] for a file of the same name without the mark; [`IoError::Folder`]. Nothing has
 /// changed then.
-pub fn write_folder(folder: &Path, files: &[NamedFile], mark: &[u8]) -> Result<(), IoError> {
+pub fn write_folder(folder: &Path, files: &[NamedFile], mark: Option<&[u8]>) -> Result<(), IoError> {
     for file in files {
         check(&folder.join(&file.name), mark)?;
     }
@@ -95,13 +96,14 @@ fn failed(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> IoErro
 }
 
 /// Whether a file can be replaced, or made.
-fn check(path: &Path, mark: &[u8]) -> Result<(), IoError> {
+fn check(path: &Path, mark: Option<&[u8]>) -> Result<(), IoError> {
     let refused = |kind: ErrorKind| failed("writing", path)(kind.into());
     match std::fs::metadata(path) {
         Ok(found) if found.is_dir() => Err(refused(ErrorKind::IsADirectory)),
         // A device or a pipe bears no mark, and reading it might block.
         Ok(found) if !found.is_file() => Err(IoError::Foreign { path: path.to_owned() }),
         Ok(_) => {
+            let Some(mark) = mark else { return Ok(()) };
             let old = std::fs::read(path).map_err(failed("reading", path))?;
             let ours = old.windows(mark.len()).any(|part| part == mark);
             if ours { Ok(()) } else { Err(IoError::Foreign { path: path.to_owned() }) }
@@ -159,7 +161,7 @@ mod tests {
     const MARK: &[u8] = b"hysteron export";
 
     fn write_folder(folder: &Path, files: &[NamedFile]) -> Result<(), IoError> {
-        super::write_folder(folder, files, MARK)
+        super::write_folder(folder, files, Some(MARK))
     }
 
     fn file(name: &str, text: &str) -> NamedFile {

@@ -36,4 +36,4 @@ pub mod validation;
 mod write;
 
 pub use hysteron_numeric::number;
-pub use write::{write_figures, write_page};
+pub use write::{figure_files, write_page};

@@ -1,9 +1,10 @@
 //! Pages and figures to files, each written completely or not at all.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use hysteron_io::atomic_file::{AtomicWriteError, write_atomically};
 
+use crate::figure::Figure;
 use crate::page::Page;
 
 /// Writes a page to `path`; an existing file is replaced in one step.
@@ -14,19 +15,14 @@ pub fn write_page(path: &Path, page: &Page) -> Result<(), AtomicWriteError> {
     write_atomically(path, page.to_html().as_bytes())
 }
 
-/// Writes every figure of a page as `STEM-01-TITLE.svg` … into `folder`, which has to exist, and returns the
-/// paths in the order of the page.
-///
-/// # Errors
-/// [`AtomicWriteError`] on the first file that could not be written.
-pub fn write_figures(folder: &Path, stem: &str, page: &Page) -> Result<Vec<PathBuf>, AtomicWriteError> {
-    let mut written = Vec::new();
-    for (i, figure) in page.figures().into_iter().enumerate() {
-        let path = folder.join(format!("{}-{:02}-{}.svg", file_name(stem), i + 1, file_name(&figure.title)));
-        write_atomically(&path, figure.to_svg().as_bytes())?;
-        written.push(path);
-    }
-    Ok(written)
+/// Every figure of a page as a file: its name, `STEM-01-TITLE.svg` …, and its content, in the order of the
+/// page.
+pub fn figure_files(stem: &str, page: &Page) -> Vec<(String, String)> {
+    let file = |(i, figure): (usize, &Figure)| {
+        let name = format!("{}-{:02}-{}.svg", file_name(stem), i + 1, file_name(&figure.title));
+        (name, figure.to_svg())
+    };
+    page.figures().into_iter().enumerate().map(file).collect()
 }
 
 /// Lower-case letters and digits of `text` joined by `-`, at most 48 of them; `figure` when there are none.
@@ -49,7 +45,7 @@ fn file_name(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::{Axis, Figure, Panel};
+    use crate::figure::{Axis, Panel};
     use crate::page::Section;
 
     #[test]
@@ -68,9 +64,9 @@ mod tests {
         write_page(&path, &Page::new("before")).unwrap();
         write_page(&path, &page).unwrap();
         assert_eq!(std::fs::read_to_string(&path).unwrap(), page.to_html());
-        let figures = write_figures(folder.path(), "stack", &page).unwrap();
-        assert_eq!(figures, [folder.path().join("stack-01-loop.svg")]);
-        assert!(std::fs::read_to_string(&figures[0]).unwrap().starts_with("<svg"));
+        let figures = figure_files("stack", &page);
+        assert_eq!(figures[0].0, "stack-01-loop.svg");
+        assert!(figures[0].1.starts_with("<svg"));
     }
 
     #[test]

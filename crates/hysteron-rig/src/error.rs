@@ -23,6 +23,24 @@ pub enum RigError {
         /// Path of the field, as in the truth file.
         parameter: &'static str,
     },
+    /// A list of the truth is too long.
+    #[error("truth: {parameter} has {count} entries, expected at most {most}")]
+    TooMany {
+        /// Path of the field, as in the truth file.
+        parameter: &'static str,
+        /// Its entries.
+        count: usize,
+        /// Most that are taken.
+        most: usize,
+    },
+    /// The displacement is no finite number.
+    #[error("truth: the displacement at {} s is {value}: the plant cannot be computed", short(*.time_s))]
+    NotFinite {
+        /// Time \[s\].
+        time_s: f64,
+        /// The value.
+        value: f64,
+    },
     /// The numerator's highest order is above the denominator's.
     #[error(
         "truth: the transfer function is improper, numerator order {numerator_order} above denominator order \

@@ -28,6 +28,9 @@ use hysteron_model::record::{Channel, Record, TimeBase, Unit};
 pub fn measure(truth: &Truth, drive: &Excitation, seed: u64, stream: usize) -> Result<RigRun, RigError> {
     truth.validate()?;
     let (y_true_um, hysteresis_um) = respond(truth, drive)?;
+    if let Some(k) = y_true_um.iter().position(|y| !y.is_finite()) {
+        return Err(RigError::NotFinite { time_s: k as f64 / drive.sample_rate_hz, value: y_true_um[k] });
+    }
     let mut sensor = SensorState::new(&truth.sensor, drive.sample_rate_hz, seed, stream);
     let y_um = y_true_um.iter().map(|y| sensor.read(*y)).collect();
     let clipped_samples = sensor.clipped();

@@ -29,23 +29,52 @@ fn wrong(parameter: impl Into<String>, value: f64, expected: &'static str) -> Ri
     RigError::Parameter { parameter: parameter.into(), value, expected }
 }
 
+/// Largest magnitude of a number of the truth: far above any device, far below where products overflow.
+const LARGEST: f64 = 1e12;
+/// Largest frequency \[Hz\].
+const FASTEST_HZ: f64 = 1e9;
+/// Smallest frequency \[Hz\].
+const SLOWEST_HZ: f64 = 1e-9;
+/// Most modes, whose partial fractions are still told apart in double precision.
+const MOST_MODES: usize = 100;
+/// Most plays.
+const MOST_PLAYS: usize = 10_000;
+/// Most terms of a polynomial or a transfer function.
+const MOST_TERMS: usize = 30;
+
 fn finite(parameter: &str, value: f64) -> Result<(), RigError> {
-    if value.is_finite() { Ok(()) } else { Err(wrong(parameter, value, "a finite number")) }
+    if value.abs() <= LARGEST {
+        Ok(())
+    } else {
+        Err(wrong(parameter, value, "a number of at most 1e12 in magnitude"))
+    }
+}
+
+fn at_most(parameter: &'static str, count: usize, most: usize) -> Result<(), RigError> {
+    if count <= most { Ok(()) } else { Err(RigError::TooMany { parameter, count, most }) }
+}
+
+fn frequency(parameter: String, value: f64) -> Result<(), RigError> {
+    if (SLOWEST_HZ..=FASTEST_HZ).contains(&value) {
+        Ok(())
+    } else {
+        Err(wrong(parameter, value, "a frequency from 1e-9 to 1e9 Hz"))
+    }
 }
 
 fn not_negative(parameter: impl Into<String>, value: f64) -> Result<(), RigError> {
-    if value.is_finite() && value >= 0.0 {
+    if (0.0..=LARGEST).contains(&value) {
         Ok(())
     } else {
-        Err(wrong(parameter, value, "a finite number, at least 0"))
+        Err(wrong(parameter, value, "a number from 0 to 1e12"))
     }
 }
 
 fn positive(parameter: impl Into<String>, value: f64) -> Result<(), RigError> {
-    if value.is_finite() && value > 0.0 {
+    if value > 0.0 && value <= LARGEST {
         Ok(())
     } else {
-        Err(wrong(parameter, value, "a finite number above 0"))
+        Err(wrong(parameter, value, "a number above 0, at most 1e12"))
     }
 }
 
@@ -79,11 +108,13 @@ impl Sensor {
 impl PlayStack {
     fn validate(&self) -> Result<(), RigError> {
         if let Some(f) = self.amplifier_corner_hz {
-            positive("plant.amplifier_corner_hz", f)?;
+            frequency("plant.amplifier_corner_hz".to_owned(), f)?;
         }
         finite("plant.linear_um_per_v", self.linear_um_per_v)?;
         finite("plant.quadratic_per_um", self.quadratic_per_um)?;
         finite("plant.cubic_per_um2", self.cubic_per_um2)?;
+        at_most("plant.plays", self.plays.len(), MOST_PLAYS)?;
+        at_most("plant.modes", self.modes.len(), MOST_MODES)?;
         for (i, play) in self.plays.iter().enumerate() {
             not_negative(format!("plant.plays[{i}].rising_v"), play.rising_v)?;
             not_negative(format!("plant.plays[{i}].falling_v"), play.falling_v)?;
@@ -93,7 +124,7 @@ impl PlayStack {
             return Err(RigError::EmptyList { parameter: "plant.modes" });
         }
         for (i, mode) in self.modes.iter().enumerate() {
-            positive(format!("plant.modes[{i}].frequency_hz"), mode.frequency_hz)?;
+            frequency(format!("plant.modes[{i}].frequency_hz"), mode.frequency_hz)?;
             positive(format!("plant.modes[{i}].share"), mode.share)?;
             if !(mode.damping > 0.0 && mode.damping < 1.0) {
                 return Err(wrong(format!("plant.modes[{i}].damping"), mode.damping, "above 0 and below 1"));
@@ -115,6 +146,7 @@ impl BoucWenFractional {
         if self.polynomial.is_empty() {
             return Err(RigError::EmptyList { parameter: "plant.polynomial" });
         }
+        at_most("plant.polynomial", self.polynomial.len(), MOST_TERMS)?;
         for (i, &c) in self.polynomial.iter().enumerate() {
             finite(&format!("plant.polynomial[{i}]"), c)?;
         }
@@ -134,6 +166,7 @@ impl BoucWenFractional {
 }
 
 fn highest_order(list: &'static str, terms: &[PowerTerm]) -> Result<f64, RigError> {
+    at_most(list, terms.len(), MOST_TERMS)?;
     for (i, term) in terms.iter().enumerate() {
         finite(&format!("{list}[{i}].coefficient"), term.coefficient)?;
         if !(0.0..=20.0).contains(&term.order) {

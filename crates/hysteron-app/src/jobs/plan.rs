@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use hysteron_identify::structure::Candidate;
 use hysteron_identify::{FamilyChoice, Options, Task};
-use hysteron_model::model::Capability;
 
 use crate::api::{Command, Job, JobRequest, RecordEntry};
 use crate::command;
@@ -115,12 +114,7 @@ fn task_of(task: Option<Task>, structure: Option<&str>, entries: &[RecordEntry])
 /// # Errors
 /// If there is no such model, or it is of another kind.
 pub(super) fn started(workspace: &Workspace, task: &Task, start: &str) -> Answer<Task> {
-    let model = workspace.model(start)?;
-    let Task::Hammerstein(options) = task else {
-        return Err(Refused::bad("a start can be given to the search of a Hammerstein model only"));
-    };
-    let law = model.hammerstein(Capability::Simulation).map_err(Refused::cannot)?.law().clone();
-    Ok(Task::Hammerstein(Box::new(Options { start: Some(law), ..(**options).clone() })))
+    task.clone().starting_from(&workspace.model(start)?).map_err(Refused::bad)
 }
 
 fn continue_one_another(entries: &[RecordEntry]) -> bool {

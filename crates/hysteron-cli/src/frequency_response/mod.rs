@@ -10,7 +10,9 @@ use hysteron_identify::frequency_response::empirical::{
     EmpiricalOptions, EmpiricalResponse, empirical_response,
 };
 use hysteron_identify::frequency_response::{Explained, Family, FrequencyResponse, POOR, Weighting, compare};
+use hysteron_io::atomic_file::Batch;
 use hysteron_io::{IoError, ResponseOptions, read_frequency_response, read_record};
+use hysteron_model::Model;
 use hysteron_report::frequency_response::page;
 use hysteron_report::number::significant;
 
@@ -97,8 +99,13 @@ impl FrequencyResponseCommand {
         let candidates = compare(&response, weighting, &families, self.modes.map(usize::from))
             .map_err(|e| Failure::new("cannot fit the frequency response").because(e))?;
         let found = Explained { response, empirical, candidates };
-        let written = self.out.as_deref().map(|path| write_model(path, &found)).transpose()?;
-        self.result.write(|| page(&found, &maker()))?;
+        let mut batch = Batch::default();
+        let written = self.out.as_deref().map(|path| add_model(&mut batch, path, &found)).transpose()?;
+        if self.result.has_report() {
+            self.result.add(&mut batch, &page(&found, &maker()))?;
+        }
+        output::finish(batch)?;
+        self.result.tell();
         if let Some(text) = written {
             console::message(&text);
         }
@@ -185,14 +192,15 @@ impl FrequencyResponseCommand {
     }
 }
 
-/// Writes the candidate of lowest AIC that a model file can hold; returns a message with its limitations.
-fn write_model(path: &Path, found: &Explained) -> Result<String, Failure> {
+/// Adds the candidate of lowest AIC that a model file can hold; returns a message with its limitations.
+fn add_model(batch: &mut Batch, path: &Path, found: &Explained) -> Result<String, Failure> {
     let failure = || Failure::new(format!("cannot write the model {}", path.display()));
     let written = found.model_file(&maker()).map_err(|e| match e {
         IdentifyError::Hysteresis(_) => failure().because(e),
         e => failure().because(e).hint("fit another structure, e.g. --structure fractional"),
     })?;
-    crate::model::write(path, written.file)?;
+    let model = Model::try_from(written.file).map_err(|e| failure().because(e))?;
+    crate::model::add(batch, path, &model)?;
     let start = if written.is_unbounded_at_rest {
         " Its gain at zero frequency is infinite (a power law): simulate it from 0 V (--rest-voltage 0)."
     } else {

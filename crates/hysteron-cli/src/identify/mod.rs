@@ -16,11 +16,11 @@ use hysteron_identify::{
     CampaignRecord, DynamicsChoice, FamilyChoice, FindingKind, Fit, FitRecords, Initial, Method, RecordRole,
     Task, fit, fit_on,
 };
+use hysteron_io::atomic_file::Batch;
 use hysteron_model::dynamics::{Creep, Scheme};
 use hysteron_model::record::InterSample;
 use hysteron_report::fit::report;
 use hysteron_report::page::Page;
-use hysteron_report::write_figures;
 
 use self::arguments::{
     ChoiceArg, OptimizerArg, StructureArg, degree, delay, exponent, inter_sample, name_range, name_value,
@@ -39,7 +39,7 @@ use crate::interrupt::{Interrupt, partial};
 use crate::maker::maker;
 use crate::model::{self, Loaded};
 use crate::numbers::{count, number, whole};
-use crate::output::{self, OutFile};
+use crate::output::{self, OutFile, add_figures};
 use crate::progress;
 use crate::remarks;
 use crate::result_flags::ResultFlags;
@@ -258,13 +258,7 @@ impl Identify {
         drop(watch);
         let found = found.map_err(|e| stop.told(explain(&e, task.kind())))?;
         let written = if found.interrupted { partial(&self.out) } else { self.out.to_path_buf() };
-        model::save(&written, &found.model)?;
-        if found.interrupted {
-            self.write_searches(&found.resume)?;
-        }
-        if self.result.has_report() || self.figures.is_some() {
-            self.write_report(&self.page(&records, &task, &found, &stop)?)?;
-        }
+        self.write(&written, &found, || self.page(&records, &task, &found, &stop))?;
         for score in &found.scores {
             remarks::tell(Path::new(&score.record), &found.model, &score.simulation.remarks);
         }
@@ -376,14 +370,30 @@ impl Identify {
         records.map(record).collect()
     }
 
-    fn write_report(&self, page: &Page) -> Result<(), Failure> {
-        self.result.write(|| page)?;
+    /// Writes model, report and figures, or the interrupted searches: all of them or none.
+    fn write(
+        &self,
+        model: &Path,
+        found: &Fit,
+        page: impl FnOnce() -> Result<Page, Failure>,
+    ) -> Result<(), Failure> {
+        let mut batch = Batch::default();
+        model::add(&mut batch, model, &found.model)?;
+        if found.interrupted {
+            self.add_searches(&mut batch, &found.resume)?;
+        }
+        let mut figures = 0;
+        if self.result.has_report() || self.figures.is_some() {
+            let page = page()?;
+            self.result.add(&mut batch, &page)?;
+            if let Some(folder) = &self.figures {
+                figures = add_figures(&mut batch, folder, "figure", &page)?;
+            }
+        }
+        output::finish(batch)?;
+        self.result.tell();
         if let Some(folder) = &self.figures {
-            let failure = || Failure::new(format!("cannot write the figures to {}", folder.display()));
-            std::fs::create_dir_all(folder).map_err(|e| failure().because(e))?;
-            let written = write_figures(folder, "figure", page)
-                .map_err(|e| output::cannot_write("the figures", folder, e))?;
-            console::message(&format!("{} figures written to {}", written.len(), folder.display()));
+            console::message(&format!("{figures} figures written to {}", folder.display()));
         }
         Ok(())
     }

@@ -3,20 +3,24 @@
 use std::path::{Path, PathBuf};
 
 use hysteron_identify::Searches;
-use hysteron_io::{load_json, save_json};
+use hysteron_io::atomic_file::Batch;
+use hysteron_io::load_json;
 
 use super::Identify;
 use crate::failure::Failure;
 use crate::interrupt::partial;
+use crate::output;
 
 /// Largest file of interrupted searches read \[bytes\].
 const MAX_RESUME_BYTES: u64 = 256 << 20;
 
 impl Identify {
-    pub(super) fn write_searches(&self, searches: &Searches) -> Result<(), Failure> {
+    /// Adds the searches to files that are written together.
+    pub(super) fn add_searches(&self, batch: &mut Batch, searches: &Searches) -> Result<(), Failure> {
         let path = partial(&self.out).with_extension("").with_extension("searches.json");
-        save_json(&path, searches, false)
-            .map_err(|e| Failure::new("cannot write the interrupted searches").because(e))
+        let failure = || Failure::new("cannot write the interrupted searches");
+        let text = serde_json::to_string(searches).map_err(|e| failure().because(e))?;
+        batch.add(&path, text.as_bytes()).map_err(|e| output::cannot_write("the searches", &path, e))
     }
 }
 

@@ -29,6 +29,23 @@ fn refused(bench: &Bench, command: &str, parts: &[&str]) {
     assert_eq!(bench.files(), before, "{command}");
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn files_of_one_result_are_written_together_or_not_at_all() {
+    let bench = Bench::new();
+    bench.write("run.csv", good_record());
+    bench.write("kept.json", "what was there");
+    for model in ["kept.json", "new.json"] {
+        let before = bench.files();
+        let flags = "--dynamics none --degree 1 --report /dev/full";
+        let run = bench.run(&format!("identify run.csv {flags} -o {model}"));
+        assert_eq!(run.exit_code, 1, "{run:?}");
+        assert!(run.stderr.contains("/dev/full") && !run.stderr.contains("written to"), "{}", run.stderr);
+        assert_eq!(bench.files(), before, "{model}");
+        assert_eq!(std::fs::read_to_string(bench.path("kept.json")).unwrap(), "what was there");
+    }
+}
+
 fn bench() -> Bench {
     let bench = Bench::new();
     // Too short a record to identify: whoever gets as far as the fit says something else.

@@ -42,9 +42,19 @@ fn a_drive_of_ones_own_is_played_and_the_truth_shown_if_asked_for() {
     assert_eq!(text.lines().filter(|l| !l.starts_with('#')).count(), 201);
 }
 
+/// A truth with so many modes.
+fn with_modes(count: usize) -> String {
+    let mode = |k: usize| format!(r#"{{"frequency_hz": {}, "damping": 0.01, "share": 1}}"#, 100 + k);
+    let modes: Vec<String> = (0..count).map(mode).collect();
+    format!(r#"{{"plant": {{"kind": "play_stack", "modes": [{}]}}}}"#, modes.join(","))
+}
+
 #[test]
 fn a_truth_that_makes_no_sense_is_refused_by_name_and_nothing_is_written() {
+    let (modes, strong) = (with_modes(202), r#"{"plant": {"kind": "play_stack", "linear_um_per_v": 1e300}}"#);
     for (truth, part) in [
+        (modes.as_str(), "plant.modes has 202 entries, expected at most 100"),
+        (strong, "plant.linear_um_per_v is 1"),
         ("{", "EOF while parsing"),
         (r#"{"sensr": {}}"#, "unknown field `sensr`"),
         (r#"{"oversampling": 2}"#, "oversampling is 2"),
