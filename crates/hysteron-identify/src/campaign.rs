@@ -2,6 +2,7 @@
 
 use super::options::{CampaignRecord, DynamicsChoice, Options, RecordRole};
 use super::{IdentifyError, RecordFacts};
+use hysteron_model::record::Unit;
 use hysteron_model::record::{InputOutput, MeasurementRun};
 use rayon::prelude::*;
 
@@ -14,7 +15,8 @@ const FEWEST_SAMPLES: usize = 20;
 /// For the first unusable record: another unit, too few samples, a constant signal.
 pub(super) fn usable(campaign: &[CampaignRecord]) -> Result<Vec<RecordFacts>, IdentifyError> {
     let first = campaign.first().ok_or(IdentifyError::NoRecords)?;
-    let units = |r: &CampaignRecord| format!("{} → {}", r.data.u_unit, r.data.y_unit);
+    let unit = |unit: &Unit| if unit.symbol().is_empty() { "no unit".to_owned() } else { unit.to_string() };
+    let units = |r: &CampaignRecord| format!("{} → {}", unit(&r.data.u_unit), unit(&r.data.y_unit));
     let facts: Vec<_> = campaign
         .par_iter()
         .map(|record| {

@@ -369,6 +369,10 @@ impl Default for Options {
 
 /// Highest polynomial degree offered.
 pub const HIGHEST_DEGREE: usize = 9;
+/// Most generations of a search.
+const MOST_GENERATIONS: usize = 10_000_000;
+/// Most threads of a fit.
+const MOST_THREADS: usize = 1024;
 
 impl Options {
     /// The inter-sample rule given, else the one tried first.
@@ -404,7 +408,11 @@ impl Options {
         }
     }
 
-    pub(super) fn validate(&self) -> Result<(), IdentifyError> {
+    /// Whether every option is in its range.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Option`] names the first one that is not.
+    pub fn validate(&self) -> Result<(), IdentifyError> {
         let refuse = |option, value, wanted| Err(IdentifyError::Option { option, value, wanted });
         if let Choice::Given(degree) = self.degree
             && !(1..=HIGHEST_DEGREE).contains(&degree)
@@ -431,6 +439,17 @@ impl Options {
             && !(0.0..=10.0).contains(&delay)
         {
             return refuse("delay", delay, "0 to 10 seconds");
+        }
+        if self.least_fit_percent.is_nan() || self.least_fit_percent > 100.0 {
+            return refuse("least fit", self.least_fit_percent, "at most 100 %");
+        }
+        if self.generations == 0 || self.generations > MOST_GENERATIONS {
+            return refuse("generations", self.generations as f64, "a whole number from 1 to 10000000");
+        }
+        if let Some(threads) = self.threads
+            && !(1..=MOST_THREADS).contains(&threads)
+        {
+            return refuse("threads", threads as f64, "a whole number from 1 to 1024");
         }
         Ok(())
     }

@@ -17,6 +17,7 @@ import { Undo } from './components/undo';
 import { listen } from './keys';
 import { Compare } from './rooms/compare';
 import { Follow } from './rooms/follow';
+import { Missing } from './components/missing';
 import { History } from './rooms/history';
 import { Home } from './rooms/home';
 import { Identify } from './rooms/identify';
@@ -56,6 +57,7 @@ function App() {
       <Top />
       <Rail />
       <main id="main" tabIndex={-1}>
+        <Missing />
         <View key={room} />
       </main>
       <Dock />

@@ -24,6 +24,8 @@ const KEPT = ['r', 'm', 'theme', 'lang'];
 function parse(): Route {
   const [path, query] = location.hash.replace(/^#\/?/, '').split('?');
   const room = ROOMS.find((name) => name === path) ?? 'records';
+  // An address of no room must not stay above another one.
+  if (path && path !== room) history.replaceState(null, '', `#/${room}`);
   return { room, query: new URLSearchParams(query ?? '') };
 }
 

@@ -1,7 +1,7 @@
 // What the server tells without being asked: jobs, running fits, lists that changed.
 import { changed, listsChanged } from './api/resource';
 import { get, path } from './api/client';
-import type { CostPoint, Curve, Job, Live, LiveLoop, LiveUpdate } from './api/types';
+import type { CostPoint, Curve, Job, Live, LiveLoop, LiveUpdate, Stage } from './api/types';
 import { Signal } from './signal';
 
 /** Jobs, newest first. */
@@ -74,6 +74,8 @@ export function current(): Job | undefined {
 export function took(job: Job): void {
   const others = jobs.value.filter((other) => other.id !== job.id);
   const before = jobs.value.find((other) => other.id === job.id);
+  // The answer to a request may come after the news of what became of it.
+  if (before && before.revision > job.revision) return;
   jobs.value = newestFirst([job, ...others]);
   if (job.state === 'running' && job.request.kind === 'identify' && running.value?.job !== job.id)
     void watch(job.id);
@@ -93,13 +95,23 @@ export async function watch(id: number): Promise<void> {
   running.value = { job: id, costs: live.costs, measured: live.measured, latest };
 }
 
+/** The stages with the newest cost in the last one. */
+function withCost(stages: Stage[], point: CostPoint): Stage[] {
+  return stages.map((stage, i) =>
+    i === point.stage ? { ...stage, cost: Math.min(stage.cost ?? point.cost, point.cost) } : stage,
+  );
+}
+
 function moved(update: LiveUpdate): void {
   const now = running.value;
   if (now?.job !== update.job) return void watch(update.job);
   const costs = update.cost ? [...now.costs, update.cost].slice(-COSTS_KEPT) : now.costs;
   running.value = { ...now, costs, latest: update.latest ?? now.latest };
   if (!now.measured && update.latest) void watch(update.job);
-  jobs.value = jobs.value.map((job) =>
-    job.id === update.job ? { ...job, fraction: update.fraction, left_s: update.left_s } : job,
-  );
+  jobs.value = jobs.value.map((job) => {
+    if (job.id !== update.job) return job;
+    const { fraction, left_s, cost } = update;
+    const best = cost ? { cost: cost.cost, stages: withCost(job.stages, cost) } : {};
+    return { ...job, fraction, left_s, ...best };
+  });
 }

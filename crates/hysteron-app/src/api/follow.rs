@@ -99,6 +99,8 @@ pub struct Followed {
     pub predicted_rms_percent_of_stroke: f64,
     /// Half the width of the 95 % band from the uncertainty of the parameters.
     pub band: Option<f64>,
+    /// Half the width of the 95 % band of a new measurement: with the residuals that the records showed.
+    pub band_of_measurement: Option<f64>,
     /// What a record showed: scores on the records of the identification.
     pub shown: Vec<Score>,
     /// Warnings.

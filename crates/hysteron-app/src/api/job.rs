@@ -87,6 +87,9 @@ pub struct Job {
     pub name: String,
     /// State.
     pub state: JobState,
+    /// Number of changes so far: of two pieces of news the one with the greater number is the newer.
+    #[serde(default)]
+    pub revision: u64,
     /// Names of the stages in their usual order, as far as they are known before: the name of a stage that is
     /// entered begins with one of them, and one may be left out.
     pub planned: Vec<String>,

@@ -47,8 +47,15 @@ pub struct RecordEntry {
     pub warning: Option<String>,
     /// Why it is no usable record.
     pub error: Option<Problem>,
+    /// Drive and output move over enough samples, so that something can be identified.
+    #[serde(default = "yes")]
+    pub usable: bool,
     /// It comes from the simulated bench.
     pub simulated: bool,
+}
+
+fn yes() -> bool {
+    true
 }
 
 /// What a person decided about a record. Kept in the workspace's history file, never in the record.

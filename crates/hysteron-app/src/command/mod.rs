@@ -9,11 +9,8 @@ pub(crate) use operation::{adapt, frequency_response, prepare, realise, recalibr
 pub(crate) use script::scripts;
 
 use crate::api::{
-    Command, DownloadQuery, FollowRequest, Form, RecordEntry, RecordSettings, Role, ScoresRequest,
+    Command, DownloadQuery, FollowRequest, Form, RecordEntry, RecordSettings, Reference, Role, ScoresRequest,
 };
-
-/// Name of the file of a reference that is drawn, not read.
-const REFERENCE: &str = "reference.csv";
 
 /// A word quoted for a shell.
 pub(crate) fn quoted(word: &str) -> String {
@@ -185,9 +182,8 @@ pub(crate) fn validate(model: &str, records: &[RecordEntry], request: &ScoresReq
 }
 
 /// `hysteron invert`.
-pub(crate) fn invert(model: &str, request: &FollowRequest, reference: Option<&str>) -> Command {
+pub(crate) fn invert(model: &str, request: &FollowRequest, reference: &str) -> Command {
     let file = request.save.as_deref().unwrap_or("drive.csv");
-    let reference = reference.unwrap_or(REFERENCE);
     let range = request.range.map(|[low, high]| format!("{low}:{high}"));
     let words = Words::new("invert").word(model).word(reference).with("-o", file);
     let words = words.maybe("--range", range).maybe("--slew", request.slew_per_s);
@@ -199,10 +195,16 @@ pub(crate) fn invert(model: &str, request: &FollowRequest, reference: Option<&st
         .value("bandwidth", request.bandwidth_hz)
         .when("periodic", request.periodic)
         .value("rest", request.rest_voltage);
-    Command {
+    let mut command = Command {
         shell: words.maybe("--rest-voltage", request.rest_voltage).done(),
         python: format!("drive = hy.load({}).invert({})", text(model), arguments.done()),
+    };
+    if request.save.is_none() && !matches!(request.reference, Reference::Record { .. }) {
+        let note = format!("  # the download of the drive writes {}", quoted(reference));
+        command.shell += &note;
+        command.python += &note;
     }
+    command
 }
 
 /// `hysteron export`.

@@ -131,6 +131,7 @@ fn run(
                 let kept = save_json(searches_file, &*searches, false)
                     .and_then(|()| model.map_or(Ok(()), |model| save_model(partial, &model)));
                 // One that cannot be written is followed by another.
+                jobs.keep_time(id);
                 jobs.warned(id, kept.err().map(|e| format!("the best so far cannot be kept: {e}")));
             }
             None => jobs.still_running(id),

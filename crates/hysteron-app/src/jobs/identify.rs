@@ -89,9 +89,8 @@ pub(super) fn run(jobs: &Jobs, job: &Job, stop: &Stop) -> Answer<Ended> {
         Ok(found) => found,
         // Nothing was found yet: what there was from before stays.
         Err(IdentifyError::Stopped) => return Ok(nothing_yet(workspace, job)),
-        Err(e) if stop.is_requested() => {
-            return Ok(Ended { error: Some(e.into()), ..nothing_yet(workspace, job) });
-        }
+        // What a stop leaves unfinished may make no model.
+        Err(_) if stop.is_requested() => return Ok(nothing_yet(workspace, job)),
         Err(e) => return Err(Refused::cannot(e)),
     };
     let written = if found.interrupted { &partial } else { &model };

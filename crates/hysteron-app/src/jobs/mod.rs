@@ -69,6 +69,7 @@ impl Jobs {
             match job.state {
                 JobState::Running => {
                     job.state = JobState::Interrupted;
+                    job.revision += 1;
                     job.ended = Some(now());
                     job.left_s = None;
                     job.resumable = plan::searches_of(&workspace, &job).is_some();
@@ -107,6 +108,7 @@ impl Jobs {
             id: 0,
             name,
             state: JobState::Waiting,
+            revision: 0,
             planned: planned_stages(&request),
             request,
             stages: Vec::new(),
@@ -183,7 +185,8 @@ impl Jobs {
             }
             JobState::Waiting => {
                 state.queue.retain(|waiting| *waiting != id);
-                let job = Job { state: JobState::Stopped, ended: Some(now()), ..job };
+                let revision = job.revision + 1;
+                let job = Job { state: JobState::Stopped, revision, ended: Some(now()), ..job };
                 state.jobs.insert(id, job.clone());
                 drop(state);
                 self.keep(&job);
@@ -205,6 +208,8 @@ impl Jobs {
         }
         let job = Job {
             state: JobState::Waiting,
+            revision: job.revision + 1,
+            fraction: 0.0,
             ended: None,
             warning: None,
             error: None,
@@ -311,6 +316,7 @@ impl Jobs {
         };
         let job = state.jobs.get_mut(&id)?;
         job.state = JobState::Running;
+        job.revision += 1;
         job.started = Some(now());
         let job = job.clone();
         let stop = Stop::new();
@@ -340,9 +346,10 @@ impl Jobs {
             (_, true, false) => JobState::Stopped,
             (None, false, _) => JobState::Done,
         };
+        job.revision += 1;
         job.ended = Some(now());
         job.left_s = None;
-        job.elapsed_s = begun.map_or(0.0, |begun| begun.elapsed().as_secs_f64());
+        job.elapsed_s += begun.map_or(0.0, |begun| begun.elapsed().as_secs_f64());
         if job.state == JobState::Done {
             job.fraction = 1.0;
         }
@@ -363,7 +370,7 @@ impl State {
     fn shown(&self, job: &Job) -> Job {
         let mut job = job.clone();
         if let Some(running) = self.running.as_ref().filter(|running| running.id == job.id) {
-            job.elapsed_s = running.begun.elapsed().as_secs_f64();
+            job.elapsed_s += running.begun.elapsed().as_secs_f64();
         }
         if let Some(place) = self.queue.iter().position(|waiting| *waiting == job.id) {
             job.ahead = place + usize::from(self.running.is_some());

@@ -104,6 +104,7 @@ fn task_of(task: Option<Task>, structure: Option<&str>, entries: &[RecordEntry])
         (None, None) => Task::Hammerstein(Box::default()),
     };
     if let Task::Hammerstein(options) = &mut task {
+        options.validate().map_err(Refused::bad)?;
         options.continued |= continue_one_another(entries);
     }
     Ok(task)

@@ -29,7 +29,12 @@ pub(super) fn watch<'a>(jobs: &'a Jobs, id: i64, stop: &Stop, drawing: &'a Drawi
     // Stage and cost of the last model that was drawn, and the time that the fit has spent on such models.
     let mut shown: Option<(usize, Option<f64>)> = None;
     let mut spent = Duration::ZERO;
+    let stopping = stop.clone();
     let told = move |event: &Event<'_>| {
+        // Of stages that a stopped fit only passes through nothing is told.
+        if stopping.is_requested() {
+            return ControlFlow::Continue(());
+        }
         let now = Instant::now();
         let is_new_stage = jobs.is_new_stage(id, event.stage);
         if is_new_stage || told.is_none_or(|told| now - told >= BETWEEN) {
@@ -81,6 +86,7 @@ impl Jobs {
         };
         let mut state = self.state();
         let Some(job) = state.jobs.get_mut(&id) else { return update };
+        job.revision += 1;
         if is_new_stage {
             job.stages.push(Stage { name: event.stage.to_owned(), from_s: time_s, cost: None });
         }
@@ -112,11 +118,22 @@ impl Jobs {
         update
     }
 
+    /// Keeps the time that a job has run, so that it is known of one that is interrupted.
+    pub(super) fn keep_time(&self, id: i64) {
+        let state = self.state();
+        let job = state.jobs.get(&id).map(|job| state.shown(job));
+        drop(state);
+        if let Some(job) = job {
+            let _ = self.workspace.history.keep_job(&job);
+        }
+    }
+
     /// Tells the pages that the best so far can be kept, or why it cannot.
     pub(super) fn warned(&self, id: i64, warning: Option<String>) {
         let mut state = self.state();
         let Some(job) = state.jobs.get_mut(&id).filter(|job| job.warning != warning) else { return };
         job.warning = warning;
+        job.revision += 1;
         let job = state.jobs.get(&id).map(|job| state.shown(job));
         drop(state);
         if let Some(job) = job {
@@ -140,6 +157,7 @@ impl Jobs {
         let mut state = self.state();
         let Some(job) = state.jobs.get_mut(&id) else { return };
         job.result.candidates = candidates;
+        job.revision += 1;
         let job = job.clone();
         drop(state);
         self.tell(&job);

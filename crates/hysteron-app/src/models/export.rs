@@ -49,7 +49,10 @@ fn exported(workspace: &Workspace, id: &str, query: &DownloadQuery) -> Answer<Ex
 
 /// Sample rate of the controller: given, else that of the model's records.
 pub(super) fn rate(body: &Hammerstein, given: Option<f64>) -> Answer<f64> {
-    given.or(body.data().sample_rate_hz).filter(|rate| *rate > 0.0).ok_or_else(|| {
+    if given.is_some_and(|rate| !(rate.is_finite() && rate > 0.0)) {
+        return Err(Refused::bad("the sample rate of the controller must be positive"));
+    }
+    given.or(body.data().sample_rate_hz).ok_or_else(|| {
         Refused::bad("the model was identified from records without a sample rate")
             .hint("Give the sample rate of the controller.")
     })

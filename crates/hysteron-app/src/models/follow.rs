@@ -11,7 +11,8 @@ use hysteron_model::{Model, Start};
 use hysteron_rig::{Dac, RigStage, Truth};
 
 use crate::api::{
-    FollowRequest, Followed, Problem, Reference, TrackRequest, Tracked, TrackedController, TrackedCurve,
+    FollowRequest, Followed, Problem, RecordSettings, Reference, Role, TrackRequest, Tracked,
+    TrackedController, TrackedCurve,
 };
 use crate::command;
 use crate::draw::{Along, over_time};
@@ -47,7 +48,12 @@ fn wanted(workspace: &Workspace, model: &Model, reference: &Reference) -> Answer
     };
     match reference {
         Reference::Waveform { specification } => {
-            let made = specification.generate().map_err(Refused::bad)?;
+            // The waveforms are those of drives; here their values are those of the output.
+            let made = specification.generate().map_err(|e| {
+                let said = e.to_string().replace("high_v", "the greatest value");
+                let said = said.replace("low_v", "the least value").replace("voltage", "value");
+                Refused::bad(format!("the reference: {said}"))
+            })?;
             of(made.samples_v, made.sample_rate_hz, &made.name)
         }
         Reference::Samples { sample_rate_hz, values } => of(values.clone(), *sample_rate_hz, "reference"),
@@ -61,7 +67,7 @@ fn wanted(workspace: &Workspace, model: &Model, reference: &Reference) -> Answer
                 model.agreed_unit(SignalRole::Reference, &signal.unit, &mut told).map_err(Refused::cannot)?;
             let TimeBase::Uniform { sample_rate_hz, .. } = signal.time else {
                 return Err(Refused::bad(
-                    "the reference has no uniform sample rate, which sets the controller's",
+                    "the reference has no uniform sample rate, and the controller runs at one",
                 )
                 .hint(remedy(&hysteron_model::Advice::Resample)));
             };
@@ -101,14 +107,20 @@ pub(crate) fn follow(workspace: &Workspace, id: &str, request: &FollowRequest) -
     };
     let told = body.remarks_on_reference(&wanted.samples, wanted.rate);
     wanted.remarks.extend(told.iter().map(|remark| remark.in_words(&model).0));
-    let found = body.law().invert(&wanted.samples, wanted.rate, &options).map_err(Refused::cannot)?;
-    let band = band(body, &found, wanted.rate);
-    let findings = body.findings_on_drive(&found, range_v);
     let units = &body.data().units;
+    let found = body.law().invert(&wanted.samples, wanted.rate, &options).map_err(|e| {
+        let (output, input) = (Unit::new(&units.output), Unit::new(&units.input));
+        Refused::cannot(e).hint(format!("The reference is in {output}, the drive in {input}."))
+    })?;
+    let (band, band_of_measurement) = band(body, &found, wanted.rate);
+    let findings = body.findings_on_drive(&found, range_v);
     let summary = InverseSummary::new(&wanted.samples, &found, wanted.rate, band, findings, units);
     let command = match &request.reference {
-        Reference::Record { id: reference, .. } => command::invert(id, request, Some(reference)),
-        _ => command::invert(id, request, request.save.as_deref().map(reference_beside).as_deref()),
+        Reference::Record { id: reference, .. } => command::invert(id, request, reference),
+        _ => {
+            let drive = request.save.as_deref().unwrap_or("drive.csv");
+            command::invert(id, request, &reference_beside(drive))
+        }
     };
     if let Some(file) = &request.save {
         save(workspace, file, &wanted, &found, units.input.as_str(), request)?;
@@ -138,6 +150,7 @@ pub(crate) fn follow(workspace: &Workspace, id: &str, request: &FollowRequest) -
         predicted_max_error: summary.predicted_max_error,
         predicted_rms_percent_of_stroke: summary.predicted_rms_percent_of_stroke,
         band,
+        band_of_measurement,
         shown: super::scores_of_training(&model),
         findings: summary.findings,
         remarks: wanted.remarks,
@@ -146,12 +159,18 @@ pub(crate) fn follow(workspace: &Workspace, id: &str, request: &FollowRequest) -
     })
 }
 
-/// Largest half-width of the 95 % band; `None` if the file has no covariance.
-fn band(body: &Hammerstein, found: &InverseDrive, rate: f64) -> Option<f64> {
+/// Largest half-widths of the 95 % bands of the model's output and of a new measurement; `None` if the file
+/// has no covariance, the second if it has no scores.
+fn band(body: &Hammerstein, found: &InverseDrive, rate: f64) -> (Option<f64>, Option<f64>) {
     let start = found.rest.unwrap_or(Start::settled(found.drive.len()));
-    body.data().correlation.as_ref()?;
-    let band = PredictionBand::of_file(body.data(), &found.drive, Some(rate), &start).ok()?;
-    Some(band.of_output().into_iter().fold(0.0, f64::max))
+    let largest = |half: Vec<f64>| half.into_iter().fold(0.0, f64::max);
+    let band = body
+        .data()
+        .correlation
+        .as_ref()
+        .and_then(|_| PredictionBand::of_file(body.data(), &found.drive, Some(rate), &start).ok());
+    let measured = band.as_ref().filter(|band| band.noise > 0.0).map(|band| largest(band.of_measurement()));
+    (band.map(|band| largest(band.of_output())), measured)
 }
 
 /// File of a reference that was drawn, beside its drive.
@@ -169,6 +188,11 @@ fn save(
     request: &FollowRequest,
 ) -> Answer<()> {
     let path = workspace.to_write(file, Kind::Record)?;
+    let said = |id: &str, role| {
+        workspace.history.keep_settings(id, &RecordSettings { role, ..RecordSettings::default() })
+    };
+    // It holds what the model predicts: no fit may learn from it.
+    said(file, Role::Unused)?;
     let time = TimeBase::uniform(wanted.rate);
     let symbol = wanted.unit.symbol();
     let channels = vec![
@@ -180,6 +204,7 @@ fn save(
     write_record(&path, &record).map_err(Refused::failed)?;
     if !matches!(request.reference, Reference::Record { .. }) {
         let name = reference_beside(file);
+        said(&name, Role::Reference)?;
         let channels = vec![Channel::new("reference", symbol, wanted.samples.clone())];
         let record = Record::new(&name, time, channels).map_err(Refused::cannot)?;
         write_record(&workspace.path(&name)?, &record).map_err(Refused::failed)?;

@@ -7,7 +7,7 @@ use hysteron_model::record::{Driven, InputOutput, Unit};
 use hysteron_model::{Model, Start};
 
 use super::score::{band, in_words};
-use crate::api::{BandOf, Figure, Outcome, Series, SimulateRequest};
+use crate::api::{BandOf, Figure, Outcome, RecordSettings, Role, Series, SimulateRequest};
 use crate::command;
 use crate::draw::{Along, over_time};
 use crate::refused::{Answer, Refused};
@@ -37,7 +37,11 @@ pub(crate) fn simulate(workspace: &Workspace, id: &str, request: &SimulateReques
     let command = command::simulate(id, &[workspace.entry(&request.record)?], options, file);
     if let Some(save) = &request.save {
         let record = found.to_record(save, &signals, &names, &units.output, ends).map_err(Refused::failed)?;
-        write_record(&workspace.to_write(save, Kind::Record)?, &record).map_err(Refused::failed)?;
+        let path = workspace.to_write(save, Kind::Record)?;
+        // It holds what the model predicts: no fit may learn from it.
+        let said = RecordSettings { role: Role::Unused, ..RecordSettings::default() };
+        workspace.history.keep_settings(save, &said)?;
+        write_record(&path, &record).map_err(Refused::failed)?;
         workspace.history.add_action(&command)?;
         workspace.look();
     }

@@ -1,7 +1,7 @@
 //! Entries of records in the list, and a record in full.
 
 use hysteron_io::{ReadOptions, contents};
-use hysteron_model::record::{InputOutput, Inspection, Periods, Record, TimeBase, split_header};
+use hysteron_model::record::{InputOutput, Inspection, Periods, Record, TimeBase, range_of, split_header};
 use hysteron_report::record_curves::is_simulated;
 
 use super::scan::{Found, Kind, file_at};
@@ -13,6 +13,9 @@ use crate::refused::{Answer, Refused};
 
 /// Samples above which a record is shown before it is inspected.
 const LONG: usize = 200_000;
+
+/// Fewest samples from which anything can be identified.
+const FEWEST: usize = 20;
 
 impl Workspace {
     /// The records: what is known of each, at once. A record that was not read yet is marked, and the
@@ -182,6 +185,7 @@ fn bare(found: &Found, settings: RecordSettings) -> RecordEntry {
         glyph: Vec::new(),
         warning: None,
         error: None,
+        usable: false,
         simulated: is_simulated(found.id.rsplit('/').next().unwrap_or_default()),
     }
 }
@@ -219,7 +223,12 @@ fn glimpsed(entry: RecordEntry, read: &ReadRecord) -> RecordEntry {
 }
 
 fn with_channels(entry: RecordEntry, data: &InputOutput) -> RecordEntry {
+    let moves = |samples: &[f64]| {
+        let (low, high) = range_of(samples);
+        high > low
+    };
     RecordEntry {
+        usable: data.len() >= FEWEST && moves(&data.u) && moves(&data.y),
         samples: data.len(),
         input: Some(data.input.clone()),
         input_unit: data.u_unit.to_string(),

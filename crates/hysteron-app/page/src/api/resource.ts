@@ -21,7 +21,7 @@ let clock = 0;
 function entry(address: string): Entry {
   let found = entries.get(address);
   if (!found) {
-    found = { loading: false, stale: true, listeners: new Set(), used: 0 };
+    found = { loading: false, stale: true, listeners: new Set(), used: ++clock };
     entries.set(address, found);
     forgetOldest();
   }

@@ -55,6 +55,8 @@ export interface RecordEntry {
   glyph: [number, number][];
   warning: string | null;
   error: Problem | null;
+  /** Drive and output move, so that something can be identified. */
+  usable: boolean;
   simulated: boolean;
   /** The file is being read for the first time. */
   reading?: boolean;
@@ -237,6 +239,7 @@ export interface Job {
   request: JobRequest;
   name: string;
   state: JobState;
+  revision: number;
   /** Names of stages in their usual order; the name of an entered one begins with one of them. */
   planned?: string[];
   stages: Stage[];
@@ -439,6 +442,7 @@ export interface Followed {
   predicted_max_error: number;
   predicted_rms_percent_of_stroke: number;
   band: number | null;
+  band_of_measurement: number | null;
   shown: Score[];
   findings: Finding[];
   remarks: string[];

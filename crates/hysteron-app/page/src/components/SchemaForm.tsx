@@ -28,6 +28,8 @@ export function SchemaForm(props: {
   choices?: Record<string, Choice[]>;
   /** Usual values: what is no choice by its name can be gone back to. */
   usual?: Record<string, unknown>;
+  /** Fields without their explanation, which is of another use. */
+  quiet?: string[];
   /** Labels other than the words of the names. */
   labels?: Record<string, string>;
 }) {
@@ -46,7 +48,7 @@ export function SchemaForm(props: {
       {fields.map(([name, field]) => (
         <Field
           key={name}
-          schema={field}
+          schema={props.quiet?.includes(name) ? { ...field, description: ' ' } : field}
           root={props.root}
           value={props.value[name] ?? field.default}
           choices={props.choices?.[name]}
@@ -255,22 +257,38 @@ function NumberInput(props: {
   change: (value: unknown) => void;
   label?: string;
 }) {
+  const wrong = outOfRange(props.value, props.whole, props.schema);
   return (
-    <input
-      type="number"
-      aria-label={props.label}
-      step={props.whole ? 1 : 'any'}
-      min={props.schema.minimum}
-      max={props.schema.maximum}
-      placeholder={props.nullable ? 'as usual' : undefined}
-      value={typeof props.value === 'number' ? props.value : ''}
-      onChange={(e) => {
-        const text = e.currentTarget.value;
-        if (text !== '') props.change(Number(text));
-        else props.change(props.nullable ? null : start(props.schema, props.schema));
-      }}
-    />
+    <>
+      <input
+        type="number"
+        aria-label={props.label}
+        aria-invalid={wrong !== null}
+        step={props.whole ? 1 : 'any'}
+        min={props.schema.minimum}
+        max={props.schema.maximum}
+        placeholder={props.nullable ? 'as usual' : undefined}
+        value={typeof props.value === 'number' ? props.value : ''}
+        onChange={(e) => {
+          const text = e.currentTarget.value;
+          if (text !== '') props.change(Number(text));
+          else props.change(props.nullable ? null : start(props.schema, props.schema));
+        }}
+      />
+      {wrong && <small class="wrong">{wrong}</small>}
+    </>
   );
+}
+
+/** Why a number cannot be taken; `null` where it can. */
+function outOfRange(value: unknown, whole: boolean, schema: Schema): string | null {
+  if (typeof value !== 'number') return null;
+  if (whole && !Number.isSafeInteger(value)) return 'a whole number is expected';
+  if (schema.minimum !== undefined && value < schema.minimum)
+    return `at least ${schema.minimum} is expected`;
+  if (schema.maximum !== undefined && value > schema.maximum)
+    return `at most ${schema.maximum} is expected`;
+  return null;
 }
 
 /** Text that is taken over only where it can be read. */

@@ -9,8 +9,15 @@ import { address } from '../route';
 export function useModel(): { models: ModelEntry[] | undefined; model: ModelEntry | undefined } {
   const { query } = useSignal(route);
   const models = useResource<ModelEntry[]>('models').value?.filter((model) => !model.error);
-  const newest = models && [...models].sort((a, b) => b.modified.localeCompare(a.modified))[0];
+  const whole = models?.filter((model) => !model.interrupted);
+  const newest = whole?.sort((a, b) => b.modified.localeCompare(a.modified))[0];
   return { models, model: models?.find((model) => model.id === query.get('m')) ?? newest };
+}
+
+/** How a model is called in a list. */
+export function modelName(model: ModelEntry): string {
+  const name = model.device ? `${model.device}/${model.name}` : model.name;
+  return model.interrupted ? `${name} (best so far of an interrupted fit)` : name;
 }
 
 export function ModelChoice({ models, model }: { models: ModelEntry[]; model: ModelEntry }) {
@@ -22,7 +29,7 @@ export function ModelChoice({ models, model }: { models: ModelEntry[]; model: Mo
     >
       {models.map((other) => (
         <option key={other.id} value={other.id}>
-          {other.device ? `${other.device}/${other.name}` : other.name}
+          {modelName(other)}
         </option>
       ))}
     </select>

@@ -174,6 +174,8 @@ export function plain(text: string | undefined): string {
     .replace(/\[`([^`]*)`\]/g, '$1')
     .replace(/\\([[\]])/g, '$1')
     .replace(/`/g, '')
+    .replace(/\bNone\b/g, 'as usual')
+    .replace(/ \(\w*[a-z][A-Z]\w*\)/g, '')
     .replace(/\b[A-Z]\w+::([A-Z]\w+)/g, (_, name: string) => name.toLowerCase())
     .replace(/\s+/g, ' ')
     .trim();

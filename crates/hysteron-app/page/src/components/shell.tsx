@@ -10,6 +10,7 @@ import { useSignal } from '../signal';
 import { connected, jobs } from '../store';
 import { copy } from './dock';
 import { Icon } from './icon';
+import { useModel } from './models';
 
 export function Top() {
   const workspace = useResource<Workspace>('workspace').value;
@@ -134,7 +135,10 @@ export function Rail() {
   const models = useResource<ModelEntry[]>('models').value;
   const runs = (kind: string): boolean =>
     list.some((job) => job.state === 'running' && job.request.kind === kind);
-  const held = records?.filter((record) => record.settings.role === 'validate').length ?? 0;
+  const { model } = useModel();
+  const isHeld = (record: RecordEntry): boolean =>
+    record.settings.role === 'validate' && (!model || record.device === model.device);
+  const held = records?.filter(isHeld).length ?? 0;
   const broken = records?.filter((record) => record.error || record.warning).length ?? 0;
   const state: Partial<Record<Room, string>> = {
     records:

@@ -13,6 +13,7 @@ import { address, go, route, settle } from '../route';
 import { useSignal } from '../signal';
 import { jobs, took } from '../store';
 import { deviceOf } from './identify';
+import { isFit, ofOneKind } from './records/roles';
 
 const TITLE = 'Compare';
 const QUESTION = 'Which structure do these records support, and what does it cost the controller?';
@@ -25,8 +26,7 @@ export function Compare() {
   const job = list.find((one) => String(one.id) === query.get('job')) ?? list[0];
   const compared = records?.find((record) => record.id === job?.request.records[0]);
   const device = query.get('device') || !compared ? records && deviceOf(query, records) : compared.device;
-  const usable =
-    records?.filter((r) => r.device === device && !r.error && r.settings.role !== 'unused') ?? [];
+  const usable = ofOneKind(records?.filter((r) => r.device === device && isFit(r)) ?? []);
   const quick = query.get('search') === null;
   const request: JobRequest = { kind: 'compare', records: usable.map((record) => record.id), quick };
   const preview = useAnswer<Command>(usable.length > 0 ? 'commands' : null, request).value;

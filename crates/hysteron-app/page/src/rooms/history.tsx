@@ -57,7 +57,7 @@ function Entry({ job }: { job: Job }) {
             Stop
           </button>
         )}
-        {job.resumable && (
+        {job.resumable && !active && (
           <button type="button" onClick={() => void act(job, 'resume')}>
             Go on
           </button>

@@ -2,7 +2,7 @@
 import { useResource } from '../../api/resource';
 import type { ModelDetail, Options, RecordEntry } from '../../api/types';
 import { SchemaForm } from '../../components/SchemaForm';
-import { fileName, significant } from '../../format';
+import { significant } from '../../format';
 import type { Range } from '../../plot/spec';
 import { settle } from '../../route';
 import { uploadReference } from '../records/uploads';
@@ -40,11 +40,9 @@ export function ReferenceForm(props: {
         >
           <option value="">a waveform</option>
           <option value={props.first}>drawn by hand</option>
-          {props.records.map((record) => (
+          {props.records.filter(canFollow).map((record) => (
             <option key={record.id} value={record.id}>
-              {record.settings.role === 'reference'
-                ? fileName(record.id)
-                : `output of ${fileName(record.id)}`}
+              {record.settings.role === 'reference' ? record.id : `output of ${record.id}`}
             </option>
           ))}
         </select>
@@ -80,6 +78,7 @@ export function ReferenceForm(props: {
               value={props.specification}
               change={change}
               without={['name', 'soft_start_s', 'soft_end_s']}
+              quiet={['low_v', 'high_v']}
               labels={{
                 low_v: 'least value (unit of the output)',
                 high_v: 'greatest value (unit of the output)',
@@ -90,6 +89,10 @@ export function ReferenceForm(props: {
       )}
     </div>
   );
+}
+
+function canFollow(record: RecordEntry): boolean {
+  return record.settings.role === 'reference' || (!record.error && !record.reading);
 }
 
 export function LimitsForm({ limits, detail }: { limits: Limits; detail: ModelDetail }) {

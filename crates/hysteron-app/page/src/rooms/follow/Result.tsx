@@ -11,14 +11,7 @@ export function Result({ followed }: { followed: Followed }) {
   const unit = followed.output_unit;
   const [predicted, predictedUnit] = quantity(followed.predicted_rms_error, unit);
   const shown = followed.shown[0];
-  const list = [
-    {
-      label: 'predicted, rms',
-      value: predicted,
-      unit: predictedUnit,
-      note: 'of the model with itself',
-    },
-  ];
+  const list = [];
   if (shown) {
     const [value, own] = quantity(shown.rmse, shown.unit);
     list.push({
@@ -28,15 +21,23 @@ export function Result({ followed }: { followed: Followed }) {
       note: `of the fit, ${fileName(shown.record)}`,
     });
   }
-  if (followed.band != null) {
-    const [value, own] = quantity(followed.band, unit);
+  const band = followed.band_of_measurement ?? followed.band;
+  if (band != null) {
+    const [value, own] = quantity(band, unit);
+    const measured = followed.band_of_measurement != null;
     list.push({
-      label: '95 % band',
+      label: measured ? '95 % of a new measurement' : '95 % band of the model',
       value: `± ${value}`,
       unit: own,
-      note: 'from the errors of the parameters',
+      note: measured ? 'as its records left it' : 'from the errors of the parameters alone',
     });
   }
+  list.push({
+    label: 'beside it, rms',
+    value: predicted,
+    unit: predictedUnit,
+    note: 'what limits and steps cost, of the model with itself',
+  });
   const limited = followed.samples_at_range + followed.samples_at_slew;
   list.push({
     label: 'drive',
@@ -67,7 +68,8 @@ export function Result({ followed }: { followed: Followed }) {
 export function Curves({ followed }: { followed: Followed }) {
   const time = { label: 'time (s)', unit: 's' };
   const specs = useMemo<Spec[]>(() => {
-    const { reference, drive, error, band } = followed;
+    const { reference, drive, error } = followed;
+    const band = followed.band_of_measurement ?? followed.band;
     const x = (curve: typeof drive) => [curve.x[0] ?? 0, curve.x[curve.x.length - 1] ?? 1];
     return [
       {
@@ -99,7 +101,15 @@ export function Curves({ followed }: { followed: Followed }) {
         lines: [asLine(error, 'residual', 1.3)],
         band:
           band != null
-            ? { name: '95 % band of the prediction', x: x(error), low: [-band, -band], high: [band, band] }
+            ? {
+                name:
+                  followed.band_of_measurement != null
+                    ? '95 % of a new measurement'
+                    : '95 % band of the model',
+                x: x(error),
+                low: [-band, -band],
+                high: [band, band],
+              }
             : undefined,
       },
     ];

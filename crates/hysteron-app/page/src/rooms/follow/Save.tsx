@@ -6,13 +6,15 @@ import type { Followed } from '../../api/types';
 
 const ENDINGS = ['csv', 'npz', 'mat'];
 
-export function Save({ at, request, ready }: { at: string; request: object; ready: boolean }) {
+export function Save(props: { at: string; device: string; request: object; ready: boolean }) {
+  const { at, request, ready } = props;
   const [ending, choose] = useState('csv');
   const [problem, complain] = useState<Complaint | null>(null);
   const save = async (): Promise<void> => {
     try {
       const name = `drive.${ending}`;
-      const written = await change<Followed>('POST', `${at}/follow`, { ...request, save: name });
+      const save = props.device ? `${props.device}/${name}` : name;
+      const written = await change<Followed>('POST', `${at}/follow`, { ...request, save });
       changed('records');
       if (written.file) {
         const link = document.createElement('a');
@@ -39,7 +41,13 @@ export function Save({ at, request, ready }: { at: string; request: object; read
           </option>
         ))}
       </select>
-      <button type="button" class="primary" disabled={!ready} onClick={() => void save()}>
+      <button
+        type="button"
+        class="primary"
+        disabled={!ready}
+        title="A copy is written into the workspace, as a record that no fit takes"
+        onClick={() => void save()}
+      >
         Download the drive
       </button>
     </>

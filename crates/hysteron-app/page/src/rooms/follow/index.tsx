@@ -154,7 +154,7 @@ function Ready(props: {
       <Head title={TITLE} question={QUESTION}>
         <Origin simulated={model.simulated} />
         <ModelChoice models={props.models} model={model} />
-        <Save at={at} request={request} ready={followed !== undefined} />
+        <Save at={at} device={model.device} request={request} ready={followed !== undefined} />
       </Head>
       <div class="stack">
         <ReferenceForm

@@ -1,9 +1,8 @@
 // A model: how well it describes its records, and how sure each number is.
 import { useEffect, useMemo, useState } from 'preact/hooks';
-import { change, path, query, Refusal } from '../../api/client';
+import { change, path, query, Refusal, type Complaint } from '../../api/client';
 import { changed, deletedAt, useLatest } from '../../api/resource';
 import type { ModelCurves, ModelDetail, RecordDetail, RecordEntry } from '../../api/types';
-import { said } from '../../components/dock';
 import { deleted } from '../../components/undo';
 import { Failure, Finding, LibraryFinding, Numbers, Waiting } from '../../components/words';
 import { fileName, prose, quantity, significant } from '../../format';
@@ -144,7 +143,7 @@ function Scores({ curves, floor }: { curves: ModelCurves; floor: number | null }
   }
   if (floor != null) {
     const [value, own] = quantity(floor, scores.unit);
-    list.push({ label: 'noise floor', value, unit: own, note: 'rms; nothing gets below' });
+    list.push({ label: 'noise floor', value, unit: own, note: 'rms of the sensor, estimated' });
   }
   return <Numbers list={list} />;
 }
@@ -234,6 +233,7 @@ function acrossOf(curves: ModelCurves | undefined): Spec | null {
 export function About({ id }: { id: string }) {
   const model = useLatest<ModelDetail>(path('models', id)).value;
   const [name, rename] = useState<string | null>(null);
+  const [problem, complain] = useState<Complaint | null>(null);
   useEffect(() => rename(null), [id]);
   if (!model) return null;
   const facts: [string, string | null][] = [
@@ -243,14 +243,17 @@ export function About({ id }: { id: string }) {
     ['Made', model.made && model.made.replace('T', ' ').replace(/:\d\d(\.\d+)?Z$/, ' UTC')],
   ];
   const act = async (work: Promise<unknown>): Promise<void> => {
+    complain(null);
     await work.catch((error: unknown) => {
-      said.value = error instanceof Refusal ? error.message : String(error);
+      complain(error instanceof Refusal ? error.complaint : { what: String(error) });
     });
     changed('models');
   };
   const keep = async (): Promise<void> => {
     const renamed = await change<{ id: string }>('PATCH', path('models', id), { name });
-    if (renamed?.id) go({ m: renamed.id });
+    if (!renamed?.id) return;
+    deletedAt(path('models', id));
+    go({ m: renamed.id });
   };
   const remove = async (): Promise<void> => {
     deletedAt(path('models', id));
@@ -302,6 +305,7 @@ export function About({ id }: { id: string }) {
           Delete
         </button>
       </form>
+      {problem && <Failure problem={problem} />}
     </div>
   );
 }

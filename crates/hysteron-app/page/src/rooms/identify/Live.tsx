@@ -86,7 +86,12 @@ function Ended({ job }: { job: Job }) {
       }
     >
       <b>
-        {why} after {seconds(job.elapsed_s)} in “{stage}”; the best so far is kept.
+        {why} after {seconds(job.elapsed_s)} in “{stage}”;{' '}
+        {model
+          ? 'the best so far is kept.'
+          : job.resumable
+            ? 'there is no model yet, the searches are kept.'
+            : 'there is no model yet, and nothing to go on from.'}
       </b>
       {job.cost != null &&
         ` Its cost is ${significant(job.cost, 4)} ${job.unit}; later stages were still to come.`}
@@ -106,7 +111,7 @@ function Now({ job, shown }: { job: Job; shown: Running | null }) {
   };
   add('RMSE so far', latest?.rmse, unit, latest ? 'of the loop that is drawn' : 'comes with the joint fit');
   add('best cost', job.cost, job.unit, 'weighted, of this stage');
-  add('noise floor', floor, unit, floor == null ? '' : 'nothing gets below');
+  add('noise floor', floor, unit, floor == null ? '' : 'of the sensor, estimated');
   const elapsed = Math.max(job.elapsed_s, shown?.costs[shown.costs.length - 1]?.time_s ?? 0);
   const [time, symbol] = seconds(elapsed).split(' ');
   const runs = job.state === 'running';
@@ -135,7 +140,9 @@ function LoopSoFar({ shown, runs }: { shown: Running | null; runs: boolean }) {
       y: { label: axisLabel('output', measured.up), unit: measured.up.unit },
       lines: [
         asLine(measured, 'measured', 4, 'record'),
-        asLine(latest?.model, 'model', 1.3, runs ? 'model so far' : 'best model so far'),
+        ...(latest
+          ? [asLine(latest.model, 'model', 1.3, runs ? 'model so far' : 'best model so far')]
+          : []),
       ],
       tools: ['zoom', 'pan'],
     };

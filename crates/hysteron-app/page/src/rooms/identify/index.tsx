@@ -4,7 +4,8 @@ import { change, path, query, Refusal, type Complaint } from '../../api/client';
 import { useAnswer, useLatest, useResource } from '../../api/resource';
 import type { Command, Curve, Job, JobRequest, ModelEntry, Options, RecordEntry } from '../../api/types';
 import { act, command, StopButton } from '../../components/dock';
-import { Failure, Head, Lacking, Origin, Waiting } from '../../components/words';
+import { Failure, Finding, Head, Lacking, Origin, Waiting } from '../../components/words';
+import { modelName } from '../../components/models';
 import { Fold } from '../../components/window';
 import { count, fileName } from '../../format';
 import { Plot } from '../../plot/Plot';
@@ -12,7 +13,7 @@ import { address, go, route } from '../../route';
 import { useSignal } from '../../signal';
 import { jobs, took } from '../../store';
 import { asLine, axisLabel } from '../records/Curves';
-import { isFit } from '../records/roles';
+import { isFit, ofOneKind } from '../records/roles';
 import { About, Done } from './Done';
 import { Live } from './Live';
 import { Settings } from './Settings';
@@ -44,7 +45,9 @@ export function Identify() {
   const model =
     wanted ?? (asks.get('new') ? undefined : newest(models?.filter((entry) => entry.device === device)));
   const fresh = asks.get('new') !== null;
-  const job = named ?? (asks.get('m') || fresh ? undefined : active);
+  const isOwn = (one: Job): boolean =>
+    records?.find((record) => one.request.records.includes(record.id))?.device === device;
+  const job = named ?? (asks.get('m') || fresh || !active || !isOwn(active) ? undefined : active);
 
   // The model of a fit that is watched is shown as soon as it is there.
   const finished = job?.state === 'done' ? job.result.models[0] : undefined;
@@ -52,14 +55,17 @@ export function Identify() {
     if (finished) go({ m: finished, job: null, new: null });
   }, [finished]);
 
-  const own = records?.filter((record) => record.device === device && isFit(record)) ?? [];
+  const fit = records?.filter((record) => record.device === device && isFit(record)) ?? [];
+  const own = ofOneKind(fit);
+  const unlike = fit.length - own.length;
   const leftOut = new Set(asks.get('out')?.split(',') ?? []);
   const taken = own.filter((record) => !leftOut.has(record.id));
   const request: JobRequest | null =
     offered && taken.length > 0
       ? { kind: 'identify', records: taken.map((record) => record.id), ...requested(offered) }
       : null;
-  const preview = useAnswer<Command>(request && !job ? 'commands' : null, request).value;
+  const planned = useAnswer<Command>(request && !job ? 'commands' : null, request);
+  const preview = planned.error ? undefined : planned.value;
   useEffect(() => {
     command.value = job?.command ?? preview ?? null;
   }, [job?.id, preview]);
@@ -87,7 +93,7 @@ export function Identify() {
       <Head title={TITLE} question={QUESTION}>
         <Origin simulated={shownModel ? shownModel.simulated : simulated} />
         <Tabs models={models} job={job ?? active} shown={job ? undefined : shownModel?.id} />
-        {job?.resumable && (
+        {job?.resumable && !runs && (
           <button type="button" class="primary" onClick={() => void act(job, 'resume')}>
             Go on
           </button>
@@ -95,7 +101,7 @@ export function Identify() {
         {job && runs && <StopButton job={job} primary />}
         {shownModel && (
           <>
-            <button type="button" onClick={() => void begin()} disabled={!request}>
+            <button type="button" onClick={() => void begin()} disabled={!request || !!planned.error}>
               Identify again
             </button>
             {held.length > 0 ? (
@@ -110,7 +116,12 @@ export function Identify() {
           </>
         )}
         {!shownModel && !runs && !job?.resumable && (
-          <button type="button" class="primary" onClick={() => void begin()} disabled={!request}>
+          <button
+            type="button"
+            class="primary"
+            onClick={() => void begin()}
+            disabled={!request || !!planned.error}
+          >
             Identify from {count(taken.length, 'record')}
           </button>
         )}
@@ -128,7 +139,12 @@ export function Identify() {
           {shownModel && <About id={shownModel.id} />}
         </div>
         <div class="stack">
-          {problem && <Failure problem={problem} />}
+          {(planned.error ?? problem) && <Failure problem={planned.error?.complaint ?? problem!} />}
+          {unlike > 0 && !shownModel && !job && (
+            <Finding kind="note">
+              {count(unlike, 'record')} of other quantities left out: a fit has one input and one output.
+            </Finding>
+          )}
           {job ? (
             <Live job={job} records={records} />
           ) : shownModel ? (
@@ -143,7 +159,9 @@ export function Identify() {
 }
 
 function newest(models: ModelEntry[] | undefined): ModelEntry | undefined {
-  return models && [...models].sort((a, b) => b.modified.localeCompare(a.modified))[0];
+  return models
+    ?.filter((model) => !model.interrupted)
+    .sort((a, b) => b.modified.localeCompare(a.modified))[0];
 }
 
 function Tabs({ models, job, shown }: { models: ModelEntry[]; job?: Job; shown?: string }) {
@@ -168,7 +186,7 @@ function Tabs({ models, job, shown }: { models: ModelEntry[]; job?: Job; shown?:
       )}
       {models.map((model) => (
         <option key={model.id} value={model.id}>
-          {model.device ? `${model.device}/${model.name}` : model.name}
+          {modelName(model)}
         </option>
       ))}
       <option value="">a new model…</option>

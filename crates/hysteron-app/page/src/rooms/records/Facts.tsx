@@ -54,12 +54,7 @@ function facts(record: RecordDetail, seen: Inspection): [string, string][] {
             .join(', '),
     ],
     ['Stretches', seen.segments?.length ? `${seen.segments.length} of even sampling` : null],
-    [
-      'Gaps',
-      record.gaps.length
-        ? record.gaps.map((gap) => `${seconds(gap.to_s - gap.from_s)} at ${seconds(gap.from_s)}`).join(', ')
-        : null,
-    ],
+    ['Gaps', record.gaps.length ? gapsOf(record.gaps) : null],
     ['Continues', record.settings.continues],
     [
       'Masked',
@@ -159,4 +154,14 @@ export function Remarks({ record }: { record: RecordDetail }) {
       ))}
     </div>
   );
+}
+
+const GAPS_SHOWN = 4;
+
+/** The longest gaps, and how many there are. */
+function gapsOf(gaps: RecordDetail['gaps']): string {
+  const length = (gap: (typeof gaps)[0]): number => gap.to_s - gap.from_s;
+  const longest = [...gaps].sort((a, b) => length(b) - length(a)).slice(0, GAPS_SHOWN);
+  const told = longest.map((gap) => `${seconds(length(gap))} at ${seconds(gap.from_s)}`).join(', ');
+  return gaps.length > GAPS_SHOWN ? `${gaps.length}, the longest ${told}` : told;
 }

@@ -29,14 +29,6 @@ export function RecordList({ records, chosen }: { records: RecordEntry[]; chosen
   return (
     <div class="rl" role="group" aria-label="Records in the workspace">
       <RoleTargets />
-      {devices.map((device) => (
-        <Device
-          key={device}
-          name={device}
-          records={records.filter((r) => r.device === device)}
-          chosen={chosen}
-        />
-      ))}
       {bad.length > 0 && <h2 class="h3">Not read</h2>}
       {bad.map((upload) => (
         <button
@@ -49,8 +41,16 @@ export function RecordList({ records, chosen }: { records: RecordEntry[]; chosen
         >
           <Icon name="bad" />
           <span class="nm">{upload.name}</span>
-          <span class="mt">{upload.problem?.where ?? 'not taken in'}</span>
+          <span class="mt">{upload.problem?.what ?? 'not taken in'}</span>
         </button>
+      ))}
+      {devices.map((device) => (
+        <Device
+          key={device}
+          name={device}
+          records={records.filter((r) => r.device === device)}
+          chosen={chosen}
+        />
       ))}
       {under.length > 0 && <h2 class="h3">Reading</h2>}
       {under.map((upload) => (
@@ -142,8 +142,10 @@ function Chip(props: {
   const [over, set] = useState(false);
   const facts = record.reading ? (
     <span>reading</span>
+  ) : record.error && record.settings.role === 'reference' ? (
+    <Tag kind="role">{roleName('reference')}</Tag>
   ) : record.error ? (
-    <span>{record.error.where ?? 'not read'}</span>
+    <span title={record.error.what}>{record.error.what}</span>
   ) : (
     <>
       {record.rate_hz ? <span>{hertz(record.rate_hz)}</span> : null}

@@ -5,6 +5,7 @@ import { changed, useAnswer, useLatest, useResource } from '../../api/resource';
 import type { RecordDetail, RecordEntry, Together, Workspace } from '../../api/types';
 import { command } from '../../components/dock';
 import { Failure, Finding, Head, Waiting } from '../../components/words';
+import { Fold } from '../../components/window';
 import { count, fileName, prose } from '../../format';
 import { address, go, route } from '../../route';
 import { useSignal } from '../../signal';
@@ -61,8 +62,10 @@ export function Records() {
       </Head>
       <div class="cols g-records">
         <div class="side">
-          <RecordList records={records} chosen={refused ? `!${refused.name}` : (chosen?.id ?? null)} />
-          <DropField over={over} />
+          <Fold title={`Records, ${count(records.length, 'file')}`} folded={wanted !== null}>
+            <RecordList records={records} chosen={refused ? `!${refused.name}` : (chosen?.id ?? null)} />
+            <DropField over={over} />
+          </Fold>
         </div>
         {refused ? (
           <Refused upload={refused} others={records.length} />

@@ -16,10 +16,20 @@ export function roleName(role: Role): string {
   return ROLES.find(([name]) => name === role)?.[1] ?? role;
 }
 
+/** Roles of records that a fit takes. */
+export const FITTED: Role[] = ['auto', 'quasi-static', 'dynamic'];
+
 export function isFit(record: RecordEntry): boolean {
-  return (
-    !record.error && !record.reading && ['auto', 'quasi-static', 'dynamic'].includes(record.settings.role)
-  );
+  return !record.error && !record.reading && record.usable && FITTED.includes(record.settings.role);
+}
+
+/** Those whose quantities are the ones of most of them: a fit has one input and one output. */
+export function ofOneKind(records: RecordEntry[]): RecordEntry[] {
+  const kind = (record: RecordEntry): string => `${record.input_unit} → ${record.output_unit}`;
+  const counts = new Map<string, number>();
+  for (const record of records) counts.set(kind(record), (counts.get(kind(record)) ?? 0) + 1);
+  const [most] = [...counts].sort((a, b) => b[1] - a[1])[0] ?? [];
+  return records.filter((record) => kind(record) === most);
 }
 
 /** Records of the same device, in whose folder `of` is. */
@@ -29,7 +39,11 @@ export function sameDevice(records: RecordEntry[], of: RecordEntry): RecordEntry
 
 /** The records of a device that a fit takes. */
 export function forFit(records: RecordEntry[], of: RecordEntry): RecordEntry[] {
-  return sameDevice(records, of).filter(isFit);
+  const fit = sameDevice(records, of).filter(isFit);
+  const alike = fit.filter(
+    (record) => record.input_unit === of.input_unit && record.output_unit === of.output_unit,
+  );
+  return alike.includes(of) ? alike : ofOneKind(fit);
 }
 
 /** Changes what a person says of a record; `null` resets a field. */

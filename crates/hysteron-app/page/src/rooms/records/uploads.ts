@@ -3,6 +3,7 @@ import { change, path, query, Refusal, upload, type Complaint } from '../../api/
 import { changed } from '../../api/resource';
 import type { RecordEntry } from '../../api/types';
 import { go } from '../../route';
+import { said } from '../../components/dock';
 import { Signal } from '../../signal';
 
 export interface Upload {
@@ -27,6 +28,8 @@ export async function send(files: Iterable<File>): Promise<void> {
       shown = true;
     }
   }
+  const bad = uploads.value.filter((upload) => upload.problem && list.includes(upload.file));
+  if (bad.length > 0) said.value = `${bad.length} of ${list.length} files were not taken`;
   const refused = uploads.value.findLast((upload) => upload.problem && list.includes(upload.file));
   if (!shown && refused) go({ r: `!${refused.name}` }, 'records');
 }

@@ -5,7 +5,7 @@ import type { Command, Followed, Job, ModelDetail, Preview, RecordEntry, Scored 
 import { bytes, count, integer, quantityText } from '../../format';
 import { Signal } from '../../signal';
 import { jobs, took } from '../../store';
-import { isFit } from '../records/roles';
+import { FITTED } from '../records/roles';
 
 export const STEPS = ['Excite', 'Identify', 'Validate', 'Follow', 'Export'] as const;
 
@@ -53,7 +53,8 @@ export async function run(request: Request): Promise<void> {
     const entries = (await get<RecordEntry[]>('records')).filter((entry) =>
       made.records.includes(entry.id),
     );
-    const fit = entries.filter(isFit).map((entry) => entry.id);
+    // They may still be being read for the list; a fit reads them itself.
+    const fit = entries.filter((entry) => FITTED.includes(entry.settings.role)).map((entry) => entry.id);
     const job = await change<Job>('POST', 'jobs', { kind: 'identify', records: fit });
     took(job);
     say({ job: job.id });
