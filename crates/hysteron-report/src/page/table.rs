@@ -1,5 +1,6 @@
 //! Tables: columns with units, numbers aligned at the decimal point, groups of columns, notes.
 
+use super::words::breakable;
 use crate::escape::escape;
 
 /// Alignment of a column's cells.
@@ -143,9 +144,14 @@ const UNBROKEN_ROWS: usize = 14;
 /// Appends the HTML of a table.
 pub(super) fn render(out: &mut String, table: &Table) {
     let short = if table.rows.len() <= UNBROKEN_ROWS { " short" } else { "" };
-    put!(out, "<div class=\"table{short}\"><table>");
+    put!(out, "<div class=\"table{short}\"");
+    // For the button that copies it, which the script adds.
+    if !table.rows.is_empty() {
+        put!(out, " data-csv=\"{}\"", escape(&table.to_csv()));
+    }
+    out.push_str("><div class=\"wide\"><table>");
     if !table.caption.is_empty() {
-        put!(out, "<caption>{}</caption>", escape(&table.caption));
+        put!(out, "<caption>{}</caption>", breakable(&table.caption));
     }
     out.push_str("<thead>");
     if !table.groups.is_empty() {
@@ -163,7 +169,7 @@ pub(super) fn render(out: &mut String, table: &Table) {
     }
     out.push_str("<tr>");
     for column in &table.columns {
-        put!(out, "<th scope=\"col\"{}>{}", class(column.align), escape(&column.header));
+        put!(out, "<th scope=\"col\"{}>{}", class(column.align), breakable(&column.header));
         if !column.unit.is_empty() {
             put!(out, "<small>{}</small>", escape(&column.unit));
         }
@@ -196,7 +202,7 @@ pub(super) fn render(out: &mut String, table: &Table) {
                 "<td{}>{}{}{}",
                 cell_class(column.align, &cell.text),
                 emphasis.0,
-                escape(&cell.text),
+                breakable(&cell.text),
                 emphasis.1
             );
             if column.align == Align::Decimal && is_number(&cell.text) {
@@ -206,7 +212,7 @@ pub(super) fn render(out: &mut String, table: &Table) {
         }
         out.push_str("</tr>");
     }
-    out.push_str("</tbody></table>");
+    out.push_str("</tbody></table></div>");
     for note in &table.notes {
         put!(out, "<p class=\"tablenote\">{}</p>", escape(note));
     }
@@ -232,7 +238,7 @@ fn cell_class(align: Align, text: &str) -> &'static str {
 }
 
 /// Whether a cell holds one plain number.
-fn is_number(text: &str) -> bool {
+pub(super) fn is_number(text: &str) -> bool {
     !text.is_empty()
         && text
             .chars()
