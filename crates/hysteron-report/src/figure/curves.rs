@@ -44,7 +44,7 @@ pub(crate) enum Detail {
 /// Draws every series of a panel.
 pub(crate) fn draw(out: &mut String, panel: &Panel, placed: &PlacedPanel, detail: Detail) {
     let stored = detail == Detail::Stored;
-    let cell = if detail == Detail::Coarse { NARROW_CELL } else { DRAWN_CELL };
+    let (cell, grain) = if detail == Detail::Coarse { (NARROW_CELL, 10.0) } else { (DRAWN_CELL, 1.0) };
     let bars: Vec<&Series> = panel.series.iter().filter(|s| s.style.marker == Marker::Bar).collect();
     for (index, series) in bars.iter().enumerate() {
         draw_bars(out, series, (index, bars.len()), panel, placed);
@@ -64,7 +64,7 @@ pub(crate) fn draw(out: &mut String, panel: &Panel, placed: &PlacedPanel, detail
             .collect();
         for outline in band_outlines(series, placed) {
             put!(out, "<path class=\"band\" d=\"");
-            push_path(out, &in_frame(&outline), true);
+            push_path(out, &in_frame(&outline), true, grain);
             out.push('"');
             if stored {
                 push_stored(out, &outline, true);
@@ -73,7 +73,7 @@ pub(crate) fn draw(out: &mut String, panel: &Panel, placed: &PlacedPanel, detail
         }
         if style.dash != Dash::None {
             out.push_str("<path class=\"line\" d=\"");
-            push_path(out, &decimate(&in_frame(&points), cell, DRAWN_POINTS), false);
+            push_path(out, &decimate(&in_frame(&points), cell, DRAWN_POINTS), false, grain);
             out.push('"');
             if stored {
                 push_stored(out, &points, false);
@@ -164,9 +164,10 @@ fn push_mark_paint(out: &mut String, marker: Marker) {
     });
 }
 
-/// Appends path data through `points`: relative steps of hundredths of a pixel, breaks where not finite.
-fn push_path(out: &mut String, points: &[(f64, f64)], close: bool) {
-    let hundredths = |v: f64| (v.clamp(-1e6, 1e6) * 100.0).round();
+/// Appends path data through `points`: relative steps of `grain` hundredths of a pixel, breaks where not
+/// finite.
+fn push_path(out: &mut String, points: &[(f64, f64)], close: bool, grain: f64) {
+    let hundredths = |v: f64| (v.clamp(-1e6, 1e6) * 100.0 / grain).round() * grain;
     let mut pen: Option<(f64, f64)> = None;
     for (i, p) in points.iter().enumerate() {
         if !(p.0.is_finite() && p.1.is_finite()) {

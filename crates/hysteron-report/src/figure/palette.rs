@@ -1,8 +1,9 @@
-//! The palette of figures and pages, in one place: light for paper and files, dark for screens that ask for it.
+//! The palette of figures and pages, in one place: light for paper and files, dark for screens that ask for
+//! it.
 //!
-//! Curves: M. Okabe, K. Ito, "Color Universal Design" (2008), distinguishable with every common kind of colour
-//! blindness; its sky blue, orange, purple and grey are darkened to a contrast of 3:1 on paper (WCAG 2.2,
-//! 1.4.11), its yellow is left out.
+//! Curves: M. Okabe, K. Ito, "Color Universal Design" (2008), distinguishable with every common kind of
+//! colour blindness; its sky blue, orange, purple and grey are darkened to a contrast of 3:1 on paper (WCAG
+//! 2.2, 1.4.11), its yellow is left out.
 
 /// A colour on light and on dark ground.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,8 +2,8 @@
 //!
 //! Colours stand as presentation attributes (so that any converter draws them) and as classes (so that a page
 //! can replace them on a dark background). A drawing for a page also carries its data in `data-` attributes;
-//! `assets/zoom.js` reads them and redraws axes and curves. The drawing for narrow screens has none: it stands
-//! beside the wide one.
+//! `assets/zoom.js` reads them and redraws axes and curves. The drawing for narrow screens has none: it
+//! stands beside the wide one.
 
 use super::curves::{self, Detail, Swatch};
 use super::layout::{

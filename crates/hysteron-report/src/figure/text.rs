@@ -42,8 +42,8 @@ pub(crate) fn fit(text: &str, size_px: f64, limit_px: f64) -> String {
     kept
 }
 
-/// `text` in at most `most` lines of `limit_px` at `size_px`, broken after a space or one of `+ _ / , : ·`; what
-/// does not fit is cut with an ellipsis. At least one line, which may be empty.
+/// `text` in at most `most` lines of `limit_px` at `size_px`, broken after a space or one of `+ _ / , : ·`;
+/// what does not fit is cut with an ellipsis. At least one line, which may be empty.
 pub(crate) fn wrap(text: &str, size_px: f64, limit_px: f64, most: usize) -> Vec<String> {
     let mut lines = Vec::new();
     let mut rest = text;

@@ -31,9 +31,9 @@ pub(super) fn table(data: &IdentificationReportData) -> Table {
         table = table.note(&data.degrees_note);
     }
     table = table.note(format!(
-        "From the lowest degree up, a higher one takes the place of the one chosen so far where it lowers BIC by \
-         more than {BIC_FALL:.0} and its hysteresis is bounded; shaded: the one used. BIC counts only as many \
-         samples as are independent."
+        "From the lowest degree up, a higher one takes the place of the one chosen so far where it lowers BIC \
+         by more than {BIC_FALL:.0} and its hysteresis is bounded; shaded: the one used. BIC counts only as \
+         many samples as are independent."
     ));
     for d in &data.degrees {
         let cells = [d.degree.to_string(), significant(d.rmse, 4), fixed(d.bic, 1)];
@@ -42,7 +42,8 @@ pub(super) fn table(data: &IdentificationReportData) -> Table {
     table
 }
 
-/// What chose the degree `used`: BIC, an option that names a coefficient, or that a better one is not bounded.
+/// What chose the degree `used`: BIC, an option that names a coefficient, or that a better one is not
+/// bounded.
 pub(super) fn reason(tried: &[DegreeTried], used: usize) -> String {
     let Some(own) = tried.iter().find(|d| d.degree == used) else { return String::new() };
     let (below, above): (Vec<&DegreeTried>, Vec<&DegreeTried>) =
@@ -60,13 +61,13 @@ pub(super) fn reason(tried: &[DegreeTried], used: usize) -> String {
             format!("Degree {used} is used: BIC is {} lower than of degree {}", fixed(fall, 1), d.degree)
         }
         (Some(_), Some(d)) if own.is_demanded => format!(
-            "Degree {used} is used because the options name one of its coefficients; BIC alone would not take it \
-             over degree {}",
+            "Degree {used} is used because the options name one of its coefficients; BIC alone would not take \
+             it over degree {}",
             d.degree
         ),
         (Some(_), Some(d)) => format!(
-            "Degree {used} is used because the hysteresis of the degrees below it is not bounded; BIC alone would \
-             not take it over degree {}",
+            "Degree {used} is used because the hysteresis of the degrees below it is not bounded; BIC alone \
+             would not take it over degree {}",
             d.degree
         ),
         _ => format!("Degree {used} is used"),
@@ -107,7 +108,8 @@ mod tests {
         let by_bic = tried(&[(-40.3, false, true), (-64.0, false, true), (-60.7, false, true)]);
         assert_eq!(
             reason(&by_bic, 2),
-            "Degree 2 is used: BIC is 23.7 lower than of degree 1, and no higher one lowers BIC by more than 10."
+            "Degree 2 is used: BIC is 23.7 lower than of degree 1, and no higher one lowers BIC by more than \
+             10."
         );
         assert_eq!(
             reason(&tried(&[(0.0, false, true), (-3.0, false, true)]), 1),
@@ -116,8 +118,8 @@ mod tests {
         let demanded = tried(&[(0.0, true, true), (-20.0, true, true), (-15.0, true, true)]);
         assert_eq!(
             reason(&demanded, 3),
-            "Degree 3 is used because the options name one of its coefficients; BIC alone would not take it over \
-             degree 2, and no higher one was tried."
+            "Degree 3 is used because the options name one of its coefficients; BIC alone would not take it \
+             over degree 2, and no higher one was tried."
         );
         let unbounded = tried(&[(0.0, false, true), (-20.0, false, false)]);
         assert_eq!(

@@ -63,8 +63,8 @@ pub(super) fn render(page: &Page) -> String {
     out
 }
 
-/// Links to the sections: at the side of a wide window, folded above the text in a narrow one; empty for a page
-/// of few sections.
+/// Links to the sections: at the side of a wide window, folded above the text in a narrow one; empty for a
+/// page of few sections.
 fn contents(page: &Page) -> String {
     let titled = || page.sections.iter().enumerate().filter(|(_, s)| !s.title.is_empty());
     if titled().count() < CONTENTS_FROM {
@@ -74,12 +74,13 @@ fn contents(page: &Page) -> String {
     let links: String = links.collect();
     format!(
         "<nav class=\"side\" aria-label=\"Contents\">{links}</nav>\n\
-         <details class=\"above\"><summary>Contents</summary><nav aria-label=\"Contents\">{links}</nav></details>\n"
+         <details class=\"above\"><summary>Contents</summary>\
+         <nav aria-label=\"Contents\">{links}</nav></details>\n"
     )
 }
 
-/// Nothing may be loaded or sent, and only this style sheet and this script run; a picture may be made of what is
-/// on the page.
+/// Nothing may be loaded or sent, and only this style sheet and this script run; a picture may be made of what
+/// is on the page.
 fn policy(style: &str) -> String {
     let hash = |text: &str| format!("'sha256-{}'", base64::encode(&Sha256::digest(text.as_bytes())));
     format!(

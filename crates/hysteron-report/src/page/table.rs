@@ -227,12 +227,15 @@ fn class(align: Align) -> &'static str {
     }
 }
 
-/// Cells up to this many characters are kept on one line.
+/// Cells up to this many characters are kept on one line, those beyond that many get a column that is wide
+/// enough to be read.
 const SHORT: usize = 16;
+const LONG: usize = 48;
 
 fn cell_class(align: Align, text: &str) -> &'static str {
     match align {
         Align::Left if text.contains(' ') && text.chars().count() <= SHORT => " class=\"w\"",
+        Align::Left if text.chars().count() > LONG => " class=\"l\"",
         other => class(other),
     }
 }

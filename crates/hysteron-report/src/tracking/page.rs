@@ -150,8 +150,8 @@ fn motion(found: &Tracking) -> Figure {
     let rms = |run: &ControllerRun| format!("{} {}", significant(run.score.rms, 3), found.output);
     let caption = match shown {
         [Some(bare), Some(best)] => format!(
-            "The reference, the stage without compensation (rms error {}), and with the controller of the smallest \
-             error ({}: {}), simulated.",
+            "The reference, the stage without compensation (rms error {}), and with the controller of the \
+             smallest error ({}: {}), simulated.",
             rms(bare),
             best.controller.words(),
             rms(best)
