@@ -103,7 +103,12 @@ pub(crate) fn draw(out: &mut String, panel: &Panel, placed: &PlacedPanel) {
             );
         }
         let (x, y, text) = (number(place.x), number(place.y + LINE - 3.0), escape(&name.text));
-        put!(out, "<text class=\"t\" x=\"{x}\" y=\"{y}\">{text}</text>");
+        // A margin in the colour of the paper keeps it readable on a curve.
+        put!(
+            out,
+            "<text class=\"t halo\" x=\"{x}\" y=\"{y}\" stroke=\"#fff\" stroke-width=\"3\" \
+             stroke-linejoin=\"round\" paint-order=\"stroke\">{text}</text>"
+        );
         taken.push(place);
     }
 }

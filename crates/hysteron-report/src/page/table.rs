@@ -138,12 +138,14 @@ impl Table {
     }
 }
 
-/// Tables of up to this many rows are not broken over printed pages.
+/// Tables of up to this many rows, all of them low, are not broken over printed pages.
 const UNBROKEN_ROWS: usize = 14;
 
 /// Appends the HTML of a table.
 pub(super) fn render(out: &mut String, table: &Table) {
-    let short = if table.rows.len() <= UNBROKEN_ROWS { " short" } else { "" };
+    let tall = |cell: &Cell| cell.text.chars().count() > LONG;
+    let low = !table.rows.iter().any(|row| row.cells.iter().any(tall));
+    let short = if low && table.rows.len() <= UNBROKEN_ROWS { " short" } else { "" };
     put!(out, "<div class=\"table{short}\"");
     // For the button that copies it, which the script adds.
     if !table.rows.is_empty() {

@@ -3,7 +3,7 @@
 use crate::escape::escape;
 
 /// Words shorter than this are left whole \[characters\].
-const LONG: usize = 12;
+const LONG: usize = 20;
 /// Longest part that is kept on one line \[characters\].
 const PART: usize = 32;
 
@@ -14,12 +14,13 @@ pub(super) fn breakable(text: &str) -> String {
     let mut out = String::with_capacity(text.len() + text.len() / 4);
     for word in text.split_inclusive(char::is_whitespace) {
         let parts: Vec<&str> = word.split_inclusive(['+', '_', '/']).collect();
-        // Names of two people, as Bouc–Wen, are not torn apart.
-        if word.contains('–') && word.chars().count() < PART {
+        let length = word.trim_end().chars().count();
+        // Names of two people, as Bouc–Wen, and short ones of structures are not torn at their dashes.
+        if word.contains('–') && length < PART || word.contains('+') && length < LONG && length > 1 {
             put!(out, "<bdi>{}</bdi>{}", escape(word.trim_end()), escape(&word[word.trim_end().len()..]));
             continue;
         }
-        if word.chars().count() < LONG || parts.len() < 2 {
+        if length < LONG || parts.len() < 2 {
             out += &escape(word);
             continue;
         }
@@ -42,12 +43,13 @@ mod tests {
     #[test]
     fn names_break_between_their_parts_only() {
         assert_eq!(
-            breakable("best: fractional+bouc-wen <b>"),
-            "best: <bdi>fractional+<wbr>bouc-wen</bdi> &lt;b&gt;"
+            breakable("best: fractional+creep+bouc-wen <b>"),
+            "best: <bdi>fractional+<wbr>creep+<wbr>bouc-wen</bdi> &lt;b&gt;"
         );
-        assert_eq!(breakable("sweep_1_100hz.csv, x"), "sweep_<wbr>1_<wbr>100hz.csv, x");
-        assert_eq!(breakable("a+b c_d"), "a+b c_d");
+        assert_eq!(breakable("simulated_sweep_100hz.csv, x"), "simulated_<wbr>sweep_<wbr>100hz.csv, x");
+        assert_eq!(breakable("none+n-free c_d"), "<bdi>none+n-free</bdi> c_d");
+        assert_eq!(breakable("1 + 2"), "1 + 2");
         assert_eq!(breakable("a Bouc–Wen loop"), "a <bdi>Bouc–Wen</bdi> loop");
-        assert_eq!(breakable("</script><b>"), "&lt;/<wbr>script&gt;&lt;b&gt;");
+        assert_eq!(breakable("</script></style><b>"), "&lt;/<wbr>script&gt;&lt;/<wbr>style&gt;&lt;b&gt;");
     }
 }

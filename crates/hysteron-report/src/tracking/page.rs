@@ -66,7 +66,7 @@ fn over_frequency(found: &Tracking) -> Figure {
     let bare = uncompensated(found);
     let ends = found.sines.map_or([f64::NAN; 2], |sines| sines.range_hz);
     let (lowest, highest) = ends_of_all(found);
-    let mut figure = Figure::new("Tracking error against frequency").panel_height(210.0).link_x();
+    let mut figure = Figure::new("Tracking error against frequency").panel_height(150.0).link_x();
     for family in ControllerFamily::ALL {
         let own = found.runs.iter().filter(|run| run.controller.family() == family);
         let own: Vec<&ControllerRun> =
