@@ -33,6 +33,8 @@ const RULE: Tone = tone("rule", "#d9dee2", "#333b41");
 /// Borders of controls.
 const BORDER: Tone = tone("border", "#858e96", "#76818a");
 const TINT: Tone = tone("tint", "#f3f5f6", "#1c2226");
+/// Rows to be found at a glance.
+const TINT_2: Tone = tone("tint2", "#e3e8ec", "#2b343a");
 const ACCENT: Tone = tone("accent", "#005a8d", "#7cc4ee");
 const GOOD: Tone = tone("good", "#00734f", "#54c79f");
 const WARN: Tone = tone("warn", "#a84300", "#f0a060");
@@ -50,8 +52,8 @@ pub(crate) const CURVES: [Tone; 8] = [
     tone("k7", "#858e96", "#8b969e"),
 ];
 
-const OF_PAGES: [Tone; 13] =
-    [PAPER, INK, SOFT, GRID, MINOR, SPAN, RULE, BORDER, TINT, ACCENT, GOOD, WARN, WARN_TINT];
+const OF_PAGES: [Tone; 14] =
+    [PAPER, INK, SOFT, GRID, MINOR, SPAN, RULE, BORDER, TINT, TINT_2, ACCENT, GOOD, WARN, WARN_TINT];
 
 /// The palette as variables of a style sheet; paper is always light.
 pub(crate) fn style() -> String {
@@ -145,6 +147,9 @@ mod tests {
         for tone in [INK, SOFT, ACCENT, GOOD, WARN] {
             assert!(contrast(tone.light, PAPER.light) >= 4.5 && contrast(tone.dark, PAPER.dark) >= 4.5);
             assert!(contrast(tone.light, TINT.light) >= 4.5 && contrast(tone.dark, TINT.dark) >= 4.5);
+        }
+        for tone in [INK, SOFT] {
+            assert!(contrast(tone.light, TINT_2.light) >= 4.5 && contrast(tone.dark, TINT_2.dark) >= 4.5);
         }
     }
 

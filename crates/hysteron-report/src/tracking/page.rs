@@ -22,7 +22,8 @@ pub fn page(found: &Tracking, maker: &Maker) -> Page {
     if let Some(words) = of_runaways(found) {
         result = result.block(Block::paragraph(words));
     }
-    let title = match best(found) {
+    let bare = uncompensated(found).map_or(f64::INFINITY, |run| run.score.rms);
+    let title = match best(found).filter(|run| run.score.rms < bare) {
         Some(run) => format!(
             "Following {}: {} leaves the least error of {} controllers (simulated)",
             found.name,
@@ -150,8 +151,9 @@ fn motion(found: &Tracking) -> Figure {
     let rms = |run: &ControllerRun| format!("{} {}", significant(run.score.rms, 3), found.output);
     let caption = match shown {
         [Some(bare), Some(best)] => format!(
-            "The reference, the stage without compensation (rms error {}), and with the controller of the \
+            "The reference, the stage without compensation ({}: rms error {}), and with the controller of the \
              smallest error ({}: {}), simulated.",
+            bare.controller.words(),
             rms(bare),
             best.controller.words(),
             rms(best)
