@@ -159,13 +159,13 @@ pub(super) fn render(out: &mut String, table: &Table) {
     if !table.groups.is_empty() {
         out.push_str("<tr class=\"groups\">");
         for (heading, columns) in &table.groups {
-            let class = if heading.is_empty() { "" } else { " class=\"group\"" };
-            put!(
-                out,
-                "<th colspan=\"{}\" scope=\"colgroup\"{class}>{}</th>",
-                columns.max(&1),
-                escape(heading)
-            );
+            let columns = columns.max(&1);
+            if heading.is_empty() {
+                put!(out, "<td colspan=\"{columns}\"></td>");
+            } else {
+                let heading = breakable(heading);
+                put!(out, "<th colspan=\"{columns}\" scope=\"colgroup\" class=\"group\">{heading}</th>");
+            }
         }
         out.push_str("</tr>");
     }

@@ -186,7 +186,7 @@ fn left_over(found: &Tracking) -> Figure {
     let skipped = order.len().saturating_sub(CURVES - 1);
     let mut shown: Vec<usize> = vec![0];
     shown.extend(order.into_iter().skip(skipped).filter(|i| *i != 0));
-    let mut figure = Figure::new("Error over time").panel_height(130.0).link_x();
+    let mut figure = Figure::new("Error over time").panel_height(130.0).in_columns(2).link_x();
     for (place, i) in shown.into_iter().enumerate() {
         let run = &found.runs[i];
         let scored = || found.scored.clone();
