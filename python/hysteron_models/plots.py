@@ -1,7 +1,7 @@
 """Plots of records, fits and models by matplotlib, in the look of the reports; each takes and returns axes.
 
-Colours are those of Okabe and Ito, distinct with any colour vision; lines differ in dash as well where two
-cross.
+Colours are those of Okabe and Ito, distinct with any colour vision, the pale ones darkened to a contrast of
+3:1 as in the reports; lines differ in dash as well where two cross.
 """
 
 from __future__ import annotations
@@ -45,8 +45,8 @@ __all__ = [
 ]
 
 INK, BLUE, VERMILLION, GREEN = "#1b1f23", "#0072b2", "#d55e00", "#009e73"
-GREY = "#9aa3ab"
-_CYCLE = [BLUE, VERMILLION, GREEN, "#e69f00", "#cc79a7", "#56b4e9"]
+GREY = "#858e96"
+_CYCLE = [BLUE, VERMILLION, GREEN, "#b87f00", "#b9608f", "#3a97d0"]
 #: Samples beyond which a line is thinned to the minimum and maximum of each stretch.
 MOST_POINTS = 20_000
 

@@ -125,6 +125,7 @@ fn identification(record: RecordCurves) -> Page {
     let mut single = runs("least squares", 0.08, 0.05);
     single.runs.truncate(1);
     identification_report(&IdentificationReportData {
+        title: "Stack 7, record.csv: Bouc–Wen hysteresis, fractional-order dynamics".into(),
         model_name: "stack".into(),
         summary: "Improved Bouc–Wen hysteresis, cubic, followed by first-order dynamics with delay".into(),
         highlights: vec![

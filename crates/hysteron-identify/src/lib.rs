@@ -70,10 +70,11 @@ pub use options::{
     RecordRole,
 };
 pub use parameter::{Equation13, LinearPart, Parameter, ParameterRole};
-pub use result::{Correlation, Identification, RecordFit, Reduction, StructureChoice};
+pub use result::{Correlation, DegreeTried, Identification, RecordFit, Reduction, StructureChoice};
 pub use searches::{ModesCheckpoint, Searches, SearchesFormat};
 pub use sines::{GainPhase, RecordSines, SineResponse};
 pub use static_fit::StaticFit;
+pub use static_step::BIC_FALL;
 pub(crate) use uncertainty::correlation_time;
 pub use watch::{Event, Watch};
 

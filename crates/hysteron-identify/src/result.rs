@@ -169,11 +169,26 @@ fn sines_in(sines: &[SineResponse], part: &Range<usize>) -> Vec<SineResponse> {
     sines.iter().filter(within).map(moved).collect()
 }
 
+/// One polynomial degree that was fitted to choose among.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DegreeTried {
+    /// Degree.
+    pub degree: usize,
+    /// RMSE of its fit \[output unit\].
+    pub rmse: f64,
+    /// Bayesian information criterion of its fit, over the independent samples.
+    pub bic: f64,
+    /// The options name one of its coefficients, so that no lower degree may be used.
+    pub is_demanded: bool,
+    /// Its hysteresis is bounded; one that is not takes no other's place.
+    pub is_bounded: bool,
+}
+
 /// Record of the choice of structure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StructureChoice {
-    /// Polynomial degrees tried: degree, RMSE, BIC; empty where the degree was given.
-    pub degrees: Vec<(usize, f64, f64)>,
+    /// Polynomial degrees tried, ascending; empty where the degree was given.
+    pub degrees: Vec<DegreeTried>,
     /// Degree used.
     pub degree: usize,
     /// Creep factor of the dynamics.

@@ -6,7 +6,7 @@ use super::options::{Choice, DynamicsChoice, Options};
 use super::shown::shown;
 use super::static_problem::{StaticLayout, StaticProblem, StaticRecord, StaticSolution};
 use super::uncertainty::correlation_time;
-use super::{IdentifyError, RecordFacts};
+use super::{DegreeTried, IdentifyError, RecordFacts};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme};
 use hysteron_model::hammerstein::extend;
@@ -18,7 +18,7 @@ use hysteron_optimize::{Bounds, LeastSquaresProblem, OptimizeError, Problem, Ran
 pub(super) const HIGHEST_AUTOMATIC_DEGREE: usize = 5;
 /// Evidence asked for one more degree: a fall of BIC by 10 ("very strong", Kass & Raftery 1995,
 /// doi:10.1080/01621459.1995.10476572).
-pub(super) const BIC_FALL: f64 = 10.0;
+pub const BIC_FALL: f64 = 10.0;
 /// An initial step above this share of the drive's range is a start from rest that excites the dynamics.
 const JUMP: f64 = 0.02;
 /// Longest delay and lag searched, as a share of the period (or of the record).
@@ -38,7 +38,7 @@ pub(super) struct StaticStep {
     /// Delay and lag were searched in this step.
     pub(super) shift_searched: bool,
     /// Degrees tried: degree, RMSE \[µm\], BIC.
-    pub(super) degrees: Vec<(usize, f64, f64)>,
+    pub(super) degrees: Vec<DegreeTried>,
     /// Samples left out at the start of each record because a static model cannot follow its start.
     pub(super) left_out: Vec<usize>,
 }
@@ -346,7 +346,7 @@ fn choose_degree(
     setup: &Setup<'_>,
     records: &[&RecordFacts],
     engine: &mut Engine<'_, '_>,
-    tried: &mut Vec<(usize, f64, f64)>,
+    tried: &mut Vec<DegreeTried>,
 ) -> Result<usize, IdentifyError> {
     let demanded = (1..=super::HIGHEST_DEGREE)
         .filter(|&d| setup.options.demands.names().any(|n| n == polynomial_name(d)))
@@ -379,7 +379,13 @@ fn choose_degree(
     let mut chosen: Option<(usize, f64, bool)> = None;
     for &(degree, cost, parameters, admissible) in &fits {
         let score = bic(cost, parameters);
-        tried.push((degree, cost, score));
+        tried.push(DegreeTried {
+            degree,
+            rmse: cost,
+            bic: score,
+            is_demanded: degree <= demanded && demanded > 1,
+            is_bounded: admissible,
+        });
         let better = match chosen {
             None => true,
             Some((_, best, was_admissible)) => score < best - BIC_FALL && (admissible || !was_admissible),

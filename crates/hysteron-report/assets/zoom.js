@@ -108,8 +108,11 @@
   }
 
   class Panel {
-    constructor(group) {
+    // A drawing for narrow screens has no data of its own: `twin` is the same panel of the wide one.
+    constructor(group, twin) {
       this.group = group;
+      const stored = twin ? [...twin.querySelectorAll("[data-points]")] : [];
+      stored.forEach((node, i) => { group.querySelectorAll(".line,.band,.mark")[i].source = node; });
       const [x, y, w, h] = group.dataset.frame.split(" ").map(Number);
       Object.assign(this, { x, y, w, h, ax: new Axis(group.dataset.x), ay: new Axis(group.dataset.y) });
       this.parts = [...group.querySelectorAll(".grid,.minor,.marks,.line,.band,.mark")].map((node) => [node, node.getAttribute("d")]);
@@ -127,7 +130,6 @@
     fitY() {
       let low = Infinity, high = -Infinity;
       for (const [node] of this.parts) {
-        if (!node.dataset.points) continue;
         for (const p of this.points(node)) {
           if (!p) continue;
           const f = this.ax.fromHome(p[0]);
@@ -141,14 +143,15 @@
     px(f) { return this.x + f * this.w; }
     py(f) { return this.y + this.h - f * this.h; }
     points(node) {
-      if (!node.points) node.points = decode(node.dataset.points);
-      return node.points;
+      const source = node.source || node;
+      if (!source.points) source.points = decode(source.dataset.points || "");
+      return source.points;
     }
     draw() {
       if (!this.zoomed) return this.restore();
       this.drawAxes();
       for (const [node] of this.parts) {
-        if (!node.dataset.points) continue;
+        if (!(node.source || node).dataset.points) continue;
         const shape = node.dataset.mark, closed = node.classList.contains("band");
         let d = "", pen = false, before = null;
         for (const p of this.points(node)) {
@@ -210,11 +213,13 @@
   }
 
   for (const svg of document.querySelectorAll("svg.figure")) {
-    const panels = [...svg.querySelectorAll(".panel[data-frame]")].map((group) => new Panel(group));
+    const narrow = svg.classList.contains("narrow");
+    const twins = narrow ? [...svg.parentNode.querySelectorAll("svg.figure:not(.narrow) .panel[data-frame]")] : [];
+    const panels = [...svg.querySelectorAll(".panel[data-frame]")].map((group, i) => new Panel(group, twins[i]));
     const linked = svg.dataset.link === "x";
-    const width = svg.viewBox.baseVal.width;
-    const readout = make("text", { class: "readout", x: width - 20, y: 16, "text-anchor": "end" }, svg);
-    const reset = make("text", { class: "reset", x: width - 20, y: 16, "text-anchor": "end", visibility: "hidden" }, svg);
+    const { width, height } = svg.viewBox.baseVal, y = narrow ? height - 1 : 16;
+    const readout = make("text", { class: "readout", x: width - 20, y, "text-anchor": "end" }, svg);
+    const reset = make("text", { class: "reset", x: width - 20, y, "text-anchor": "end", visibility: "hidden" }, svg);
     reset.textContent = "reset zoom";
     const place = () => {
       const taken = readout.textContent ? readout.getComputedTextLength() + 14 : 0;

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use crate::figure::{Axis, Colour, Dash, Figure, Marker, Panel, Series, Style};
 use crate::number::significant;
 use crate::page::{Block, Cell, Column, Highlight, Page, Section, Table};
+use crate::titles;
 use hysteron_identify::structure::{Comparison, Entry, Fold};
 use hysteron_identify::{Compared, baselines::CrossValidated};
 use hysteron_model::model_file::Maker;
@@ -36,7 +37,9 @@ pub fn page(found: &Compared, maker: &Maker) -> Page {
         .block(table(found))
         .block(cost_picture(found))
         .block(Block::info(found.about()));
-    let mut page = Page::new("Comparison of structures")
+    let records = found.records.iter().map(String::as_str);
+    let what = format!("{} structures compared", comparison.entries.len());
+    let mut page = Page::new(titles::title(None, records, &what))
         .subtitled(found.records.join(", "))
         .section(result)
         .section(Section::new("Held-out folds").block(by_fold(found)).block(fold_table(found)));

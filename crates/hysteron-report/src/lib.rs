@@ -31,6 +31,7 @@ pub mod records;
 pub mod results;
 mod sines;
 pub mod starts;
+mod titles;
 pub mod tracking;
 pub mod validation;
 mod write;

@@ -9,6 +9,7 @@ use serde_json::Value;
 
 use crate::number::{significant, with_std_error};
 use crate::page::{Block, Column, Page, Section, Table};
+use crate::titles;
 use hysteron_model::model_file::typographic;
 
 /// Scores shown, by their keys in the model file, with heading and whether they are in the unit of the
@@ -26,7 +27,10 @@ const SHOWN: [(&str, &str, bool); 4] = [
 /// [`ModelFileError`] where the data of the model are not sound.
 pub fn report(name: &str, model: &Model, findings: &[Finding]) -> Result<Page, ModelFileError> {
     let data = data_of(model)?;
-    let mut page = Page::new(name).subtitled(format!("Model of the kind \"{}\"", model.kind()));
+    let records = model.provenance().map_or(&[][..], |provenance| &provenance.records);
+    let kind = format!("model of the kind {}", model.kind());
+    let title = titles::title(model.name(), records.iter().map(|r| r.path.as_str()), &kind);
+    let mut page = Page::new(title).subtitled(name);
     let notes = findings.iter().map(|finding| match finding.kind {
         FindingKind::Warning => Block::warning(&finding.text),
         FindingKind::Advice | FindingKind::Verdict => Block::info(&finding.text),

@@ -2,13 +2,16 @@
 
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::page::{Block, Page, Section};
+use crate::titles;
 use hysteron_model::record::{InputOutput, Inspection};
 
 /// The page of inspected records; `maker`: the program.
 pub fn page<'a>(records: impl IntoIterator<Item = (&'a InputOutput, &'a Inspection)>, maker: &str) -> Page {
-    records.into_iter().fold(Page::new("Records").footer_line(maker), |page, (data, found)| {
-        page.section(section(data, found))
-    })
+    let records: Vec<_> = records.into_iter().collect();
+    let title = titles::title(None, records.iter().map(|(data, _)| data.name.as_str()), "what was measured");
+    records
+        .into_iter()
+        .fold(Page::new(title).footer_line(maker), |page, (data, found)| page.section(section(data, found)))
 }
 
 fn section(data: &InputOutput, found: &Inspection) -> Section {

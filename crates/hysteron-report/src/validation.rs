@@ -13,6 +13,7 @@ use crate::figure::Figure;
 use crate::number::significant;
 use crate::page::{Block, Column, Page, Section, Table};
 use crate::record_curves::RecordCurves;
+use crate::titles;
 
 /// A model with its file and the records that it was scored on.
 pub struct Validated<'a> {
@@ -27,12 +28,18 @@ pub struct Validated<'a> {
 /// The page of a validation: every record with its score, for each of the models with their files; `maker`:
 /// who made it, and by which command.
 pub fn page(models: &[Validated<'_>], maker: &Maker) -> Page {
-    let name = match models {
-        [Validated { model, .. }] => {
-            model.name().map_or_else(|| format!("a model of the kind {}", model.kind()), str::to_owned)
-        }
-        _ => format!("{} models", models.len()),
+    let what = match models {
+        [Validated { model, .. }] => format!("validation of a model of the kind {}", model.kind()),
+        _ => format!("validation of {} models", models.len()),
     };
+    let (device, records) = match models {
+        [first @ Validated { model, .. }, others @ ..] => {
+            (model.name().filter(|_| others.is_empty()), first.records)
+        }
+        [] => (None, &[][..]),
+    };
+    let title = titles::title(device, records.iter().map(|(_, score)| score.record.as_str()), &what);
+    let files: Vec<String> = models.iter().map(|model| model.path.display().to_string()).collect();
     let scored = Section::new("Scores")
         .block(Block::paragraph(
             "The model was simulated in free run, from the start of each record: no measured output is used. \
@@ -50,7 +57,7 @@ pub fn page(models: &[Validated<'_>], maker: &Maker) -> Page {
             Section::new(format!("{of}{}", score.record)).blocks(figures)
         })
     });
-    let page = Page::new(format!("Validation of {name}")).section(scored);
+    let page = Page::new(title).subtitled(files.join(", ")).section(scored);
     let mut page = curves.fold(page, Page::section);
     if let Some(command) = &maker.command {
         page = page.section(Section::new("Provenance").block(Block::code(command)));

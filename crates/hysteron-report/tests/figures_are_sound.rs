@@ -5,6 +5,7 @@ use hysteron_report::figure::{
     Axis, ConvergenceCurve, Figure, FrequencyResponseCurve, Marker, Panel, Series, Style, convergence,
     errors_by_category, errors_by_frequency, frequency_response, histogram, measured_and_model,
 };
+use hysteron_report::page::{Page, Section};
 use proptest::prelude::*;
 
 fn volts() -> Axis {
@@ -190,4 +191,63 @@ proptest! {
         let figure = Figure::new(&text).subtitled(&text).captioned(&text).panel(panel.series(series));
         prop_assert!(roxmltree::Document::parse(&figure.to_svg()).is_ok());
     }
+}
+
+/// Sizes of the drawings of a page: width and height of the wide one and of the narrow one.
+fn drawings(figure: Figure) -> Vec<String> {
+    let page = Page::new("p").section(Section::new("s").block(figure)).to_html();
+    let body = page.split("<main>").nth(1).unwrap().split("</main>").next().unwrap();
+    body.split("<svg ").skip(1).map(|rest| format!("<svg {}", rest.split("</svg>").next().unwrap())).collect()
+}
+
+#[test]
+fn a_page_has_each_figure_also_for_a_narrow_screen_with_the_data_once() {
+    let x: Vec<f64> = (0..100).map(f64::from).collect();
+    let long = "a record whose name goes on and on: simulated_sweep_1_100hz_with_half_the_amplitude.csv";
+    let figure = one(x.clone(), x.clone(), volts(), microns())
+        .titled(long)
+        .panel(Panel::new(volts(), microns()).series(Series::line("second", x.clone(), x, Style::nth(1))))
+        .in_columns(2);
+    let [wide, narrow] = &drawings(figure)[..] else { panic!("two drawings") };
+    assert!(wide.contains("width=\"680\"") && wide.contains("class=\"figure\""));
+    assert!(narrow.contains("width=\"358\"") && narrow.contains("class=\"figure narrow\""));
+    assert!(wide.contains(" data-points=") && !narrow.contains(" data-points="));
+    // Panels one below the other, and the whole title.
+    let frames: Vec<&str> =
+        narrow.split(" data-frame=\"").skip(1).map(|f| f.split(' ').next().unwrap()).collect();
+    assert!(frames.len() == 2 && frames[0] == frames[1], "{frames:?}");
+    for word in ["a record", "simulated_", "amplitude.csv"] {
+        assert!(narrow.contains(word), "{word}");
+    }
+    assert!(!narrow.replace("<title>", "").contains('…'));
+}
+
+#[test]
+fn names_on_an_axis_are_whole_on_a_narrow_screen() {
+    let names = ["fractional+creep+prandtl-ishlinskii", "integer2"];
+    let panel = Panel::new(Axis::log("error", "µm"), Axis::categories("", names));
+    let figure = Figure::new("f").panel(panel.series(Series::line(
+        "s",
+        vec![1.0, 2.0],
+        vec![0.0, 1.0],
+        Style::nth(0),
+    )));
+    let [_, narrow] = &drawings(figure)[..] else { panic!("two drawings") };
+    assert!(
+        narrow.contains(">fractional+creep+</text>") && narrow.contains(">prandtl-ishlinskii</text>"),
+        "{narrow}"
+    );
+}
+
+#[test]
+fn a_figure_with_named_points_keeps_its_width_and_scrolls() {
+    let panel = Panel::new(volts(), microns()).series(Series::line(
+        "s",
+        vec![1.0, 2.0],
+        vec![1.0, 2.0],
+        Style::nth(0),
+    ));
+    let figure = Figure::new("f").panel(panel.name(1.0, 1.0, "here"));
+    assert_eq!(drawings(figure.clone()).len(), 1);
+    assert!(Page::new("p").section(Section::new("s").block(figure)).to_html().contains("class=\"scrolls\""));
 }

@@ -21,6 +21,7 @@ fn report(text: &str) -> Page {
     let ramp: Vec<f64> = (0..50).map(f64::from).collect();
     let correlogram = Correlogram { first_lag: 1, coefficients: vec![0.5, f64::NAN], bound: 0.1 };
     let page = identification_report(&IdentificationReportData {
+        title: t(),
         model_name: t(),
         summary: t(),
         simulated: true,
@@ -86,6 +87,7 @@ fn report(text: &str) -> Page {
             condition_number: f64::INFINITY,
         }],
         degrees: vec![DegreeRow { degree: 2, rmse: 0.1, bic: -3.0, chosen: true }],
+        degrees_note: t(),
         structures: vec![StructureRow { name: t(), chosen: true, ..StructureRow::default() }],
         structures_note: t(),
         convergence_note: t(),
@@ -126,16 +128,19 @@ fn content(html: &str) -> String {
 fn hostile_text_adds_no_element_and_no_attribute() {
     let (plain, hostile) = (report("plain").to_html(), report(HOSTILE).to_html());
     // The same elements in the same order; figures may only drop or cut texts that do not fit.
+    // and long names may break.
+    let of_text = |name: &str| matches!(name.trim_start_matches('/'), "text" | "wbr" | "bdi");
     let without_text = |html: &str| -> Vec<String> {
-        elements(&content(html))
-            .into_iter()
-            .filter(|name| !matches!(name.as_str(), "text" | "/text"))
-            .collect()
+        elements(&content(html)).into_iter().filter(|name| !of_text(name)).collect()
     };
     assert_eq!(without_text(&plain), without_text(&hostile));
     assert_eq!(hostile.matches("<script>").count(), 1);
     assert!(!content(&hostile).contains("<img") && !content(&hostile).contains("<!--"));
     assert!(content(&hostile).contains("&lt;img src=x onerror=alert(1)&gt;"));
+    // What a button copies is the same text, in an attribute that it cannot leave.
+    let csv: Vec<&str> =
+        hostile.split(" data-csv=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    assert!(csv.len() >= 5 && csv.iter().all(|text| !text.contains(['<', '>', '\''])), "{csv:?}");
 }
 
 #[test]
@@ -204,10 +209,26 @@ proptest! {
             | "nav" | "a" | "main" | "section" | "div" | "span" | "strong" | "small" | "b" | "table"
             | "caption" | "thead" | "tbody" | "tr" | "th" | "td" | "ul" | "li" | "dl" | "dt" | "dd" | "figure"
             | "figcaption" | "pre" | "code" | "details" | "summary" | "footer" | "svg" | "g" | "path" | "rect"
-            | "text" | "clipPath"
+            | "text" | "clipPath" | "wbr" | "bdi"
         );
         for name in elements(&html) {
             prop_assert!(known(&name), "<{name}");
         }
     }
+}
+
+#[test]
+fn a_page_of_three_sections_has_its_contents_at_the_side_and_above() {
+    let page = |sections: usize| {
+        let section = |i: usize| Section::new(format!("part {i}")).block(Block::paragraph("text"));
+        (0..sections).map(section).fold(Page::new("p"), Page::section).to_html()
+    };
+    assert!(!page(2).contains("<nav"));
+    let html = page(3);
+    assert!(html.contains("<nav class=\"side\"") && html.contains("<details class=\"above\">"));
+    assert_eq!(html.matches("<a href=\"#s1\">part 1</a>").count(), 2);
+    // Without script there is no button, in print no contents and no button.
+    assert!(!content(&html).contains("<button"));
+    let print = html.split("@media print").nth(1).unwrap().split("</style>").next().unwrap();
+    assert!(print.contains("nav,.above,.tools,svg.narrow"), "{print}");
 }

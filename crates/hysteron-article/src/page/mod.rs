@@ -31,6 +31,7 @@ pub fn page(found: &Reproduction) -> Page {
              Hammerstein Model: its experiments on a simulated bench, its claims put to the test",
         )
         .section(overview::summary(found))
+        .section(overview::claims(found))
         .section(overview::readings(found))
         .section(loops::section(found))
         .section(optimizers::section(found))

@@ -35,11 +35,14 @@ pub(super) fn summary(found: &Reproduction) -> Section {
              numbers, not absolute values.",
             found.bench
         )))
-        .block(Block::Heading("The article's claims".into()))
-        .block(claims(&found.claims))
 }
 
-fn claims(claims: &[Claim]) -> Table {
+/// What the article claims, and whether it holds here.
+pub(super) fn claims(found: &Reproduction) -> Section {
+    Section::new("The article's claims").block(claims_table(&found.claims))
+}
+
+fn claims_table(claims: &[Claim]) -> Table {
     let mut table = Table::new([
         Column::text("claim"),
         Column::text("where"),

@@ -258,7 +258,7 @@ fn the_report_of_an_identification_shows_its_neighbours_and_its_bands() {
     let page = std::fs::read_to_string(bench.path("report.html")).unwrap();
     for part in [
         "Other structures on the same records",
-        "<td>integer2",
+        "<td><bdi>integer2+",
         "BIC above the lowest",
         "95 % of new measurements",
         "95 % band of the model",

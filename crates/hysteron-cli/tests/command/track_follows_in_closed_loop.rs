@@ -8,7 +8,7 @@ use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 use hysteron_model::model_file::SignalUnits;
 use hysteron_model::record::InterSample;
-use hysteron_model::tracking::TrackingSummary;
+use hysteron_model::tracking::{Controller, TrackingSummary};
 use serde_json::Value;
 
 /// About the default bench: its size, its first mode, its delay.
@@ -62,6 +62,8 @@ fn every_controller_is_played_and_the_files_are_written() {
     assert_eq!(run.exit_code, 0, "{run:?}");
     let made: Value = serde_json::from_str(&run.stdout).unwrap();
     let read: TrackingSummary = serde_json::from_str(&run.stdout).unwrap();
+    let others = read.controllers.iter().filter(|c| c.controller != Controller::Uncompensated);
+    let best = others.min_by(|a, b| a.rms.unwrap().total_cmp(&b.rms.unwrap())).unwrap().controller.words();
     assert_eq!(serde_json::to_value(read).unwrap(), made);
     assert_eq!((&made["simulated"], &made["plant"]), (&Value::from(true), &Value::from("rig")));
     assert_eq!(made["controllers"].as_array().unwrap().len(), 14);
@@ -81,6 +83,14 @@ fn every_controller_is_played_and_the_files_are_written() {
     assert!(csv.starts_with("t_s,reference_um,u_uncompensated_V,y_uncompensated_um,"), "{}", &csv[..80]);
     assert_eq!(csv.lines().count(), 2001);
     let page = std::fs::read_to_string(bench.path("track.html")).unwrap();
+    // The first figure shows the best of them beside none.
+    let first = page.split("<figure ").nth(1).unwrap().split("</figure>").next().unwrap();
+    let none = Controller::Uncompensated.words();
+    assert!(
+        first.contains(&format!(">{best}</text>")) && first.contains(&format!(">{none}</text>")),
+        "{best}"
+    );
+    assert!(page.contains(&format!("{best} leaves the least error of 14 controllers")), "{best}");
     for words in [
         "simulated",
         "Error over time",

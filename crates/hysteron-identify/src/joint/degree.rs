@@ -3,7 +3,7 @@
 use super::super::engine::{Engine, Search, rough};
 use super::super::facts::amplitudes;
 use super::super::static_step::{BIC_FALL, HIGHEST_AUTOMATIC_DEGREE};
-use super::super::{HIGHEST_DEGREE, IdentifyError};
+use super::super::{DegreeTried, HIGHEST_DEGREE, IdentifyError};
 use super::normalised::{local_fits, resolved_fit};
 use super::problem::JointProblem;
 use super::resolution::{self, COARSE, NEAR, resolved};
@@ -56,7 +56,7 @@ pub(super) fn choose_degree(
     reduced: bool,
     found: &Search,
     engine: &mut Engine<'_, '_>,
-    tried: &mut Vec<(usize, f64, f64)>,
+    tried: &mut Vec<DegreeTried>,
 ) -> Result<(usize, Vec<f64>), IdentifyError> {
     let demanded = (1..=HIGHEST_DEGREE)
         .filter(|&d| setup.options.demands.names().any(|n| n == polynomial_name(d)))
@@ -112,7 +112,13 @@ pub(super) fn choose_degree(
     let mut chosen: Option<(usize, f64, Vec<f64>)> = None;
     for fit in fits {
         let (degree, bic) = (fit.degree, fit.bic(information));
-        tried.push((degree, fit.cost, bic));
+        tried.push(DegreeTried {
+            degree,
+            rmse: fit.cost,
+            bic,
+            is_demanded: degree <= demanded && demanded > 1,
+            is_bounded: true,
+        });
         let better = chosen.as_ref().is_none_or(|(_, before, _)| bic < before - BIC_FALL);
         if better || degree <= demanded {
             chosen = Some((degree, bic, fit.x));

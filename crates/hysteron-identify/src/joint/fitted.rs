@@ -1,9 +1,9 @@
 //! The optimum of a joint fit on all samples, from the best point of its search.
 
-use super::super::IdentifyError;
 use super::super::engine::{Engine, Search};
 use super::super::options::Options;
 use super::super::result::Reduction;
+use super::super::{DegreeTried, IdentifyError};
 use super::between::{self, InterSampleChoice};
 use super::model::shown;
 use super::normalised::{local_fits, resolved_fit};
@@ -27,7 +27,7 @@ pub(super) struct FittedOptimum<'a> {
     pub(super) search: Search,
     pub(super) degree: usize,
     /// Degrees tried, with cost and BIC.
-    pub(super) degrees: Vec<(usize, f64, f64)>,
+    pub(super) degrees: Vec<DegreeTried>,
     /// Choice of the inter-sample rule, where the records discriminate.
     pub(super) between: Option<InterSampleChoice>,
     pub(super) reduction: Option<Reduction>,

@@ -1,10 +1,10 @@
 //! Search of a joint fit, on reduced records where possible: multi-start, then tests for creep and the
 //! polynomial degree.
 
-use super::super::IdentifyError;
 use super::super::engine::{Engine, Search, Show, rough};
 use super::super::options::{Choice, DynamicsChoice, Options};
 use super::super::static_step::BIC_FALL;
+use super::super::{DegreeTried, IdentifyError};
 use super::degree::{DEGREE_OF_STARTS, choose_degree, fit_with_its_memory, with_reach};
 use super::model::shown;
 use super::normalised::{local_fits, resolved_fit};
@@ -37,7 +37,7 @@ pub(super) struct Optimum<'a> {
     pub(super) degree: usize,
     pub(super) best: Vec<f64>,
     /// Degrees tried, with cost and BIC.
-    pub(super) degrees: Vec<(usize, f64, f64)>,
+    pub(super) degrees: Vec<DegreeTried>,
 }
 
 /// Searches with the delays, creep and degree that the options leave open.

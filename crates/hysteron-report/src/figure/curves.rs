@@ -2,6 +2,7 @@
 
 use super::decimate::decimate;
 use super::layout::{PlacedPanel, Rect, Sample, bar_slot};
+use super::palette::SPAN;
 use super::style::{Colour, Dash, Marker, Style};
 use super::text::{number, push_number};
 use super::{Panel, Series};
@@ -9,8 +10,9 @@ use crate::base64;
 
 /// Points at most in a drawn curve, and in the data behind it on a page.
 const DRAWN_POINTS: usize = 4000;
-/// Raster of a drawn curve \[px\].
+/// Raster of a drawn curve \[px\], and of one for narrow screens, which a wide one stands beside.
 const DRAWN_CELL: f64 = 0.6;
+const NARROW_CELL: f64 = 1.0;
 const STORED_POINTS: usize = 8000;
 /// Raster of the stored data: columns over the whole axis.
 const STORED_RASTER: f64 = 2400.0;
@@ -28,8 +30,21 @@ pub(crate) fn has_bars(panel: &Panel) -> bool {
     panel.series.iter().any(|s| s.style.marker == Marker::Bar)
 }
 
-/// Draws every series of a panel; `stored` adds the data for zooming.
-pub(crate) fn draw(out: &mut String, panel: &Panel, placed: &PlacedPanel, stored: bool) {
+/// How finely curves are drawn, and whether the data for zooming stand beside them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Detail {
+    /// As fine as can be seen.
+    Fine,
+    /// Fine, with the data.
+    Stored,
+    /// For a narrow screen.
+    Coarse,
+}
+
+/// Draws every series of a panel.
+pub(crate) fn draw(out: &mut String, panel: &Panel, placed: &PlacedPanel, detail: Detail) {
+    let stored = detail == Detail::Stored;
+    let (cell, grain) = if detail == Detail::Coarse { (NARROW_CELL, 10.0) } else { (DRAWN_CELL, 1.0) };
     let bars: Vec<&Series> = panel.series.iter().filter(|s| s.style.marker == Marker::Bar).collect();
     for (index, series) in bars.iter().enumerate() {
         draw_bars(out, series, (index, bars.len()), panel, placed);
@@ -49,7 +64,7 @@ pub(crate) fn draw(out: &mut String, panel: &Panel, placed: &PlacedPanel, stored
             .collect();
         for outline in band_outlines(series, placed) {
             put!(out, "<path class=\"band\" d=\"");
-            push_path(out, &in_frame(&outline), true);
+            push_path(out, &in_frame(&outline), true, grain);
             out.push('"');
             if stored {
                 push_stored(out, &outline, true);
@@ -58,7 +73,7 @@ pub(crate) fn draw(out: &mut String, panel: &Panel, placed: &PlacedPanel, stored
         }
         if style.dash != Dash::None {
             out.push_str("<path class=\"line\" d=\"");
-            push_path(out, &decimate(&in_frame(&points), DRAWN_CELL, DRAWN_POINTS), false);
+            push_path(out, &decimate(&in_frame(&points), cell, DRAWN_POINTS), false, grain);
             out.push('"');
             if stored {
                 push_stored(out, &points, false);
@@ -68,7 +83,7 @@ pub(crate) fn draw(out: &mut String, panel: &Panel, placed: &PlacedPanel, stored
         }
         if let Some(shape) = style.marker.path() {
             put!(out, "<path class=\"mark\" data-mark=\"{shape}\" d=\"");
-            for p in decimate(&in_frame(&points), DRAWN_CELL, DRAWN_POINTS)
+            for p in decimate(&in_frame(&points), cell, DRAWN_POINTS)
                 .iter()
                 .filter(|p| p.0.is_finite() && p.1.is_finite())
             {
@@ -92,7 +107,8 @@ pub(crate) fn swatch(out: &mut String, s: &Swatch) {
         put!(
             out,
             "<g class=\"span\"><rect x=\"{x}\" y=\"{y}\" width=\"{length}\" height=\"12\" \
-             fill=\"#eceff2\"/></g>"
+             fill=\"{}\"/></g>",
+            SPAN.light
         );
         return;
     };
@@ -148,9 +164,10 @@ fn push_mark_paint(out: &mut String, marker: Marker) {
     });
 }
 
-/// Appends path data through `points`: relative steps of hundredths of a pixel, breaks where not finite.
-fn push_path(out: &mut String, points: &[(f64, f64)], close: bool) {
-    let hundredths = |v: f64| (v.clamp(-1e6, 1e6) * 100.0).round();
+/// Appends path data through `points`: relative steps of `grain` hundredths of a pixel, breaks where not
+/// finite.
+fn push_path(out: &mut String, points: &[(f64, f64)], close: bool, grain: f64) {
+    let hundredths = |v: f64| (v.clamp(-1e6, 1e6) * 100.0 / grain).round() * grain;
     let mut pen: Option<(f64, f64)> = None;
     for (i, p) in points.iter().enumerate() {
         if !(p.0.is_finite() && p.1.is_finite()) {

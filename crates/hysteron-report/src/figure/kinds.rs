@@ -141,13 +141,14 @@ pub fn correlogram(title: impl Into<String>, first_lag: i64, coefficients: &[f64
 
 /// A correlation matrix as coloured cells: `names` and the square matrix, row by row.
 pub fn correlation_matrix(title: impl Into<String>, names: &[String], matrix: &[Vec<f64>]) -> Figure {
-    const CELL_PX: f64 = 34.0;
+    // Many rows are lower, so that the figure fits a page beside others.
+    let cell_px = if names.len() > 10 { 24.0 } else { 34.0 };
     // Names are long: the columns are known by the numbers of the rows.
     let numbers: Vec<String> = (1..=names.len()).map(|k| k.to_string()).collect();
     let rows: Vec<String> = numbers.iter().zip(names).map(|(k, name)| format!("{name}  {k}")).collect();
     let mut panel = Panel::new(Axis::categories("", &numbers), Axis::categories("", rows.iter().rev()));
     panel.cells = matrix.to_vec();
-    Figure::new(title).panel(panel).panel_height(CELL_PX * names.len().max(2) as f64)
+    Figure::new(title).panel(panel).panel_height(cell_px * names.len().max(2) as f64)
 }
 
 /// Errors of several models at a few frequencies: marks joined by thin lines on logarithmic axes.

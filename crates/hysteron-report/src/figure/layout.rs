@@ -1,6 +1,6 @@
 //! Layout of a figure: ranges of the axes, frames, legends. Nothing may overlap the data.
 
-use super::text::{fit, width};
+use super::text::{fit, width, wrap};
 use super::ticks::{SMALLEST_SPAN, Ticks, ticks};
 use super::{Axis, Figure, Marker, Panel, Scale, Series, Style};
 use hysteron_numeric::number::superscript;
@@ -9,11 +9,35 @@ use hysteron_numeric::number::superscript;
 pub(crate) const SMALL: f64 = 12.0;
 pub(crate) const PANEL_TITLE: f64 = 13.0;
 pub(crate) const TITLE: f64 = 15.5;
+/// Distances of the lines of a title, and of a name at a categorical ordinate \[px\].
+pub(crate) const TITLE_LINE: f64 = 20.0;
+pub(crate) const NAME_LINE: f64 = 13.0;
 /// Height of one legend row \[px\] and length of its line sample.
 pub(crate) const LEGEND_ROW: f64 = 18.0;
 pub(crate) const SWATCH: f64 = 26.0;
-/// Longest name at a categorical ordinate \[px\].
-const LONGEST_NAME: f64 = 340.0;
+/// Width of a drawing for narrow screens \[px\].
+const NARROW_PX: f64 = 358.0;
+
+/// What a figure is laid out for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Sheet {
+    /// Paper or a screen, as wide as the figure says.
+    Wide,
+    /// A narrow screen: panels one below the other, names and titles in several lines.
+    Narrow,
+}
+
+impl Sheet {
+    /// Longest line of a name at a categorical ordinate \[px\].
+    fn longest_name(self) -> f64 {
+        if self == Self::Narrow { 132.0 } else { 340.0 }
+    }
+
+    /// Lines of a title or a name at most.
+    fn lines(self) -> usize {
+        if self == Self::Narrow { 3 } else { 2 }
+    }
+}
 
 /// A rectangle \[px\].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -86,7 +110,8 @@ pub(crate) struct PlacedPanel {
 pub(crate) struct Layout {
     pub width: f64,
     pub height: f64,
-    pub title: String,
+    /// Lines; none without a title.
+    pub title: Vec<String>,
     pub subtitle: String,
     pub title_y: f64,
     pub subtitle_y: f64,
@@ -201,17 +226,20 @@ fn place_axis(
     axis: &Axis,
     horizontal: bool,
     length: f64,
-    shared: Option<(f64, f64)>,
+    (sheet, shared): (Sheet, Option<(f64, f64)>),
 ) -> (PlacedAxis, bool) {
     let (low, high, any) = range(panel, axis, horizontal);
     let (low, high) = if any { shared.unwrap_or((low, high)) } else { (low, high) };
     let limit = (length / if horizontal { 64.0 } else { 28.0 }).floor().clamp(3.0, 10.0) as usize;
     let marks = if !axis.categories.is_empty() {
         let slot = length / axis.categories.len() as f64;
-        let room = if horizontal { slot - 4.0 } else { LONGEST_NAME };
+        let label = |name: &String| match horizontal {
+            true => fit(name, SMALL, slot - 4.0),
+            false => wrap(name, SMALL, sheet.longest_name(), sheet.lines()).join("\n"),
+        };
         Ticks {
             major: (0..axis.categories.len()).map(|i| i as f64).collect(),
-            labels: axis.categories.iter().map(|name| fit(name, SMALL, room)).collect(),
+            labels: axis.categories.iter().map(label).collect(),
             ..Ticks::default()
         }
     } else if any {
@@ -276,32 +304,53 @@ fn place_legend(found: Vec<(String, Sample)>, left: f64, right: f64, y: f64) -> 
     (placed, rows)
 }
 
+/// Room for the names of a categorical ordinate, all as high as the highest \[px\]; 0 for a numeric one.
+fn height_of_names(axis: &PlacedAxis) -> f64 {
+    let most = axis.ticks.labels.iter().map(|name| name.lines().count()).max().unwrap_or(0);
+    if axis.categorical && most > 1 {
+        axis.ticks.labels.len() as f64 * (NAME_LINE * most as f64 + 5.0)
+    } else {
+        0.0
+    }
+}
+
 /// Computes the drawing of a figure.
-pub(crate) fn layout(figure: &Figure) -> Layout {
-    let total = if figure.width_px.is_finite() { figure.width_px.clamp(200.0, 4000.0) } else { 680.0 };
-    let frame_h =
+pub(crate) fn layout(figure: &Figure, sheet: Sheet) -> Layout {
+    let total = match sheet {
+        Sheet::Narrow => NARROW_PX,
+        Sheet::Wide if figure.width_px.is_finite() => figure.width_px.clamp(200.0, 4000.0),
+        Sheet::Wide => 680.0,
+    };
+    let mut frame_h =
         if figure.panel_height_px.is_finite() { figure.panel_height_px.clamp(60.0, 3000.0) } else { 230.0 };
-    let columns = figure.columns.max(1).min(figure.panels.len().max(1));
+    let columns = if sheet == Sheet::Narrow { 1 } else { figure.columns.max(1) };
+    let columns = columns.min(figure.panels.len().max(1));
     let rows = figure.panels.len().div_ceil(columns);
     let column_width = total / columns as f64;
 
     let mut y = 8.0;
-    let title = fit(&figure.title, TITLE, total - 24.0);
-    let subtitle = fit(&figure.subtitle, SMALL, total - 24.0);
-    let mut line = |text: &str, advance: f64| {
-        y += if text.is_empty() { 0.0 } else { advance };
-        y - 4.0
+    let title = match figure.title.as_str() {
+        "" => Vec::new(),
+        title => wrap(title, TITLE, total - 24.0, sheet.lines()),
     };
-    let title_y = line(&title, 22.0);
-    let subtitle_y = line(&subtitle, 18.0);
+    let subtitle = fit(&figure.subtitle, SMALL, total - 24.0);
+    y += if title.is_empty() { 0.0 } else { 22.0 };
+    let title_y = y - 4.0;
+    y += title.len().saturating_sub(1) as f64 * TITLE_LINE;
+    y += if subtitle.is_empty() { 0.0 } else { 18.0 };
+    let subtitle_y = y - 4.0;
 
     // Left margins: the widest tick label of each column, so that frames line up.
     let mut left = vec![0f64; columns];
+    let mut of_names = 0f64;
     for (i, panel) in figure.panels.iter().enumerate() {
-        let (axis, _) = place_axis(panel, &panel.y, false, frame_h, None);
-        let widest = axis.ticks.labels.iter().map(|t| width(t, SMALL)).fold(0.0, f64::max);
+        let (axis, _) = place_axis(panel, &panel.y, false, frame_h, (sheet, None));
+        let lines = axis.ticks.labels.iter().flat_map(|label| label.lines());
+        let widest = lines.map(|t| width(t, SMALL)).fold(0.0, f64::max);
         left[i % columns] = left[i % columns].max(widest.max(30.0) + 34.0);
+        of_names = of_names.max(height_of_names(&axis));
     }
+    frame_h = frame_h.max(of_names);
 
     let lists: Vec<_> = figure.panels.iter().map(entries).collect();
     // One legend above all, where it holds for every panel.
@@ -338,8 +387,8 @@ pub(crate) fn layout(figure: &Figure) -> Layout {
             let x0 = column as f64 * column_width;
             let w = (column_width - left[column] - 20.0).max(40.0);
             let frame = Rect { x: x0 + left[column], y: top, w, h: frame_h };
-            let (x, any_x) = place_axis(panel, &panel.x, true, w, x_range);
-            let (y_axis, any_y) = place_axis(panel, &panel.y, false, frame_h, None);
+            let (x, any_x) = place_axis(panel, &panel.x, true, w, (sheet, x_range));
+            let (y_axis, any_y) = place_axis(panel, &panel.y, false, frame_h, (sheet, None));
             panels.push(PlacedPanel {
                 frame,
                 x,

@@ -23,6 +23,7 @@ mod heat;
 mod kinds;
 mod layout;
 mod names;
+pub(crate) mod palette;
 mod passes;
 #[cfg(feature = "png")]
 mod png;
@@ -305,5 +306,12 @@ impl Figure {
     /// The figure as an SVG element for a page: the same drawing, plus the data its script zooms into.
     pub(crate) fn to_inline_svg(&self, id: &str) -> String {
         svg::draw(self, svg::Use::Inline { id })
+    }
+
+    /// The figure laid out anew for a narrow screen, beside [`Self::to_inline_svg`], whose data it shares;
+    /// `None` where names of points need the room of the wide one.
+    pub(crate) fn to_narrow_svg(&self, id: &str) -> Option<String> {
+        let named = self.panels.iter().any(names::has_names);
+        (!named).then(|| svg::draw(self, svg::Use::Narrow { id }))
     }
 }

@@ -2,6 +2,7 @@
 
 use super::Panel;
 use super::layout::{PlacedPanel, Rect, SMALL};
+use super::palette::SOFT;
 use super::text::{number, width};
 use crate::escape::escape;
 
@@ -96,12 +97,18 @@ pub(crate) fn draw(out: &mut String, panel: &Panel, placed: &PlacedPanel) {
             let [px, py, x, y] = [point.0, point.1, x, y].map(number);
             put!(
                 out,
-                "<path class=\"leader\" d=\"M{px} {py}L{x} {y}\" stroke=\"#9aa3ab\" stroke-width=\".8\" \
-                 fill=\"none\"/>"
+                "<path class=\"leader\" d=\"M{px} {py}L{x} {y}\" stroke=\"{}\" stroke-width=\".8\" \
+                 fill=\"none\"/>",
+                SOFT.light
             );
         }
         let (x, y, text) = (number(place.x), number(place.y + LINE - 3.0), escape(&name.text));
-        put!(out, "<text class=\"t\" x=\"{x}\" y=\"{y}\">{text}</text>");
+        // A margin in the colour of the paper keeps it readable on a curve.
+        put!(
+            out,
+            "<text class=\"t halo\" x=\"{x}\" y=\"{y}\" stroke=\"#fff\" stroke-width=\"3\" \
+             stroke-linejoin=\"round\" paint-order=\"stroke\">{text}</text>"
+        );
         taken.push(place);
     }
 }

@@ -1,9 +1,8 @@
-//! Style of a curve: the Okabe–Ito palette, dashes that survive a grey print, marker shapes.
-//!
-//! Palette: M. Okabe, K. Ito, "Color Universal Design" (2008), distinguishable with every common kind of
-//! colour blindness; its yellow is left out because it cannot be seen on white paper.
+//! Style of a curve: colours of the palette, dashes that survive a grey print, marker shapes.
 
-/// A colour of the Okabe–Ito palette.
+use super::palette::{CURVES, Tone};
+
+/// A colour of the palette.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Colour {
     /// Text colour (black on white paper).
@@ -28,30 +27,16 @@ pub enum Colour {
 impl Colour {
     /// Colour on white paper.
     pub fn hex(self) -> &'static str {
-        match self {
-            Self::Ink => "#1b1f23",
-            Self::Blue => "#0072b2",
-            Self::Vermillion => "#d55e00",
-            Self::Green => "#009e73",
-            Self::Orange => "#e69f00",
-            Self::Sky => "#56b4e9",
-            Self::Purple => "#cc79a7",
-            Self::Grey => "#9aa3ab",
-        }
+        self.tone().light
     }
 
     /// Class by which a page's style sheet replaces the colour on a dark background.
     pub(crate) fn class(self) -> &'static str {
-        match self {
-            Self::Ink => "k0",
-            Self::Blue => "k1",
-            Self::Vermillion => "k2",
-            Self::Green => "k3",
-            Self::Orange => "k4",
-            Self::Sky => "k5",
-            Self::Purple => "k6",
-            Self::Grey => "k7",
-        }
+        self.tone().name
+    }
+
+    fn tone(self) -> Tone {
+        CURVES[self as usize]
     }
 }
 
@@ -147,14 +132,14 @@ impl Style {
         Self { colour, dash: Dash::Solid, width_px: 1.4, marker: Marker::None }
     }
 
-    /// Measured curve: a wide pale line that a model drawn over it leaves visible.
+    /// Measured curve: a wide line that a model drawn over it leaves visible.
     pub fn measured() -> Self {
-        Self { width_px: 2.8, ..Self::line(Colour::Sky) }
+        Self { width_px: 4.0, ..Self::line(Colour::Sky) }
     }
 
     /// Model curve: a thin dark line on top.
     pub fn model() -> Self {
-        Self { width_px: 1.2, ..Self::line(Colour::Ink) }
+        Self { width_px: 1.3, ..Self::line(Colour::Ink) }
     }
 
     /// Residual curve.

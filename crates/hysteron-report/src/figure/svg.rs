@@ -2,12 +2,15 @@
 //!
 //! Colours stand as presentation attributes (so that any converter draws them) and as classes (so that a page
 //! can replace them on a dark background). A drawing for a page also carries its data in `data-` attributes;
-//! `assets/zoom.js` reads them and redraws axes and curves.
+//! `assets/zoom.js` reads them and redraws axes and curves. The drawing for narrow screens has none: it
+//! stands beside the wide one.
 
-use super::curves::{self, Swatch};
+use super::curves::{self, Detail, Swatch};
 use super::layout::{
-    Layout, LegendEntry, PANEL_TITLE, PlacedAxis, PlacedPanel, SMALL, SWATCH, TITLE, layout,
+    Layout, LegendEntry, NAME_LINE, PANEL_TITLE, PlacedAxis, PlacedPanel, SMALL, SWATCH, Sheet, TITLE,
+    TITLE_LINE, layout,
 };
+use super::palette::{GRID, INK, MINOR, SOFT, SPAN};
 use super::text::{FONT_FAMILY, fit, number, width};
 use super::{Figure, Panel, Scale};
 use super::{heat, names};
@@ -20,24 +23,43 @@ pub(crate) enum Use<'a> {
     StandAlone,
     /// An element of a page; `id` makes its references unique there.
     Inline { id: &'a str },
+    /// An element of a page for narrow screens.
+    Narrow { id: &'a str },
 }
 
 impl Use<'_> {
     fn id(&self) -> &str {
         match self {
             Self::StandAlone => "figure",
-            Self::Inline { id } => id,
+            Self::Inline { id } | Self::Narrow { id } => id,
         }
     }
 
     fn interactive(&self) -> bool {
-        matches!(self, Self::Inline { .. })
+        !matches!(self, Self::StandAlone)
+    }
+
+    fn detail(&self, zoomable: bool) -> Detail {
+        match self {
+            Self::Inline { .. } if zoomable => Detail::Stored,
+            Self::Inline { .. } | Self::StandAlone => Detail::Fine,
+            Self::Narrow { .. } => Detail::Coarse,
+        }
+    }
+
+    fn sheet(&self) -> Sheet {
+        if matches!(self, Self::Narrow { .. }) { Sheet::Narrow } else { Sheet::Wide }
+    }
+
+    /// Class of the drawing on a page.
+    fn class(&self) -> &'static str {
+        if matches!(self, Self::Narrow { .. }) { "figure narrow" } else { "figure" }
     }
 }
 
 /// The SVG of a figure.
 pub(crate) fn draw(figure: &Figure, purpose: Use<'_>) -> String {
-    let plan = layout(figure);
+    let plan = layout(figure, purpose.sheet());
     let mut out = String::new();
     let (w, h) = (number(plan.width), number(plan.height));
     put!(out, "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\"");
@@ -45,15 +67,16 @@ pub(crate) fn draw(figure: &Figure, purpose: Use<'_>) -> String {
         Use::StandAlone => {
             put!(out, " width=\"{w}\" height=\"{h}\"");
         }
-        Use::Inline { .. } => {
+        Use::Inline { .. } | Use::Narrow { .. } => {
             put!(
                 out,
-                " class=\"figure\" role=\"img\"{}",
+                " class=\"{}\" role=\"img\" width=\"{w}\" height=\"{h}\"{}",
+                purpose.class(),
                 if figure.linked_x { " data-link=\"x\"" } else { "" }
             );
         }
     }
-    put!(out, " font-family=\"{FONT_FAMILY}\" font-size=\"{SMALL}\" fill=\"#1b1f23\">");
+    put!(out, " font-family=\"{FONT_FAMILY}\" font-size=\"{SMALL}\" fill=\"{}\">", INK.light);
     put!(out, "<title>{}</title>", escape(&figure.title));
     if !figure.caption.is_empty() && !purpose.interactive() {
         put!(out, "<desc>{}</desc>", escape(&figure.caption));
@@ -66,23 +89,23 @@ pub(crate) fn draw(figure: &Figure, purpose: Use<'_>) -> String {
         legend_entry(&mut out, entry);
     }
     for (index, (panel, placed)) in figure.panels.iter().zip(&plan.panels).enumerate() {
-        draw_panel(&mut out, panel, placed, &format!("{}-{index}", purpose.id()), purpose.interactive());
+        draw_panel(&mut out, panel, placed, &format!("{}-{index}", purpose.id()), purpose);
     }
     out.push_str("</svg>");
     out
 }
 
 fn heading(out: &mut String, plan: &Layout) {
-    if !plan.title.is_empty() {
-        let (y, title) = (number(plan.title_y), escape(&plan.title));
+    for (line, title) in plan.title.iter().enumerate() {
+        let (y, title) = (number(plan.title_y + line as f64 * TITLE_LINE), escape(title));
         put!(
             out,
             "<text class=\"t\" x=\"2\" y=\"{y}\" font-size=\"{TITLE}\" font-weight=\"600\">{title}</text>"
         );
     }
     if !plan.subtitle.is_empty() {
-        let (y, text) = (number(plan.subtitle_y), escape(&plan.subtitle));
-        put!(out, "<text class=\"t2\" x=\"2\" y=\"{y}\" fill=\"#5b646c\">{text}</text>");
+        let (y, text, soft) = (number(plan.subtitle_y), escape(&plan.subtitle), SOFT.light);
+        put!(out, "<text class=\"t2\" x=\"2\" y=\"{y}\" fill=\"{soft}\">{text}</text>");
     }
 }
 
@@ -101,11 +124,12 @@ fn axis_data(axis: &PlacedAxis, labels: bool) -> String {
     format!("{scale} {low:e} {high:e} {e} {limit} {}", u8::from(labels))
 }
 
-fn draw_panel(out: &mut String, panel: &Panel, placed: &PlacedPanel, id: &str, interactive: bool) {
+fn draw_panel(out: &mut String, panel: &Panel, placed: &PlacedPanel, id: &str, purpose: Use<'_>) {
     let f = placed.frame;
-    let zoomable = interactive
+    let zoomable = purpose.interactive()
         && placed.has_data
         && !placed.x.categorical
+        && !placed.y.categorical
         && !curves::has_bars(panel)
         && !names::has_names(panel);
     let [x, y, w, h] = [f.x, f.y, f.w, f.h].map(number);
@@ -121,20 +145,22 @@ fn draw_panel(out: &mut String, panel: &Panel, placed: &PlacedPanel, id: &str, i
         axes(out, placed);
         put!(out, "<g clip-path=\"url(#{id}c)\">");
         heat::draw(out, &panel.cells, placed);
-        curves::draw(out, panel, placed, zoomable);
+        curves::draw(out, panel, placed, purpose.detail(zoomable));
         out.push_str("</g>");
         names::draw(out, panel, placed);
     } else {
         let (cx, cy) = (number(f.x + f.w / 2.0), number(f.y + f.h / 2.0 + 4.0));
         put!(
             out,
-            "<text class=\"t2\" x=\"{cx}\" y=\"{cy}\" fill=\"#5b646c\" text-anchor=\"middle\">no data</text>"
+            "<text class=\"t2\" x=\"{cx}\" y=\"{cy}\" fill=\"{}\" text-anchor=\"middle\">no data</text>",
+            SOFT.light
         );
     }
     put!(
         out,
         "<rect class=\"frame\" x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" fill=\"none\" \
-         stroke=\"#5b646c\"/>"
+         stroke=\"{}\"/>",
+        SOFT.light
     );
     panel_texts(out, placed);
     out.push_str("</g>");
@@ -205,9 +231,12 @@ fn axes(out: &mut String, placed: &PlacedPanel) {
     }
     put!(
         out,
-        "<path class=\"minor\" d=\"{faint}\" stroke=\"#eff1f3\" fill=\"none\"/>\
-         <path class=\"grid\" d=\"{grid}\" stroke=\"#dde1e5\" fill=\"none\"/>\
-         <path class=\"marks\" d=\"{marks}\" stroke=\"#5b646c\" fill=\"none\"/>"
+        "<path class=\"minor\" d=\"{faint}\" stroke=\"{}\" fill=\"none\"/>\
+         <path class=\"grid\" d=\"{grid}\" stroke=\"{}\" fill=\"none\"/>\
+         <path class=\"marks\" d=\"{marks}\" stroke=\"{}\" fill=\"none\"/>",
+        MINOR.light,
+        GRID.light,
+        SOFT.light
     );
     out.push_str("<g class=\"t tx\" text-anchor=\"middle\">");
     if placed.show_x_labels {
@@ -223,8 +252,12 @@ fn axes(out: &mut String, placed: &PlacedPanel) {
     }
     out.push_str("</g><g class=\"t ty\" text-anchor=\"end\">");
     for (value, label) in placed.y.ticks.major.iter().zip(&placed.y.ticks.labels) {
-        let (x, y) = (number(f.x - 8.0), number(at_y(*value) + 4.2));
-        put!(out, "<text x=\"{x}\" y=\"{y}\">{}</text>", escape(label));
+        // A name of several lines stands centred at its position.
+        let first = at_y(*value) + 4.2 - 0.5 * NAME_LINE * (label.lines().count().max(1) - 1) as f64;
+        for (line, text) in label.lines().enumerate() {
+            let (x, y) = (number(f.x - 8.0), number(first + line as f64 * NAME_LINE));
+            put!(out, "<text x=\"{x}\" y=\"{y}\">{}</text>", escape(text));
+        }
     }
     out.push_str("</g>");
 }
@@ -243,7 +276,8 @@ fn spans(out: &mut String, panel: &Panel, placed: &PlacedPanel) {
         put!(
             out,
             "<g class=\"span\" data-span=\"{ta:e} {tb:e}\">\
-             <rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" fill=\"#eceff2\"/></g>"
+             <rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" fill=\"{}\"/></g>",
+            SPAN.light
         );
     }
 }

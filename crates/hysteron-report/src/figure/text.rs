@@ -42,6 +42,25 @@ pub(crate) fn fit(text: &str, size_px: f64, limit_px: f64) -> String {
     kept
 }
 
+/// `text` in at most `most` lines of `limit_px` at `size_px`, broken after a space or one of `+ _ / , : ·`;
+/// what does not fit is cut with an ellipsis. At least one line, which may be empty.
+pub(crate) fn wrap(text: &str, size_px: f64, limit_px: f64, most: usize) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut rest = text;
+    while lines.len() + 1 < most && width(rest, size_px) > limit_px {
+        let ends = rest.char_indices().filter(|(_, c)| matches!(c, ' ' | '+' | '_' | '/' | ',' | ':' | '·'));
+        let ends = ends.map(|(at, c)| at + c.len_utf8());
+        let Some(end) = ends.take_while(|end| width(rest[..*end].trim_end(), size_px) <= limit_px).last()
+        else {
+            break;
+        };
+        lines.push(rest[..end].trim_end().to_owned());
+        rest = rest[end..].trim_start();
+    }
+    lines.push(fit(rest, size_px, limit_px));
+    lines
+}
+
 /// `value` with two decimals at most and no trailing zeros, for coordinates.
 pub(crate) fn number(value: f64) -> String {
     let mut out = String::new();
@@ -85,6 +104,20 @@ mod tests {
             assert_eq!(number(value), expected);
         }
         assert_eq!(number(f64::NAN), "0");
+    }
+
+    #[test]
+    fn long_names_are_broken_where_their_parts_meet() {
+        let lines = wrap("fractional+creep+prandtl-ishlinskii", 12.0, 130.0, 3);
+        assert_eq!(lines, ["fractional+creep+", "prandtl-ishlinskii"]);
+        assert_eq!(
+            wrap("simulated_sweep_1_100hz.csv", 12.0, 100.0, 3),
+            ["simulated_", "sweep_1_", "100hz.csv"]
+        );
+        assert_eq!(wrap("short", 12.0, 100.0, 3), ["short"]);
+        assert_eq!(wrap("", 12.0, 100.0, 3), [""]);
+        let cut = wrap("one two three four five six seven", 12.0, 50.0, 2);
+        assert!(cut.len() == 2 && cut[1].ends_with('…'), "{cut:?}");
     }
 
     #[test]

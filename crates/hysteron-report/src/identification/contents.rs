@@ -5,6 +5,7 @@ use crate::figure::{ConvergenceCurve, FrequencyResponseCurve};
 use crate::number::significant;
 use crate::page::Highlight;
 use crate::record_curves::{BandWidths, RecordCurves, is_simulated};
+use crate::titles;
 use hysteron_identify::structure::Neighbours;
 use hysteron_identify::{
     FindingKind, Identification, IdentifyError, Method, PredictionBand, RecordFit, RecordRole,
@@ -13,6 +14,7 @@ use hysteron_model::dynamics::{Dynamics, TransferFunction};
 use hysteron_model::model_file::ModelFile;
 use hysteron_model::validate::definitions;
 
+use super::degrees::reason;
 use super::parameters;
 use super::searches::starts;
 
@@ -43,6 +45,7 @@ pub(super) fn data(
     let of_kind = |kind| found.findings.iter().filter(move |f| f.kind == kind).map(|f| f.text.clone());
     let unit = found.records.first().map(|r| r.data.y_unit.to_string()).unwrap_or_default();
     IdentificationReportData {
+        title: title(found, file),
         model_name: model_name.to_owned(),
         summary: summary(found),
         simulated: found.records.iter().any(|r| is_simulated(&r.data.name)),
@@ -107,13 +110,14 @@ pub(super) fn data(
             .structure
             .degrees
             .iter()
-            .map(|&(degree, rmse, bic)| DegreeRow {
-                degree,
-                rmse,
-                bic,
-                chosen: degree == found.structure.degree,
+            .map(|tried| DegreeRow {
+                degree: tried.degree,
+                rmse: tried.rmse,
+                bic: tried.bic,
+                chosen: tried.degree == found.structure.degree,
             })
             .collect(),
+        degrees_note: reason(&found.structure.degrees, found.structure.degree),
         structures: others.map_or_else(Vec::new, structures),
         structures_note: others.map_or_else(String::new, |others| about_structures(found, others)),
         provenance: provenance(file),
@@ -129,26 +133,46 @@ fn role_name(role: RecordRole) -> &'static str {
     }
 }
 
+/// Dynamic block in words, `None` without one.
+fn block(dynamics: &Dynamics) -> Option<&'static str> {
+    match dynamics {
+        Dynamics::None => None,
+        Dynamics::Integer(g) if g.denominator.len() == 2 => Some("a first-order lag"),
+        Dynamics::Integer(_) => Some("integer-order dynamics"),
+        Dynamics::Arx(_) => Some("a difference equation"),
+        Dynamics::Fractional(_) => Some("fractional-order dynamics"),
+    }
+}
+
+fn hysteresis_title(found: &Identification) -> String {
+    let operator = &found.model.hysteresis;
+    operator.form().description().title(operator.weights().len())
+}
+
+/// Device, records and structure.
+fn title(found: &Identification, file: &ModelFile) -> String {
+    let hysteresis = hysteresis_title(found);
+    let structure = match block(&found.model.dynamics) {
+        Some(dynamics) => format!("{hysteresis}, {dynamics}"),
+        None => hysteresis,
+    };
+    titles::title(file.name.as_deref(), found.records.iter().map(|r| r.data.name.as_str()), &structure)
+}
+
 fn summary(found: &Identification) -> String {
     let degree = found.structure.degree;
-    let dynamics = match &found.model.dynamics {
-        Dynamics::None if found.model.delay_s > 0.0 => "behind a delay, without dynamics".to_owned(),
-        Dynamics::None => "without dynamics".to_owned(),
-        Dynamics::Integer(g) if g.denominator.len() == 2 => {
-            "followed by a first-order lag with delay".to_owned()
-        }
-        Dynamics::Integer(_) => "followed by integer-order dynamics with delay".to_owned(),
-        Dynamics::Arx(_) => "followed by a difference equation".to_owned(),
-        Dynamics::Fractional(_) => "followed by fractional-order dynamics with delay".to_owned(),
+    let dynamics = match (block(&found.model.dynamics), &found.model.dynamics) {
+        (None, _) if found.model.delay_s > 0.0 => "behind a delay, without dynamics".to_owned(),
+        (None, _) => "without dynamics".to_owned(),
+        (Some(block), Dynamics::Arx(_)) => format!("followed by {block}"),
+        (Some(block), _) => format!("followed by {block} with delay"),
     };
     let how = match found.method {
         _ if found.model.dynamics == Dynamics::None => "",
         Method::Joint => "; identified from all records in one joint fit",
         Method::TwoStep => "; identified in two steps, hysteresis first",
     };
-    let operator = &found.model.hysteresis;
-    let title = operator.form().description().title(operator.weights().len());
-    let hysteresis = format!("{title} with a polynomial of degree {degree}");
+    let hysteresis = format!("{} with a polynomial of degree {degree}", hysteresis_title(found));
     format!("{hysteresis}, {dynamics}{how}")
 }
 

@@ -4,6 +4,7 @@
 //! [`identification_report`].
 
 mod contents;
+mod degrees;
 mod parameters;
 mod searches;
 
@@ -15,6 +16,7 @@ use crate::number::{significant, with_std_error};
 use crate::page::{Block, Column, Highlight, Page, Section, Table};
 use crate::record_curves::RecordCurves;
 use crate::starts::SearchStarts;
+pub use degrees::DegreeRow;
 use hysteron_identify::structure::Neighbours;
 use hysteron_identify::{Correlation, Identification, IdentifyError};
 use hysteron_model::model_file::ModelFile;
@@ -35,7 +37,9 @@ pub fn report(
 /// Everything the report of an identification shows. Empty parts are left out of the page.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct IdentificationReportData {
-    /// Name of the model, e.g. the stem of its file.
+    /// Title: device, records, structure.
+    pub title: String,
+    /// Name of the model, e.g. the stem of its file; stands before the summary.
     pub model_name: String,
     /// One line under the title: model family, how identified.
     pub summary: String,
@@ -81,6 +85,8 @@ pub struct IdentificationReportData {
     pub correlations: Vec<Correlation>,
     /// Polynomial degrees tried; empty where the degree was given.
     pub degrees: Vec<DegreeRow>,
+    /// Why the degree used is the one; may be empty.
+    pub degrees_note: String,
     /// Neighbours of the identified structure; empty where they were not compared.
     pub structures: Vec<StructureRow>,
     /// Method behind these numbers, or the reason why there are none; may be empty.
@@ -117,19 +123,6 @@ pub struct ParameterRow {
     /// Origin of a value that was not estimated (`fixed`, `at its bound` …), behind the meaning; may be
     /// empty.
     pub note: String,
-}
-
-/// One polynomial degree that was tried.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct DegreeRow {
-    /// Degree.
-    pub degree: usize,
-    /// RMSE of its fit \[objective unit\].
-    pub rmse: f64,
-    /// Bayesian information criterion of its fit.
-    pub bic: f64,
-    /// Whether it was chosen.
-    pub chosen: bool,
 }
 
 /// One structure fitted to the same records.
@@ -183,7 +176,9 @@ pub fn identification_report(data: &IdentificationReportData) -> Page {
     }
     overview = overview.blocks(data.warnings.iter().map(Block::warning));
 
-    let mut page = Page::new(&data.model_name).subtitled(&data.summary).section(overview);
+    let named: Vec<&str> =
+        [&data.model_name, &data.summary].into_iter().map(String::as_str).filter(|s| !s.is_empty()).collect();
+    let mut page = Page::new(&data.title).subtitled(named.join(": ")).section(overview);
     page = page.section(scores(data)).section(loops(data)).section(model(data)).section(dynamics(data));
     page = page.section(search(data)).section(data_section(data)).section(repeat(data));
     page.footer = data.footer.clone();
@@ -296,7 +291,7 @@ fn model(data: &IdentificationReportData) -> Section {
         section = section.block(Block::KeyValues(data.verdicts.clone()));
     }
     if !data.degrees.is_empty() {
-        section = section.block(degrees(data));
+        section = section.block(degrees::table(data));
     }
     section = section.blocks(data.correlations.iter().filter(|c| c.names.len() > 1).map(correlation));
     if data.structures.is_empty() && data.structures_note.is_empty() {
@@ -322,24 +317,6 @@ fn structures(data: &IdentificationReportData) -> Table {
         table = if s.chosen { table.highlighted_row(cells) } else { table.row(cells) };
     }
     table.note(&data.structures_note)
-}
-
-/// The degrees tried, the chosen one shaded.
-fn degrees(data: &IdentificationReportData) -> Table {
-    let columns = [
-        Column::number("degree", ""),
-        Column::number("RMSE", &data.objective_unit),
-        Column::number("BIC", ""),
-    ];
-    let mut table = Table::new(columns).captioned("Polynomial degrees tried").note(
-        "A higher degree is taken where it lowers BIC by more than 10 and keeps the hysteresis bounded; \
-         shaded: the one used. BIC counts only as many samples as are independent.",
-    );
-    for d in &data.degrees {
-        let cells = [d.degree.to_string(), significant(d.rmse, 4), fixed(d.bic, 1)];
-        table = if d.chosen { table.highlighted_row(cells) } else { table.row(cells) };
-    }
-    table
 }
 
 /// Correlation of the estimates of one step.

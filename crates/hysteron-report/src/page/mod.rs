@@ -11,8 +11,10 @@
 //! assert!(page.to_html().starts_with("<!doctype html>"));
 //! ```
 
+mod csv;
 mod html;
 mod table;
+mod words;
 
 use crate::figure::Figure;
 pub use table::{Align, Cell, Column, Row, Table};

@@ -1,5 +1,6 @@
 //! Tables: columns with units, numbers aligned at the decimal point, groups of columns, notes.
 
+use super::words::breakable;
 use crate::escape::escape;
 
 /// Alignment of a column's cells.
@@ -137,33 +138,40 @@ impl Table {
     }
 }
 
-/// Tables of up to this many rows are not broken over printed pages.
+/// Tables of up to this many rows, all of them low, are not broken over printed pages.
 const UNBROKEN_ROWS: usize = 14;
 
 /// Appends the HTML of a table.
 pub(super) fn render(out: &mut String, table: &Table) {
-    let short = if table.rows.len() <= UNBROKEN_ROWS { " short" } else { "" };
-    put!(out, "<div class=\"table{short}\"><table>");
+    let tall = |cell: &Cell| cell.text.chars().count() > LONG;
+    let low = !table.rows.iter().any(|row| row.cells.iter().any(tall));
+    let short = if low && table.rows.len() <= UNBROKEN_ROWS { " short" } else { "" };
+    put!(out, "<div class=\"table{short}\"");
+    // For the button that copies it, which the script adds.
+    if !table.rows.is_empty() {
+        put!(out, " data-csv=\"{}\"", escape(&table.to_csv()));
+    }
+    out.push_str("><div class=\"wide\"><table>");
     if !table.caption.is_empty() {
-        put!(out, "<caption>{}</caption>", escape(&table.caption));
+        put!(out, "<caption>{}</caption>", breakable(&table.caption));
     }
     out.push_str("<thead>");
     if !table.groups.is_empty() {
         out.push_str("<tr class=\"groups\">");
         for (heading, columns) in &table.groups {
-            let class = if heading.is_empty() { "" } else { " class=\"group\"" };
-            put!(
-                out,
-                "<th colspan=\"{}\" scope=\"colgroup\"{class}>{}</th>",
-                columns.max(&1),
-                escape(heading)
-            );
+            let columns = columns.max(&1);
+            if heading.is_empty() {
+                put!(out, "<td colspan=\"{columns}\"></td>");
+            } else {
+                let heading = breakable(heading);
+                put!(out, "<th colspan=\"{columns}\" scope=\"colgroup\" class=\"group\">{heading}</th>");
+            }
         }
         out.push_str("</tr>");
     }
     out.push_str("<tr>");
     for column in &table.columns {
-        put!(out, "<th scope=\"col\"{}>{}", class(column.align), escape(&column.header));
+        put!(out, "<th scope=\"col\"{}>{}", class(column.align), breakable(&column.header));
         if !column.unit.is_empty() {
             put!(out, "<small>{}</small>", escape(&column.unit));
         }
@@ -196,7 +204,7 @@ pub(super) fn render(out: &mut String, table: &Table) {
                 "<td{}>{}{}{}",
                 cell_class(column.align, &cell.text),
                 emphasis.0,
-                escape(&cell.text),
+                breakable(&cell.text),
                 emphasis.1
             );
             if column.align == Align::Decimal && is_number(&cell.text) {
@@ -206,7 +214,7 @@ pub(super) fn render(out: &mut String, table: &Table) {
         }
         out.push_str("</tr>");
     }
-    out.push_str("</tbody></table>");
+    out.push_str("</tbody></table></div>");
     for note in &table.notes {
         put!(out, "<p class=\"tablenote\">{}</p>", escape(note));
     }
@@ -221,18 +229,21 @@ fn class(align: Align) -> &'static str {
     }
 }
 
-/// Cells up to this many characters are kept on one line.
+/// Cells up to this many characters are kept on one line, those beyond that many get a column that is wide
+/// enough to be read.
 const SHORT: usize = 16;
+const LONG: usize = 48;
 
 fn cell_class(align: Align, text: &str) -> &'static str {
     match align {
         Align::Left if text.contains(' ') && text.chars().count() <= SHORT => " class=\"w\"",
+        Align::Left if text.chars().count() > LONG => " class=\"l\"",
         other => class(other),
     }
 }
 
 /// Whether a cell holds one plain number.
-fn is_number(text: &str) -> bool {
+pub(super) fn is_number(text: &str) -> bool {
     !text.is_empty()
         && text
             .chars()

@@ -6,6 +6,7 @@ use hysteron_model::tracking::{Controller, ControllerFamily, ControllerRun, Trac
 use super::tables::{adaptations, bandwidths, errors, margins, reaches};
 use super::words::{OF_ADAPTATIONS, introduction, of_bandwidths, of_runaways};
 use crate::figure::{Axis, Colour, Dash, Figure, Marker, Panel, Series, Style};
+use crate::number::significant;
 use crate::page::{Block, Page, Section};
 
 /// Curves of a figure at most.
@@ -21,8 +22,17 @@ pub fn page(found: &Tracking, maker: &Maker) -> Page {
     if let Some(words) = of_runaways(found) {
         result = result.block(Block::paragraph(words));
     }
-    let mut page = Page::new(format!("Following {} (simulated)", found.name))
-        .section(result.block(motion(found)).block(left_over(found)));
+    let bare = uncompensated(found).map_or(f64::INFINITY, |run| run.score.rms);
+    let title = match best(found).filter(|run| run.score.rms < bare) {
+        Some(run) => format!(
+            "Following {}: {} leaves the least error of {} controllers (simulated)",
+            found.name,
+            run.controller.words(),
+            found.runs.len()
+        ),
+        None => format!("Following {} (simulated)", found.name),
+    };
+    let mut page = Page::new(title).section(result.block(motion(found)).block(left_over(found)));
     if let Some(sheet) = bandwidths(found) {
         let words = Block::paragraph(of_bandwidths(found));
         page = page.section(
@@ -54,10 +64,10 @@ fn over_frequency(found: &Tracking) -> Figure {
         let answers = run.followed.iter().flat_map(|followed| &followed.answers);
         answers.map(|a| (a.frequency_hz, a.error_percent)).unzip()
     };
-    let bare = found.runs.iter().find(|run| run.controller == Controller::Uncompensated);
+    let bare = uncompensated(found);
     let ends = found.sines.map_or([f64::NAN; 2], |sines| sines.range_hz);
     let (lowest, highest) = ends_of_all(found);
-    let mut figure = Figure::new("Tracking error against frequency").panel_height(210.0).link_x();
+    let mut figure = Figure::new("Tracking error against frequency").panel_height(150.0).link_x();
     for family in ControllerFamily::ALL {
         let own = found.runs.iter().filter(|run| run.controller.family() == family);
         let own: Vec<&ControllerRun> =
@@ -129,16 +139,43 @@ fn time(found: &Tracking) -> Vec<f64> {
 
 fn motion(found: &Tracking) -> Figure {
     let unit = found.output.to_string();
+    let wide = Style::line(Colour::Green).with_width(4.0);
     let mut panel = Panel::new(Axis::linear("time", "s"), Axis::linear("displacement", unit))
-        .series(Series::line("reference", time(found), found.reference.clone(), Style::nth(0)));
-    for (i, run) in found.runs.iter().enumerate().filter(|(i, _)| *i == 0 || *i + 1 == found.runs.len()) {
-        let style = Style::nth(usize::from(i > 0) + 1);
+        .series(Series::line("reference", time(found), found.reference.clone(), wide));
+    let styles = [Style::line(Colour::Vermillion).with_dash(Dash::Dashed), Style::model()];
+    let shown = [uncompensated(found), best(found)];
+    for (run, style) in shown.into_iter().zip(styles).filter_map(|(run, style)| Some((run?, style))) {
         let y = run.played.displacement.clone();
         panel = panel.series(Series::line(run.controller.words(), time(found), y, style));
     }
-    Figure::new("Reference and displacement")
-        .panel(panel)
-        .captioned("The reference with the first and the last controller of the table, simulated.")
+    let rms = |run: &ControllerRun| format!("{} {}", significant(run.score.rms, 3), found.output);
+    let caption = match shown {
+        [Some(bare), Some(best)] => format!(
+            "The reference, the stage without compensation ({}: rms error {}), and with the controller of the \
+             smallest error ({}: {}), simulated.",
+            bare.controller.words(),
+            rms(bare),
+            best.controller.words(),
+            rms(best)
+        ),
+        [None, Some(best)] => format!(
+            "The reference, and the stage with the controller of the smallest error ({}: {}), simulated.",
+            best.controller.words(),
+            rms(best)
+        ),
+        _ => "The reference, and the stage without compensation, simulated.".to_owned(),
+    };
+    Figure::new("Reference and displacement").panel(panel).captioned(caption)
+}
+
+fn uncompensated(found: &Tracking) -> Option<&ControllerRun> {
+    found.runs.iter().find(|run| run.controller == Controller::Uncompensated)
+}
+
+/// The controller of the smallest rms error, beside none.
+fn best(found: &Tracking) -> Option<&ControllerRun> {
+    let others = found.runs.iter().filter(|run| run.controller != Controller::Uncompensated);
+    others.filter(|run| run.score.rms.is_finite()).min_by(|a, b| a.score.rms.total_cmp(&b.score.rms))
 }
 
 /// Error over time of the controllers with the smallest errors, and of the first.
@@ -149,7 +186,7 @@ fn left_over(found: &Tracking) -> Figure {
     let skipped = order.len().saturating_sub(CURVES - 1);
     let mut shown: Vec<usize> = vec![0];
     shown.extend(order.into_iter().skip(skipped).filter(|i| *i != 0));
-    let mut figure = Figure::new("Error over time").panel_height(180.0);
+    let mut figure = Figure::new("Error over time").panel_height(130.0).in_columns(2).link_x();
     for (place, i) in shown.into_iter().enumerate() {
         let run = &found.runs[i];
         let scored = || found.scored.clone();
