@@ -4,6 +4,7 @@
 //! * [`c_files`]: one header, one source without `malloc`, and a self-test with golden vectors.
 //! * [`rust_files`]: a `no_std` crate on top of `hysteron-rt`, with the same golden vectors.
 //! * [`fmu_files`]: FMI 2.0 and 3.0 for co-simulation, source and binary.
+//! * [`matlab_files`], [`matlab_inverse_files`]: functions of MATLAB and GNU Octave.
 //! * [`Inverse`], [`inverse_files`], [`inverse_fmu_files`]: the inverse, reference in and voltage out, in the
 //!   same forms.
 //! * [`write_folder`]: all files or none.
@@ -17,6 +18,7 @@ mod escape;
 mod fmu;
 mod golden;
 mod inverse;
+mod matlab;
 mod number;
 mod operator;
 mod rust_crate;
@@ -30,6 +32,7 @@ pub use fmu::{fmu_files, inverse_fmu_files};
 pub use golden::{Golden, Rounding};
 pub use hysteron_io::NamedFile;
 pub use inverse::{GoldenInverse, Inverse, inverse_files};
+pub use matlab::{matlab_files, matlab_inverse_files};
 pub use number::Precision;
 pub use rust_crate::{Runtime, rust_files};
 pub use subject::Subject;
