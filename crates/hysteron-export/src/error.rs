@@ -17,6 +17,12 @@ pub enum ExportError {
         /// The name.
         name: String,
     },
+    /// No form of that name.
+    #[error("`{name}` is no form of an export: {}", crate::Form::ALL.map(crate::Form::name).join(", "))]
+    Form {
+        /// The name.
+        name: String,
+    },
     /// Not for MATLAB in single precision.
     #[error(
         "MATLAB functions compute in double precision: single precision is for controllers, in C or Rust"

@@ -60,14 +60,14 @@ pub fn matlab_inverse_files(inverse: &Inverse) -> Result<Vec<NamedFile>, ExportE
     let mut filling = inverse_filling(inverse, Numbers::Constant)?;
     let code = inverse_core(inverse, &filling)?;
     let golden = GoldenInverse::new(inverse)?;
-    let held_from = (0..golden.references.len()).take_while(|&k| golden.lasts(k) == 1).count();
+    let held_from = (0..golden.references.len()).find(|&k| golden.lasts(k) > 1);
     filling
         .flag("inverse", true)
         .key("GIVEN", continued(&golden.references))
         .key("WANTED", continued(&golden.voltages))
         .key("TOLERANCE", literal(golden.tolerance))
         .key("REST", literal(golden.rest_v))
-        .key("HELD_FROM", held_from)
+        .key("HELD_FROM", held_from.unwrap_or(golden.references.len()))
         .key("HOLD", golden.hold);
     written(subject, filling, inverse.description(), INVERSE, &code)
 }

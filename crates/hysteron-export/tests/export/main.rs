@@ -16,4 +16,5 @@ mod loop_starts;
 mod matlab;
 mod models;
 mod rust_crate;
+mod simulink;
 mod tools;

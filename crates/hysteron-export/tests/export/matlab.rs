@@ -5,13 +5,12 @@ use std::path::Path;
 use hysteron_export::{
     Golden, GoldenInverse, NamedFile, Precision, matlab_files, matlab_inverse_files, write_folder,
 };
-use hysteron_model::compensator::Prediction;
+use hysteron_model::compensator::{CompensatorParts, Prediction};
+use hysteron_model::hammerstein::Model;
+use hysteron_model::realise::RuntimeParts;
 
 use crate::models;
 use crate::tools::{is_there, run};
-
-/// Samples that a held entry of the golden vectors lasts here at most: Octave takes a millisecond each.
-const HELD: usize = 3;
 
 /// A function to call along a drive, and what is to come out.
 struct Case {
@@ -24,12 +23,10 @@ struct Case {
     tolerance: f64,
 }
 
-fn model_case(name: &str, model: &hysteron_model::hammerstein::Model) -> Case {
-    use hysteron_model::realise::RuntimeParts;
+fn model_case(name: &str, model: &Model) -> Case {
     let subject = models::subject(name, model, Precision::F64);
     let golden = Golden::new(&subject).unwrap();
-    let held =
-        |(k, &u): (usize, &f64)| std::iter::repeat_n(u, if k < 360 { 1 } else { golden.hold.min(HELD) });
+    let held = |(k, &u): (usize, &f64)| std::iter::repeat_n(u, golden.lasts(k));
     let drive: Vec<f64> = golden.voltages.iter().enumerate().flat_map(held).collect();
     let mut parts = RuntimeParts::<f64>::new(&subject.realisation).unwrap();
     let mut runtime = parts.model().unwrap();
@@ -39,11 +36,10 @@ fn model_case(name: &str, model: &hysteron_model::hammerstein::Model) -> Case {
     Case { name: name.into(), files, rest: drive[0], drive, wanted, tolerance: golden.tolerance }
 }
 
-fn inverse_case(name: &str, model: &hysteron_model::hammerstein::Model, prediction: Prediction) -> Case {
-    use hysteron_model::compensator::CompensatorParts;
+fn inverse_case(name: &str, model: &Model, prediction: Prediction) -> Case {
     let inverse = models::inverse(name, model, Precision::F64, prediction);
     let golden = GoldenInverse::new(&inverse).unwrap();
-    let held = |(k, &r): (usize, &f64)| std::iter::repeat_n(r, golden.lasts(k).min(HELD));
+    let held = |(k, &r): (usize, &f64)| std::iter::repeat_n(r, golden.lasts(k));
     let drive: Vec<f64> = golden.references.iter().enumerate().flat_map(held).collect();
     let mut parts =
         CompensatorParts::<f64>::new(&inverse.compensation, inverse.range_v, inverse.slew_v_per_s).unwrap();
