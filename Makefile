@@ -79,7 +79,7 @@ wheel: python-tools ## a wheel for any Linux with glibc 2.17 or newer and CPytho
 	  $(PYTHON)/bin/maturin build --release --locked --zig \
 	  --compatibility manylinux_2_17 --out $(OUT)/wheels
 
-export-tools: ## install what the tests of exported source use: clang, ARM compiler and simulator, Octave, FMPy
+export-tools: ## install what the tests of exported source use: clang, an ARM simulator, Octave, FMPy
 	@crates/hysteron-export/tests/install-tools.sh
 
 check: ## before every commit: format, lints, arrows between crates and folders, unit and doc tests

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use hysteron_export::{
-    Golden, GoldenInverse, NamedFile, Precision, matlab_files, matlab_inverse_files, write_folder,
+    ExportError, Golden, GoldenInverse, NamedFile, Precision, matlab_files, matlab_inverse_files,
+    write_folder,
 };
 use hysteron_model::compensator::{CompensatorParts, Prediction};
 use hysteron_model::hammerstein::Model;
@@ -108,5 +109,39 @@ fn inverses_agree_with_the_library_in_octave() {
         let cases = models::invertible();
         let cases = cases.iter().map(|(name, model)| inverse_case(name, model, Prediction::Stays));
         agree(&cases.collect::<Vec<_>>());
+    }
+}
+
+/// What the functions promise in their own help, in Octave.
+const PROMISES: &str = include_str!("matlab/promises.m");
+
+#[test]
+fn the_functions_keep_what_their_help_says() {
+    if !is_there("octave-cli", WITHOUT) {
+        return;
+    }
+    let place = tempfile::tempdir().unwrap();
+    let model = models::stage();
+    let subject = models::subject("stage", &model, Precision::F64);
+    let inverse = models::inverse("stage", &model, Precision::F64, Prediction::Stays);
+    write_folder(place.path(), &matlab_files(&subject).unwrap()).unwrap();
+    write_folder(place.path(), &matlab_inverse_files(&inverse).unwrap()).unwrap();
+    std::fs::write(place.path().join("promises.m"), PROMISES).unwrap();
+    let said = run(place.path(), "octave-cli", &["--norc", "--quiet", "--no-history", "promises.m"]);
+    for part in ["PASSED: stage\n", "PASSED: stage_inverse\n", "all promises kept\n"] {
+        assert!(said.contains(part), "{said}");
+    }
+}
+
+#[test]
+fn what_matlab_does_not_take_is_refused() {
+    let single = models::subject("stage", &models::stage(), Precision::F32);
+    assert!(matches!(matlab_files(&single), Err(ExportError::MatlabPrecision)));
+    for name in ["end", &*"a".repeat(48)] {
+        let subject = models::subject(name, &models::stage(), Precision::F64);
+        assert!(matches!(matlab_files(&subject), Err(ExportError::MatlabName { .. })) == (name == "end"));
+        let inverse = models::inverse(name, &models::stage(), Precision::F64, Prediction::Stays);
+        let refused = matlab_inverse_files(&inverse);
+        assert!(matches!(refused, Err(ExportError::MatlabName { .. })) == (name != "end"));
     }
 }
