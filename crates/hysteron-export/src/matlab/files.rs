@@ -144,6 +144,9 @@ fn written(
         .key("TITLE_STRING", matlab_string(&title))
         .key("INPUT_UNIT_STRING", matlab_string(&subject.input_unit))
         .key("OUTPUT_UNIT_STRING", matlab_string(&subject.output_unit));
+    if let Some(range) = &subject.range {
+        filling.key("RANGE_LOW", literal(range.input.low)).key("RANGE_HIGH", literal(range.input.high));
+    }
     let functions = Writer::new(&source, &places).functions()?;
     let whole = [filling.fill(function)?, filling.fill(COMMON)?, functions].concat();
     Ok(vec![

@@ -17,6 +17,9 @@ pub(super) enum Token {
     Comment(String),
 }
 
+/// Names of numbers that are not whole, and these.
+pub(super) type Reals = Vec<(String, Token)>;
+
 /// A macro: its parameters, none for a name alone, and its text.
 #[derive(Clone, Debug)]
 struct Macro {
@@ -70,10 +73,10 @@ fn number_size(text: &str) -> usize {
 
 /// The tokens of several files, one after the other: conditional parts are left out but for the guard of a
 /// header; macros are replaced, except those of a number that is not an integer, which are handed back.
-pub(super) fn tokens(files: &[&str]) -> Result<(Vec<Token>, Vec<(String, Token)>), Untranslated> {
+pub(super) fn tokens(files: &[&str]) -> Result<(Vec<Token>, Reals), Untranslated> {
     let mut macros: BTreeMap<String, Macro> = BTreeMap::new();
     let mut out = Vec::new();
-    let mut numbers = Vec::new();
+    let mut numbers = Reals::new();
     for file in files {
         let mut left_out: Vec<bool> = Vec::new();
         let mut code = String::new();
@@ -104,7 +107,7 @@ pub(super) fn tokens(files: &[&str]) -> Result<(Vec<Token>, Vec<(String, Token)>
 fn define(
     definition: &str,
     macros: &mut BTreeMap<String, Macro>,
-    numbers: &mut Vec<(String, Token)>,
+    numbers: &mut Reals,
 ) -> Result<(), Untranslated> {
     let size = definition.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_'));
     let (name, rest) = definition.split_at(size.unwrap_or(definition.len()));

@@ -35,11 +35,13 @@ $DESCRIPTION
     end
     reference = varargin{1};
     newest = reference;
+    known = zeros(size(reference)); % what came of those that were known before the first step
     if nargin < 2
         state = $name_init(par, nothing());
         if ~isempty(reference)
             for k = 1:$N_PREVIEW
-                state = know(par, state, reference(min(k, numel(reference))));
+                at = min(k, numel(reference));
+                [state, known(at)] = know(par, state, reference(at));
             end
             newest(:) = reference(min((1:numel(reference)) + $N_PREVIEW, numel(reference)));
         end
@@ -51,6 +53,7 @@ $DESCRIPTION
     for k = 1:numel(reference)
         [status(k), state, voltage(k)] = $name_step(par, state, newest(k), 0);
     end
+    status(known < 0) = known(known < 0);
     if nargout < 3 && any(status(:) < 0)
         at = find(status(:) < 0, 1);
         error('$name:reference', 'sample %d: a reference is not finite or out of range (status %d)', ...

@@ -36,13 +36,20 @@ assert(status == 0 && abs(displacement - 12.5) < 1e-9);
 
 % The inverse: the model behind it follows the reference; within its limits for any number.
 par = stage_inverse_parameters();
-reference = 12 + 3 * sin(2 * pi * (0:799) / 400);
+% (The model takes the voltage for linear between samples, the inverse holds it: half a sample apart.)
+reference = 12 + 3 * sin(2 * pi * (0:799) / 4000);
 drive = stage_inverse(reference);
 follows = stage(drive);
 assert(max(abs(follows(400:end) - reference(400:end))) < 0.01);
-[drive, state, status] = stage_inverse([12 NaN 1e9 -1e9 Inf 12]);
-assert(status(2) == -1 && all(drive >= par.VOLTAGE_LOW & drive <= par.VOLTAGE_HIGH));
+[drive, state, status] = stage_inverse([12 NaN 1e9 -1e9 Inf 12 * ones(1, 40) NaN]);
+assert(status(2) == -1 && any(status > 0) && all(drive >= par.VOLTAGE_LOW & drive <= par.VOLTAGE_HIGH));
 assert(all(abs(diff(drive)) <= par.VOLTAGE_STEP + 1e-9));
+try
+    stage_inverse([12 NaN 12]);
+    error('not refused');
+catch problem
+    assert(strcmp(problem.identifier, 'stage_inverse:reference'));
+end
 calls = stage_inverse();
 state = calls.init();
 for k = 1:par.preview
