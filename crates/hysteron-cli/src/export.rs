@@ -117,6 +117,11 @@ impl Export {
     pub fn run(&self) -> Result<(), Failure> {
         output::check_folder("the source", &self.out_dir)?;
         let runtime = self.runtime()?;
+        if matches!(self.float, Float::F32) && !self.to.has_single_precision() {
+            return Err(Failure::usage(format!("--float f32 does not go with --to {}", self.to.name()))
+                .because(ExportError::MatlabPrecision)
+                .hint("leave --float out"));
+        }
         let loaded = LoadedModel::read(&self.model, Capability::Export)?;
         let rate = self.sample_rate.or(loaded.body().data().sample_rate_hz).ok_or_else(|| {
             Failure::new(format!("cannot export {}", self.model.display()))
@@ -245,7 +250,6 @@ impl Export {
             ExportError::Still { .. } => {
                 failure.hint("check it with hysteron simulate: an exported model must respond to a voltage")
             }
-            ExportError::MatlabPrecision => failure.hint("leave --float out"),
             ExportError::MatlabName { .. } => failure.hint("name it with --name, e.g. --name stage"),
             _ => failure,
         }

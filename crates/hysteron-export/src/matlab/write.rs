@@ -7,8 +7,8 @@ use super::parse::integer;
 use super::syntax::{Expression, Function, Initial, Named, Source, Statement, Type, each_outside};
 
 /// Words that are no names in MATLAB or Octave, or have a meaning in the functions written here.
-const TAKEN: &str = " end function otherwise elseif parfor spmd global persistent classdef try catch until do \
-                     par result ";
+const TAKEN: &str = " end function otherwise elseif parfor spmd global persistent classdef try catch until \
+                     do par result ";
 
 /// Lines with their depths.
 pub(super) type Lines = Vec<(usize, String)>;

@@ -45,7 +45,8 @@ $DESCRIPTION
     end
     if nargout < 3 && any(status(:) < 0)
         at = find(status(:) < 0, 1);
-        error('$name:voltage', 'sample %d: a voltage is not finite or out of range (status %d)', at, status(at));
+        error('$name:voltage', 'sample %d: a voltage is not finite or out of range (status %d)', ...
+            at, status(at));
     end
     varargout = {displacement, state, status};
 end
