@@ -3,8 +3,9 @@
 # Linux binary built, crates packaged in the order in which they would be published and built from these
 # packages. Ends with what was not run. `QUICK=1` packages the crates without building them.
 set -uo pipefail
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/.." || exit
 out=out/release
+built=${CARGO_TARGET_DIR:-target}/release
 mkdir -p "$out" target
 failed=()
 not_run=()
@@ -41,7 +42,7 @@ step "Linux binary" cargo build --release --locked -p hysteron-cli
 binary() {
     local name="hysteron-$1-x86_64-unknown-linux-gnu"
     rm -rf "${out:?}/$name" && mkdir "$out/$name" &&
-        cp target/release/hysteron README.md CHANGELOG.md LICENSE-MIT LICENSE-APACHE "$out/$name" &&
+        cp "$built/hysteron" README.md CHANGELOG.md LICENSE-MIT LICENSE-APACHE "$out/$name" &&
         tar -C "$out" -czf "$out/$name.tar.gz" "$name" && "$out/$name/hysteron" --version
 }
 step "its archive" binary "$(scripts/release_version.py | cut -d= -f2)"
