@@ -4,7 +4,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .PHONY: FORCE help demo check test test-python kept-outputs python-tools wheel docs bench-python \
   export-tools bench study article figures clean check-toolchain check-components \
-  app page page-tools browser-tools test-browser smoke-browser \
+  app page page-tools browser-tools test-browser smoke-browser release-dry-run \
   page-figure
 
 RECORD := examples/piezo-p885-200hz/identification_1hz.csv
@@ -79,7 +79,10 @@ wheel: python-tools ## a wheel for any Linux with glibc 2.17 or newer and CPytho
 	  $(PYTHON)/bin/maturin build --release --locked --zig \
 	  --compatibility manylinux_2_17 --out $(OUT)/wheels
 
-export-tools: ## install what the tests of exported source use: clang, ARM compiler and simulator, FMPy
+release-dry-run: python-tools ## what of a release can be tried here: workflows, wheel, binary, crates packaged in order (QUICK=1)
+	scripts/release-dry-run.sh
+
+export-tools: ## install what the tests of exported source use: clang, an ARM simulator, Octave, FMPy
 	@crates/hysteron-export/tests/install-tools.sh
 
 check: ## before every commit: format, lints, arrows between crates and folders, unit and doc tests

@@ -9,13 +9,13 @@ import multiprocessing
 import sys
 import threading
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeVar, cast
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, cast
 
 from numpy.typing import ArrayLike
 
 from . import _native
 from ._errors import ModelError, OptionError, missing
-from .model import Controller, Model
+from .model import Controller, ExportForm, Model
 from .progress import Progress, shown
 from .record import PathLike, Record, as_records, natives
 from .results import Finding, FrequencyResponse, Inversion, Prediction, Score, Tracking, write_text
@@ -282,7 +282,7 @@ class Estimator:
         """See :meth:`Model.frequency_response`."""
         return self._fitted().frequency_response(frequency_hz)
 
-    def export(self, folder: PathLike, to: Literal["c", "rust", "fmu"] = "c", **how: Any) -> list[str]:
+    def export(self, folder: PathLike, to: ExportForm = "c", **how: Any) -> list[str]:
         """See :meth:`Model.export`."""
         return self._fitted().export(folder, to, **how)
 

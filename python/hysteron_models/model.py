@@ -25,6 +25,9 @@ from .results import (
 
 __all__ = ["Controller", "Model", "load"]
 
+#: Form of an export.
+ExportForm = Literal["c", "rust", "fmu", "matlab", "simulink"]
+
 
 class Controller:
     """The inverse of a model, sample by sample: reference in, drive out.
@@ -433,7 +436,7 @@ class Model:
     def export(
         self,
         folder: PathLike,
-        to: Literal["c", "rust", "fmu"] = "c",
+        to: ExportForm = "c",
         *,
         fs: float | None = None,
         float_type: Literal["f32", "f64"] = "f64",
@@ -450,7 +453,8 @@ class Model:
 
         Args:
             folder: folder to write to; made where there is none.
-            to: C99, a ``no_std`` crate of Rust, or an FMU.
+            to: C99, a ``no_std`` crate of Rust, an FMU, functions of MATLAB and GNU Octave, or C99 with a
+                Simulink S-function.
             fs: the controller's rate [Hz]; that of the identification if not given.
             float_type: number type of the source.
             name: beginning of every name in it.

@@ -102,6 +102,9 @@ def test_models_are_saved_pickled_and_copied(
     assert "<svg" in (tmp_path / "report.html").read_text()
     names = stage.export(tmp_path / "c", name="stage", inverse=True, limits=(0, 10))
     assert {"stage.h", "stage.c"} <= set(names) and (tmp_path / "c/stage.c").exists()
+    matlab = stage.export(tmp_path / "m", "matlab", name="stage", inverse=True, limits=(0, 10))
+    assert {"stage.m", "stage_inverse.m"} <= set(matlab) and (tmp_path / "m/stage.m").exists()
+    assert "stage_sfun.c" in stage.export(tmp_path / "s", "simulink", name="stage")
     fresh, found = loaded.recalibrate(unseen)
     assert fresh.kind == "hammerstein" and "gain" in found
 

@@ -6,14 +6,15 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use hysteron_export::{
-    ExportError, ExportSummary, Inverse, NamedFile, Precision, Rounding, Runtime, Subject, c_files,
-    fmu_files, inverse_files, inverse_fmu_files, rust_files, write_folder,
+    ExportError, ExportSummary, Form, Inverse, Means, NamedFile, Precision, Rounding, Runtime, Subject,
+    write_folder,
 };
 use hysteron_model::compensator::{Compensation, CompensatorOptions, Prediction};
 use hysteron_model::model::Capability;
 use hysteron_model::realise::RealiseOptions;
 use hysteron_report::number::significant;
 
+use crate::choices::one_of;
 use crate::console;
 use crate::failure::Failure;
 use crate::invert::range;
@@ -22,20 +23,10 @@ use crate::numbers::{positive, share, whole};
 use crate::output;
 use crate::realise::{along_sweep, realised, where_creep_stops};
 
-/// Write a model as C99 source, a no_std Rust crate or an FMU.
+/// Write a model as C99 source, a Rust crate, an FMU, or for MATLAB and Simulink.
 #[derive(Args)]
 #[command(
-    after_help = "The model is realised at the sample rate (see hysteron realise) and written into the \
-    folder:\n\n  \
-    --to c     NAME.h, NAME.c (no malloc, nothing but <math.h>), NAME_selftest.c with golden vectors\n  \
-    --to rust  a no_std crate on top of hysteron-rt, with the same golden vectors as a test\n  \
-    --to fmu   NAME_fmi2.fmu and NAME_fmi3.fmu for co-simulation: source, and on 64-bit Linux a binary \
-    made by $CC or cc\n\n\
-    A folder that does not exist is made; files of other names in it are left alone, and a file of the same \
-    name is replaced only where an export wrote it.\n\n\
-    --inverse adds the inverse in the same form, as NAME_inverse: reference in, voltage out, within --range \
-    and --slew for any input; in C with an example loop.\n\n\
-    Example: hysteron export model.json --to c -o firmware/stage --float f32 --sample-rate 10000"
+    after_help = help()
 )]
 pub struct Export {
     /// The model file
@@ -43,7 +34,7 @@ pub struct Export {
     model: PathBuf,
 
     /// Form of the export
-    #[arg(long, value_name = "FORM")]
+    #[arg(long, value_name = "FORM", value_parser = one_of(Form::ALL, Form::name, Form::summary))]
     to: Form,
 
     /// Folder to write into
@@ -115,16 +106,6 @@ pub struct Export {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum Form {
-    /// C99 source
-    C,
-    /// A no_std crate
-    Rust,
-    /// FMI 2.0 and 3.0 for co-simulation
-    Fmu,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
 enum Float {
     /// Single precision
     F32,
@@ -136,6 +117,11 @@ impl Export {
     pub fn run(&self) -> Result<(), Failure> {
         output::check_folder("the source", &self.out_dir)?;
         let runtime = self.runtime()?;
+        if matches!(self.float, Float::F32) && !self.to.has_single_precision() {
+            return Err(Failure::usage(format!("--float f32 does not go with --to {}", self.to.name()))
+                .because(ExportError::MatlabPrecision)
+                .hint("leave --float out"));
+        }
         let loaded = LoadedModel::read(&self.model, Capability::Export)?;
         let rate = self.sample_rate.or(loaded.body().data().sample_rate_hz).ok_or_else(|| {
             Failure::new(format!("cannot export {}", self.model.display()))
@@ -176,17 +162,8 @@ impl Export {
         runtime: Option<&Path>,
     ) -> Result<Vec<NamedFile>, ExportError> {
         let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-        let mut files = match self.to {
-            Form::C => c_files(subject)?,
-            Form::Rust => rust_files(subject, inverse, runtime.map_or(Runtime::Registry, Runtime::Folder))?,
-            Form::Fmu => fmu_files(subject, &compiler)?,
-        };
-        match (self.to, inverse) {
-            (Form::C, Some(inverse)) => files.extend(inverse_files(inverse)?),
-            (Form::Fmu, Some(inverse)) => files.extend(inverse_fmu_files(inverse, &compiler)?),
-            _ => {}
-        }
-        Ok(files)
+        let runtime = runtime.map_or(Runtime::Registry, Runtime::Folder);
+        self.to.files(subject, inverse, Means { runtime, compiler: &compiler })
     }
 
     /// The inverse of the model within its limits.
@@ -273,9 +250,25 @@ impl Export {
             ExportError::Still { .. } => {
                 failure.hint("check it with hysteron simulate: an exported model must respond to a voltage")
             }
+            ExportError::MatlabName { .. } => failure.hint("name it with --name, e.g. --name stage"),
             _ => failure,
         }
     }
+}
+
+fn help() -> String {
+    let forms: Vec<String> =
+        Form::ALL.iter().map(|form| format!("  --to {:<9} {}", form.name(), form.contents())).collect();
+    format!(
+        "The model is realised at the sample rate (see hysteron realise) and written into the folder:\n\n\
+         {}\n\n\
+         A folder that does not exist is made; files of other names in it are left alone, and a file of the \
+         same name is replaced only where an export wrote it.\n\n\
+         --inverse adds the inverse in the same form, as NAME_inverse: reference in, voltage out, within \
+         --range and --slew for any input; in C with an example loop.\n\n\
+         Example: hysteron export model.json --to c -o firmware/stage --float f32 --sample-rate 10000",
+        forms.join("\n")
+    )
 }
 
 /// Prints a note if single precision costs much accuracy.

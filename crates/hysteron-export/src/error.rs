@@ -17,6 +17,26 @@ pub enum ExportError {
         /// The name.
         name: String,
     },
+    /// No form of that name.
+    #[error("`{name}` is no form of an export: {}", crate::Form::ALL.map(crate::Form::name).join(", "))]
+    Form {
+        /// The name.
+        name: String,
+    },
+    /// Not for MATLAB in single precision.
+    #[error(
+        "MATLAB functions compute in double precision: single precision is for controllers, in C or Rust"
+    )]
+    MatlabPrecision,
+    /// The name is no name of MATLAB.
+    #[error(
+        "`{name}` is no name of a MATLAB function: it is a word of the language, or longer than 63 letters \
+         with `_parameters` behind it"
+    )]
+    MatlabName {
+        /// The name.
+        name: String,
+    },
     /// The model cannot be realised.
     #[error(transparent)]
     Realise(#[from] RealiseError),

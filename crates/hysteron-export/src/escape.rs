@@ -38,6 +38,12 @@ pub(crate) fn c_string(text: &str) -> String {
     out
 }
 
+/// A string of MATLAB and Octave, with its quotes; control characters, which would end its line, become `?`.
+pub(crate) fn matlab_string(text: &str) -> String {
+    let inside: String = text.chars().map(printed).collect();
+    format!("'{}'", inside.replace('\'', "''"))
+}
+
 /// Text inside a documentation comment of Rust, on one line: printable ASCII, without Markdown.
 pub(crate) fn rust_comment(text: &str) -> String {
     let mut out = String::with_capacity(text.len());

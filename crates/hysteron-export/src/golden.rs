@@ -84,6 +84,11 @@ const DOUBLE: f64 = 1e-12;
 const SINGLE: f64 = 16.0;
 
 impl Golden {
+    /// Samples that voltage `k` lasts.
+    pub fn lasts(&self, k: usize) -> usize {
+        samples_of(k, HELD_FROM, self.hold)
+    }
+
     /// The vectors of a model.
     ///
     /// # Errors

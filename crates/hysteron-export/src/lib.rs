@@ -1,9 +1,13 @@
-//! Identified models for where they are used: C99 source, a `no_std` Rust crate, functional mock-up units.
+//! Identified models for where they are used: C99 source, a `no_std` Rust crate, functional mock-up
+//! units, functions of MATLAB, Simulink S-functions.
 //!
 //! * [`Subject`]: a model realised at one sample rate, with its name, units, range and scores.
 //! * [`c_files`]: one header, one source without `malloc`, and a self-test with golden vectors.
 //! * [`rust_files`]: a `no_std` crate on top of `hysteron-rt`, with the same golden vectors.
 //! * [`fmu_files`]: FMI 2.0 and 3.0 for co-simulation, source and binary.
+//! * [`matlab_files`], [`matlab_inverse_files`]: functions of MATLAB and GNU Octave.
+//! * [`simulink_files`], [`simulink_inverse_files`]: an S-function around the C.
+//! * [`Form`]: the list of all these, and the files of each.
 //! * [`Inverse`], [`inverse_files`], [`inverse_fmu_files`]: the inverse, reference in and voltage out, in the
 //!   same forms.
 //! * [`write_folder`]: all files or none.
@@ -15,11 +19,14 @@ mod c;
 mod error;
 mod escape;
 mod fmu;
+mod form;
 mod golden;
 mod inverse;
+mod matlab;
 mod number;
 mod operator;
 mod rust_crate;
+mod simulink;
 mod subject;
 mod summary;
 mod template;
@@ -27,11 +34,14 @@ mod template;
 pub use c::c_files;
 pub use error::ExportError;
 pub use fmu::{fmu_files, inverse_fmu_files};
+pub use form::{Form, Means};
 pub use golden::{Golden, Rounding};
 pub use hysteron_io::NamedFile;
 pub use inverse::{GoldenInverse, Inverse, inverse_files};
+pub use matlab::{matlab_files, matlab_inverse_files};
 pub use number::Precision;
 pub use rust_crate::{Runtime, rust_files};
+pub use simulink::{simulink_files, simulink_inverse_files};
 pub use subject::Subject;
 pub use summary::{ExportSummary, FileSummary};
 

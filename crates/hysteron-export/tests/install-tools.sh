@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what the tests of exported source use, as far as it may: clang, a compiler and a simulator of ARM,
-# FMPy. Quick where all is there. What cannot be installed is named; the tests then say which of them they
-# skip.
+# GNU Octave, FMPy. Quick where all is there. What cannot be installed is named; the tests then say which of
+# them they skip.
 set -uo pipefail
 cd "$(dirname "$0")/../../.."
 missing=()
@@ -10,6 +10,7 @@ command -v clang >/dev/null || missing+=(clang)
 command -v arm-none-eabi-gcc >/dev/null || missing+=(gcc-arm-none-eabi)
 has_newlib || missing+=(libnewlib-arm-none-eabi)
 command -v qemu-system-arm >/dev/null || missing+=(qemu-system-arm)
+command -v octave-cli >/dev/null || missing+=(octave)
 if ((${#missing[@]})); then
     echo "tools for exported source: installing ${missing[*]}"
     if [[ $(id -u) -eq 0 ]] && command -v apt-get >/dev/null; then

@@ -3,10 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use hysteron_export::{
-    Inverse, Precision, Runtime, Subject, c_files, fmu_files, inverse_files, inverse_fmu_files, rust_files,
-    write_folder,
-};
+use hysteron_export::{Form, Inverse, Means, Precision, Runtime, Subject, write_folder};
 use hysteron_model::compensator::Compensation;
 use hysteron_model::model::{Capability, CheckedRealisation};
 use hysteron_model::realise::{RealiseOptions, realise};
@@ -89,16 +86,8 @@ impl Model {
             });
             let inverse = inverse.transpose()?;
             let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-            let mut files = match asked.to {
-                Form::C => c_files(&subject)?,
-                Form::Rust => rust_files(&subject, inverse.as_ref(), Runtime::Registry)?,
-                Form::Fmu => fmu_files(&subject, &compiler)?,
-            };
-            match (asked.to, &inverse) {
-                (Form::C, Some(inverse)) => files.extend(inverse_files(inverse)?),
-                (Form::Fmu, Some(inverse)) => files.extend(inverse_fmu_files(inverse, &compiler)?),
-                _ => {}
-            }
+            let means = Means { runtime: Runtime::Registry, compiler: &compiler };
+            let files = asked.to.files(&subject, inverse.as_ref(), means)?;
             write_folder(&folder, &files)?;
             Ok::<_, hysteron_export::ExportError>(files)
         })?;
@@ -117,12 +106,4 @@ struct Exporting {
     name: String,
     inverse: bool,
     inverting: Inverting,
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum Form {
-    C,
-    Rust,
-    Fmu,
 }

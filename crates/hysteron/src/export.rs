@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-use hysteron_export::{NamedFile, Precision, Runtime, Subject, c_files, fmu_files, rust_files, write_folder};
+use hysteron_export::{Form, Means, NamedFile, Precision, Runtime, Subject, write_folder};
 use hysteron_model::model::{Body, Capability};
 use hysteron_model::realise::{RealiseOptions, realise};
 
@@ -25,6 +25,25 @@ pub enum Target {
     },
     /// FMI 2.0 and 3.0 for co-simulation: source, and on 64-bit Linux a binary made by the C compiler `cc`.
     Fmu,
+    /// Functions of MATLAB and GNU Octave, their numbers, a self-test with golden vectors.
+    Matlab,
+    /// The files of [`Self::C`] with a Simulink S-function around them.
+    Simulink {
+        /// Number type.
+        float: Precision,
+    },
+}
+
+impl Target {
+    fn form(self) -> (Form, Precision) {
+        match self {
+            Self::C { float } => (Form::C, float),
+            Self::Rust { float } => (Form::Rust, float),
+            Self::Fmu => (Form::Fmu, Precision::F64),
+            Self::Matlab => (Form::Matlab, Precision::F64),
+            Self::Simulink { float } => (Form::Simulink, float),
+        }
+    }
 }
 
 /// Files of an export.
@@ -57,16 +76,10 @@ impl Model {
         let body: &Body<_, _> = self.core().hammerstein(Capability::Export)?;
         let options = body.realise_options(sample_rate_hz, RealiseOptions::default());
         let realisation = realise(body.law(), sample_rate_hz, &options)?;
-        let float = match target {
-            Target::C { float } | Target::Rust { float } => float,
-            Target::Fmu => Precision::F64,
-        };
+        let (form, float) = target.form();
         let subject = Subject::new("model", float, body.data(), realisation, options.accuracy)?;
-        let files = match target {
-            Target::C { .. } => c_files(&subject)?,
-            Target::Rust { .. } => rust_files(&subject, None, Runtime::Registry)?,
-            Target::Fmu => fmu_files(&subject, "cc")?,
-        };
+        let means = Means { runtime: Runtime::Registry, compiler: "cc" };
+        let files = form.files(&subject, None, means)?;
         Ok(Export { files })
     }
 }

@@ -87,7 +87,7 @@
 //! [`Model::controller`] is a [`Controller`] that steps sample by sample. [`Model::track`] simulates several
 //! controllers following a reference ([`TrackOptions`]), on the model itself or on a [`Stage`]: a
 //! [`Tracking`] holds the errors and bandwidths of each. [`Model::export`] writes an [`Export`] for a
-//! [`Target`], C99, `no_std` Rust or FMU, in a [`Precision`].
+//! [`Target`], C99, `no_std` Rust, FMU, MATLAB or Simulink, in a [`Precision`].
 //!
 //! **Errors.** [`Error`] contains the error of the layer where it arose. Not every [`Kind`] has every
 //! [`Capability`]; one that is missing is the error [`Unsupported`].

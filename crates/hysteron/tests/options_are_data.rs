@@ -71,6 +71,8 @@ fn options_come_back() {
     });
     comes_back(Target::C { float: Precision::F32 });
     comes_back(Target::Fmu);
+    comes_back(Target::Matlab);
+    comes_back(Target::Simulink { float: Precision::F64 });
 }
 
 #[test]

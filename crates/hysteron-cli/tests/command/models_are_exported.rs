@@ -89,6 +89,13 @@ fn the_other_forms_are_written_as_well() {
     let run = bench.run("export P-885_stage.json --to fmu -o units");
     assert_eq!(run.exit_code, 0, "{run:?}");
     assert_eq!(names(&bench, "units"), ["p_885_stage_fmi2.fmu", "p_885_stage_fmi3.fmu"]);
+    let run = bench.run("export P-885_stage.json --to matlab -o m --name stage --inverse --range 0:100");
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    let functions = ["stage.m", "stage_inverse.m", "stage_inverse_parameters.m", "stage_inverse_selftest.m"];
+    assert_eq!(names(&bench, "m"), [&functions[..], &["stage_parameters.m", "stage_selftest.m"]].concat());
+    let run = bench.run("export P-885_stage.json --to simulink -o block --name stage --float f32");
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    assert_eq!(names(&bench, "block"), ["stage.c", "stage.h", "stage_selftest.c", "stage_sfun.c"]);
 }
 
 /// Each with its inverse.
@@ -118,6 +125,12 @@ fn what_cannot_be_exported_is_said_and_nothing_is_written() {
         ("export P-885_stage.json --to c -o out --name 2nd", 2, ["`2nd`", "--name stage"]),
         ("export P-885_stage.json --to c -o out --name int", 2, ["`int`", "--name stage"]),
         ("export P-885_stage.json --to fortran -o out", 2, ["fortran", "possible values"]),
+        (
+            "export P-885_stage.json --to matlab -o out --float f32",
+            2,
+            ["double precision", "leave --float out"],
+        ),
+        ("export P-885_stage.json --to matlab -o out --name end", 1, ["`end`", "--name stage"]),
         ("export P-885_stage.json --to c -o out --runtime .", 2, ["--runtime", "--to rust"]),
         (
             "export P-885_stage.json --to rust -o out --runtime .",

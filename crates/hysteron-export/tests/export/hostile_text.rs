@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use hysteron_export::{
     Inverse, NamedFile, Precision, Runtime, Subject, c_files, fmu_files, inverse_files, inverse_fmu_files,
-    rust_files, write_folder,
+    matlab_files, matlab_inverse_files, rust_files, simulink_files, write_folder,
 };
 use hysteron_model::compensator::Prediction;
 use hysteron_model::model_file::{ScoreEntry, ScoreRole};
 
 use crate::models;
-use crate::tools::{STRICT, c_compilers, run, workspace_of};
+use crate::tools::{STRICT, c_compilers, is_there, run, workspace_of};
 
 /// Input unit, output unit, title and name of a record.
 const TEXTS: [[&str; 4]; 4] = [
@@ -21,7 +21,7 @@ const TEXTS: [[&str; 4]; 4] = [
 ];
 
 /// The stage with hostile texts, and its inverse.
-fn stage(name: &str, [input, output, title, record]: [&str; 4]) -> (Subject, Inverse) {
+fn stage(name: &str, [input, output, title, record]: [&str; 4], precision: Precision) -> (Subject, Inverse) {
     let model = models::stage();
     let change = |subject: &mut Subject| {
         subject.input_unit = input.into();
@@ -43,8 +43,8 @@ fn stage(name: &str, [input, output, title, record]: [&str; 4]) -> (Subject, Inv
             loop_width_error_percent: None,
         }];
     };
-    let mut subject = models::subject(name, &model, Precision::F32);
-    let mut inverse = models::inverse(name, &model, Precision::F32, Prediction::Stays);
+    let mut subject = models::subject(name, &model, precision);
+    let mut inverse = models::inverse(name, &model, precision, Prediction::Stays);
     change(&mut subject);
     change(&mut inverse.subject);
     (subject, inverse)
@@ -60,7 +60,7 @@ fn the_c_source_compiles_and_prints_the_text() {
     let place = tempfile::tempdir().unwrap();
     for compiler in c_compilers() {
         for (k, texts) in TEXTS.into_iter().enumerate() {
-            let (subject, inverse) = stage("stage", texts);
+            let (subject, inverse) = stage("stage", texts, Precision::F32);
             let folder = place.path().join(format!("{compiler}_{k}"));
             write_folder(&folder, &c_files(&subject).unwrap()).unwrap();
             write_folder(&folder, &inverse_files(&inverse).unwrap()).unwrap();
@@ -73,6 +73,12 @@ fn the_c_source_compiles_and_prints_the_text() {
                 assert!(said.contains(&format!(" {unit}, allowed ")), "{unit}: {said}");
                 assert!(said.contains(&format!("PASSED: {name}")), "{said}");
             }
+            // In the S-function too the text is in comments alone.
+            let plain = c_files(&subject).unwrap();
+            let block = simulink_files(&subject).unwrap().pop().unwrap();
+            let text = String::from_utf8(block.bytes).unwrap();
+            assert_eq!(plain.len(), 3);
+            assert!(text.is_ascii() && text.matches("#include").count() == 5, "{text}");
             let loop_ = ["-Wformat=2", "-c", "stage_inverse_loop.c", "-o", "loop.o"];
             run(&folder, compiler, &[&STRICT[..], &loop_[..]].concat());
         }
@@ -95,7 +101,7 @@ fn the_rust_crate_is_checked_and_documented_without_a_warning() {
     let mut members = Vec::new();
     for (k, texts) in TEXTS.into_iter().enumerate() {
         let name = format!("stage_{k}");
-        let (subject, inverse) = stage(&name, texts);
+        let (subject, inverse) = stage(&name, texts, Precision::F32);
         let mut files = rust_files(&subject, Some(&inverse), Runtime::Folder(&runtime)).unwrap();
         let manifest = files.iter_mut().find(|f| f.name == "Cargo.toml").unwrap();
         let text = String::from_utf8(manifest.bytes.clone()).unwrap();
@@ -132,7 +138,7 @@ fn description(archive: &NamedFile) -> String {
 fn the_description_of_an_fmu_is_read_back() {
     let Some(compiler) = c_compilers().first().copied() else { return };
     for texts in TEXTS {
-        let (subject, inverse) = stage("stage", texts);
+        let (subject, inverse) = stage("stage", texts, Precision::F32);
         let forward =
             fmu_files(&subject, compiler).unwrap().into_iter().map(|f| (f, "voltage", "displacement"));
         let backward =
@@ -156,5 +162,28 @@ fn the_description_of_an_fmu_is_read_back() {
             let title = printed(texts[2]).replace('\u{ffff}', "?");
             assert!(about.contains(&title), "{title}: {about}");
         }
+    }
+}
+
+#[test]
+fn octave_runs_the_functions_and_hands_the_text_back() {
+    if !is_there("octave-cli", "the exported MATLAB functions were not run with hostile text") {
+        return;
+    }
+    for texts in TEXTS {
+        let place = tempfile::tempdir().unwrap();
+        let (subject, inverse) = stage("stage", texts, Precision::F64);
+        write_folder(place.path(), &matlab_files(&subject).unwrap()).unwrap();
+        write_folder(place.path(), &matlab_inverse_files(&inverse).unwrap()).unwrap();
+        std::fs::write(
+            place.path().join("texts.m"),
+            "for f = {@stage_parameters, @stage_inverse_parameters}\n  p = f{1}();\n  \
+             for t = {p.input_unit, p.output_unit, p.title}\n    fprintf('%s\\n', t{1});\n  end\nend\n\
+             assert(abs(stage(1) - stage(1)) == 0); assert(isfinite(stage_inverse(20)));\n",
+        )
+        .unwrap();
+        let said = run(place.path(), "octave-cli", &["--norc", "--quiet", "--no-history", "texts.m"]);
+        let of_one = [texts[0], texts[1], texts[2]].map(printed).join("\n");
+        assert_eq!(said, format!("{of_one}\n{of_one}\n"));
     }
 }

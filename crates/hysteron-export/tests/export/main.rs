@@ -13,6 +13,8 @@ mod fmu;
 mod hostile_text;
 mod inverse_agrees;
 mod loop_starts;
+mod matlab;
 mod models;
 mod rust_crate;
+mod simulink;
 mod tools;

@@ -1,0 +1,142 @@
+//! The forms of an export: the one list of them, and the files of each.
+
+use std::str::FromStr;
+
+use hysteron_io::NamedFile;
+use serde::{Deserialize, Serialize};
+
+use crate::c::c_files;
+use crate::error::ExportError;
+use crate::fmu::{fmu_files, inverse_fmu_files};
+use crate::inverse::{Inverse, inverse_files};
+use crate::matlab::{matlab_files, matlab_inverse_files};
+use crate::rust_crate::{Runtime, rust_files};
+use crate::simulink::{simulink_files, simulink_inverse_files};
+use crate::subject::Subject;
+
+/// Form of an export.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Form {
+    /// C99.
+    C,
+    /// A `no_std` Rust crate.
+    Rust,
+    /// Functional mock-up units, FMI 2.0 and 3.0.
+    Fmu,
+    /// Functions of MATLAB and GNU Octave.
+    Matlab,
+    /// C99 with a Simulink S-function around it.
+    Simulink,
+}
+
+/// What an export uses of the machine that it is made on.
+#[derive(Clone, Copy, Debug)]
+pub struct Means<'a> {
+    /// Source of `hysteron-rt` for [`Form::Rust`].
+    pub runtime: Runtime<'a>,
+    /// C compiler that makes the binaries of [`Form::Fmu`].
+    pub compiler: &'a str,
+}
+
+impl Form {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::C, Self::Rust, Self::Fmu, Self::Matlab, Self::Simulink];
+
+    /// Name, as it is typed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::C => "c",
+            Self::Rust => "rust",
+            Self::Fmu => "fmu",
+            Self::Matlab => "matlab",
+            Self::Simulink => "simulink",
+        }
+    }
+
+    /// What it is, in a line.
+    pub fn summary(self) -> &'static str {
+        match self {
+            Self::C => "C99 source",
+            Self::Rust => "A no_std crate",
+            Self::Fmu => "FMI 2.0 and 3.0 for co-simulation",
+            Self::Matlab => "Functions of MATLAB and GNU Octave",
+            Self::Simulink => "C99 source with an S-function",
+        }
+    }
+
+    /// The files that it writes.
+    pub fn contents(self) -> &'static str {
+        match self {
+            Self::C => {
+                "NAME.h, NAME.c (no malloc, nothing but <math.h>), NAME_selftest.c with golden vectors"
+            }
+            Self::Rust => "a no_std crate on top of hysteron-rt, with the same golden vectors as a test",
+            Self::Fmu => {
+                "NAME_fmi2.fmu and NAME_fmi3.fmu for co-simulation: source, and on 64-bit Linux a binary \
+                 made by $CC or cc"
+            }
+            Self::Matlab => {
+                "NAME.m (no toolbox; GNU Octave too), NAME_parameters.m, NAME_selftest.m; double precision"
+            }
+            Self::Simulink => "the files of c, and NAME_sfun.c, an S-function for mex",
+        }
+    }
+
+    /// Whether it is there in single precision.
+    pub fn has_single_precision(self) -> bool {
+        self != Self::Matlab
+    }
+
+    /// The files of a model, and of its inverse where there is one.
+    ///
+    /// # Errors
+    /// Those of the form: [`c_files`], [`rust_files`], [`fmu_files`], [`matlab_files`].
+    pub fn files(
+        self,
+        subject: &Subject,
+        inverse: Option<&Inverse>,
+        means: Means<'_>,
+    ) -> Result<Vec<NamedFile>, ExportError> {
+        let compiler = means.compiler;
+        let mut files = match self {
+            Self::C => c_files(subject)?,
+            Self::Rust => rust_files(subject, inverse, means.runtime)?,
+            Self::Fmu => fmu_files(subject, compiler)?,
+            Self::Matlab => matlab_files(subject)?,
+            Self::Simulink => simulink_files(subject)?,
+        };
+        if let Some(inverse) = inverse {
+            files.extend(match self {
+                Self::C => inverse_files(inverse)?,
+                Self::Rust => Vec::new(),
+                Self::Fmu => inverse_fmu_files(inverse, compiler)?,
+                Self::Matlab => matlab_inverse_files(inverse)?,
+                Self::Simulink => simulink_inverse_files(inverse)?,
+            });
+        }
+        Ok(files)
+    }
+}
+
+impl FromStr for Form {
+    type Err = ExportError;
+
+    fn from_str(name: &str) -> Result<Self, ExportError> {
+        let found = Self::ALL.into_iter().find(|form| form.name() == name);
+        found.ok_or_else(|| ExportError::Form { name: name.to_owned() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_form_is_found_by_its_name() {
+        for form in Form::ALL {
+            assert_eq!(form.name().parse::<Form>().unwrap(), form);
+        }
+        assert!("cobol".parse::<Form>().unwrap_err().to_string().contains("matlab"));
+    }
+}
