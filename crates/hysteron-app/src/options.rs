@@ -13,8 +13,8 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::api::{
-    AdaptOptions, Choice, Choices, OperationOffered, OptionsOffered, PrepareOptions, RealiseOptions,
-    RecalibrateOptions, ResponseFitOptions, SimulateOptions,
+    AdaptOptions, Choice, Choices, FormOffered, OperationOffered, OptionsOffered, PrepareOptions,
+    RealiseOptions, RecalibrateOptions, ResponseFitOptions, SimulateOptions,
 };
 
 /// Options with their schemas, defaults and choices.
@@ -39,6 +39,7 @@ pub(crate) fn offered() -> OptionsOffered {
         plan_default: value(&CampaignPlan::default()),
         drive: schema::<ExcitationSpec>(),
         track: schema::<TrackOptions>(),
+        forms: hysteron_export::Form::ALL.into_iter().map(form).collect(),
         operations: vec![
             operation::<PrepareOptions>("prepare"),
             operation::<SimulateOptions>("simulate"),
@@ -84,6 +85,15 @@ fn choices<T: Serialize>(
         value: value(&one),
     };
     Choices { option: option.to_owned(), choices: all.into_iter().map(choice).collect() }
+}
+
+fn form(form: hysteron_export::Form) -> FormOffered {
+    FormOffered {
+        name: form.name().to_owned(),
+        summary: form.summary().to_owned(),
+        contents: form.contents().to_owned(),
+        has_single_precision: form.has_single_precision(),
+    }
 }
 
 fn operation<T: JsonSchema + Default + Serialize>(name: &str) -> OperationOffered {

@@ -29,7 +29,7 @@ pub use model::{
     ModelPatch, ParameterRow, Preview, ResponseQuery, ResponseRow, Responses, Score, ScoreDefinition, Scored,
     ScoresRequest, Series, View,
 };
-pub use option::{Choice, Choices, OperationOffered, OptionsOffered};
+pub use option::{Choice, Choices, FormOffered, OperationOffered, OptionsOffered};
 pub use record::{
     Column, ColumnUse, Gap, ProspectsRequest, ProspectsTogether, RecordDetail, RecordEntry, RecordSettings,
     Role, UploadQuery,

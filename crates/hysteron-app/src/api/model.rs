@@ -289,6 +289,24 @@ pub enum Form {
     Rust,
     /// FMI 2.0 and 3.0, as a zip archive.
     Fmu,
+    /// Functions of MATLAB and GNU Octave, as a zip archive.
+    Matlab,
+    /// C99 with a Simulink S-function, as a zip archive.
+    Simulink,
+}
+
+impl Form {
+    /// The form of source code; `None` for the model file and the report.
+    pub fn source(self) -> Option<hysteron_export::Form> {
+        match self {
+            Self::Json | Self::Report => None,
+            Self::C => Some(hysteron_export::Form::C),
+            Self::Rust => Some(hysteron_export::Form::Rust),
+            Self::Fmu => Some(hysteron_export::Form::Fmu),
+            Self::Matlab => Some(hysteron_export::Form::Matlab),
+            Self::Simulink => Some(hysteron_export::Form::Simulink),
+        }
+    }
 }
 
 /// Query of a download or a preview.

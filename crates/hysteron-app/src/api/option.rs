@@ -27,8 +27,23 @@ pub struct OptionsOffered {
     pub drive: Value,
     /// Schema of the options of `track`.
     pub track: Value,
+    /// Forms of source code.
+    pub forms: Vec<FormOffered>,
     /// Operations that answer with tables and sentences.
     pub operations: Vec<OperationOffered>,
+}
+
+/// A form of source code.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct FormOffered {
+    /// Its name.
+    pub name: String,
+    /// What it is, in a line.
+    pub summary: String,
+    /// The files that it writes.
+    pub contents: String,
+    /// Whether it is there in single precision.
+    pub has_single_precision: bool,
 }
 
 /// An operation with the schema of its options.

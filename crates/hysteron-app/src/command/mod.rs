@@ -9,7 +9,7 @@ pub(crate) use operation::{adapt, frequency_response, prepare, realise, recalibr
 pub(crate) use script::scripts;
 
 use crate::api::{
-    Command, DownloadQuery, FollowRequest, Form, RecordEntry, RecordSettings, Reference, Role, ScoresRequest,
+    Command, DownloadQuery, FollowRequest, RecordEntry, RecordSettings, Reference, Role, ScoresRequest,
 };
 
 /// A word quoted for a shell.
@@ -209,22 +209,18 @@ pub(crate) fn invert(model: &str, request: &FollowRequest, reference: &str) -> C
 
 /// `hysteron export`.
 pub(crate) fn export(model: &str, name: &str, query: &DownloadQuery) -> Command {
-    let form = match query.form {
-        Form::C => "c",
-        Form::Rust => "rust",
-        Form::Fmu => "fmu",
-        Form::Json | Form::Report => return Command::default(),
-    };
+    let Some(source) = query.form.source() else { return Command::default() };
+    let (form, single) = (source.name(), query.single && source.has_single_precision());
     let range = query.low.zip(query.high).filter(|_| query.inverse);
     let words = Words::new("export").word(model).with("--to", form).with("-o", name);
-    let words = if query.single { words.with("--float", "f32") } else { words };
+    let words = if single { words.with("--float", "f32") } else { words };
     let words = words.maybe("--sample-rate", query.sample_rate_hz).when("--inverse", query.inverse);
     let words = words.maybe("--range", range.map(|(low, high)| format!("{low}:{high}")));
     let arguments = Arguments::default()
         .plain(text(name))
         .plain(text(form))
         .value("fs", query.sample_rate_hz)
-        .value("float_type", query.single.then_some("\"f32\""))
+        .value("float_type", single.then_some("\"f32\""))
         .when("inverse", query.inverse)
         .value("limits", range.map(|(low, high)| format!("({low}, {high})")));
     Command {

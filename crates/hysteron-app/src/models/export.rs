@@ -2,17 +2,14 @@
 
 use std::io::{Cursor, Write};
 
-use hysteron_export::{
-    ExportError, Inverse, NamedFile, Precision, Runtime, Subject, c_files, fmu_files, inverse_files,
-    inverse_fmu_files, rust_files,
-};
+use hysteron_export::{Form, Inverse, Means, NamedFile, Precision, Runtime, Subject};
 use hysteron_model::compensator::Compensation;
 use hysteron_model::compensator::CompensatorOptions;
 use hysteron_model::model::{Capability, Hammerstein};
 use hysteron_model::realise::{RealiseOptions, realise};
 use zip::write::SimpleFileOptions;
 
-use crate::api::{DownloadQuery, ExportFile, Form, Preview};
+use crate::api::{DownloadQuery, ExportFile, Preview};
 use crate::command;
 use crate::refused::{Answer, Refused};
 use crate::workspace::{Workspace, stem_of};
@@ -24,6 +21,12 @@ fn name_of(id: &str) -> String {
     if name.starts_with(|c: char| c.is_ascii_alphabetic()) { name } else { format!("model_{name}") }
 }
 
+/// The form of source code that is asked for.
+fn source(query: &DownloadQuery) -> Answer<Form> {
+    let none = || Refused::bad("only source code can be looked at before the download");
+    query.form.source().ok_or_else(none)
+}
+
 struct Exported {
     name: String,
     files: Vec<NamedFile>,
@@ -32,18 +35,22 @@ struct Exported {
 }
 
 fn exported(workspace: &Workspace, id: &str, query: &DownloadQuery) -> Answer<Exported> {
+    let form = source(query)?;
     let model = workspace.model(id)?;
     let body = model.hammerstein(Capability::Export).map_err(Refused::cannot)?;
     let rate = rate(body, query.sample_rate_hz)?;
     let options = body.realise_options(rate, RealiseOptions::default());
     let realisation = realise(body.law(), rate, &options).map_err(Refused::bad)?;
     let (states, error) = (realisation.dynamics.states(), realisation.dynamics.frequency_error);
-    let precision = if query.single { Precision::F32 } else { Precision::F64 };
+    let single = query.single && form.has_single_precision();
+    let precision = if single { Precision::F32 } else { Precision::F64 };
     let name = name_of(id);
     let subject = Subject::new(&name, precision, body.data(), realisation, options.accuracy);
     let subject = subject.map_err(Refused::cannot)?;
     let inverse = if query.inverse { Some(inverted(body, &subject, rate, query)?) } else { None };
-    let files = files(query.form, &subject, inverse.as_ref()).map_err(Refused::cannot)?;
+    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
+    let means = Means { runtime: Runtime::Registry, compiler: &compiler };
+    let files = form.files(&subject, inverse.as_ref(), means).map_err(Refused::cannot)?;
     Ok(Exported { name, files, states, error })
 }
 
@@ -72,29 +79,11 @@ fn inverted(body: &Hammerstein, subject: &Subject, rate: f64, query: &DownloadQu
     Inverse::new(subject, compensation, range, slew).map_err(Refused::cannot)
 }
 
-fn files(form: Form, subject: &Subject, inverse: Option<&Inverse>) -> Result<Vec<NamedFile>, ExportError> {
-    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-    let mut files = match form {
-        Form::Rust => rust_files(subject, inverse, Runtime::Registry)?,
-        Form::Fmu => fmu_files(subject, &compiler)?,
-        Form::C | Form::Json | Form::Report => c_files(subject)?,
-    };
-    match (form, inverse) {
-        (Form::C, Some(inverse)) => files.extend(inverse_files(inverse)?),
-        (Form::Fmu, Some(inverse)) => files.extend(inverse_fmu_files(inverse, &compiler)?),
-        _ => {}
-    }
-    Ok(files)
-}
-
 /// The files of an export, to look at.
 ///
 /// # Errors
 /// If the model cannot be exported so.
 pub(crate) fn preview(workspace: &Workspace, id: &str, query: &DownloadQuery) -> Answer<Preview> {
-    if matches!(query.form, Form::Json | Form::Report) {
-        return Err(Refused::bad("only source code can be looked at before the download"));
-    }
     let Exported { name, files, states, error } = exported(workspace, id, query)?;
     let shown = |file: NamedFile| ExportFile {
         name: file.name,
@@ -123,10 +112,6 @@ pub(crate) fn archive(workspace: &Workspace, id: &str, query: &DownloadQuery) ->
         zip.write_all(&file.bytes).map_err(Refused::failed)?;
     }
     let bytes = zip.finish().map_err(Refused::failed)?.into_inner();
-    let form = match query.form {
-        Form::Rust => "rust",
-        Form::Fmu => "fmu",
-        Form::C | Form::Json | Form::Report => "c",
-    };
+    let form = source(query)?.name();
     Ok((format!("{name}-{form}.zip"), bytes))
 }

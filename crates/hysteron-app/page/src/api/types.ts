@@ -176,6 +176,7 @@ export interface Options {
   plan_default: Record<string, unknown>;
   drive: Schema;
   track: Schema;
+  forms: { name: string; summary: string; contents: string; has_single_precision: boolean }[];
   operations: { name: string; schema: Schema; usual: Record<string, unknown> }[];
 }
 

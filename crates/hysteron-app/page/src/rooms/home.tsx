@@ -2,7 +2,7 @@
 import { useEffect, useState } from 'preact/hooks';
 import { href, path, query } from '../api/client';
 import { useLatest, useResource } from '../api/resource';
-import type { History, ModelDetail, ModelEntry, Preview, ReportEntry } from '../api/types';
+import type { History, ModelDetail, ModelEntry, Options, Preview, ReportEntry } from '../api/types';
 import { command, copy, Language } from '../components/dock';
 import { Icon } from '../components/icon';
 import { ModelChoice, NoModel, useModel } from '../components/models';
@@ -16,22 +16,12 @@ import { useSignal } from '../signal';
 const TITLE = 'Take it home';
 const QUESTION = 'How does this run on my controller, and how can anyone repeat it?';
 
-type Form = 'c' | 'rust' | 'fmu' | 'json' | 'report';
-const FORMS: [Form, string, string][] = [
-  ['c', 'C99 source', 'no malloc, only math.h; with a self-test'],
-  ['rust', 'Rust crate', 'no_std, on hysteron-rt; the same golden vectors as a test'],
-  ['fmu', 'FMU', 'FMI 2.0 and 3.0, co-simulation'],
+/** Name, what it is, its files; those of source code come from the server. */
+type Form = [name: string, label: string, what: string];
+const OTHERS: Form[] = [
   ['json', 'Model file', 'JSON with errors, covariance, valid range, provenance'],
   ['report', 'Report', 'one HTML page, figures as SVG'],
 ];
-const ENDINGS: Record<Form, string> = {
-  c: '-c.zip',
-  rust: '-rust.zip',
-  fmu: '-fmu.zip',
-  json: '.json',
-  report: '.html',
-};
-const CODE: Form[] = ['c', 'rust', 'fmu'];
 
 export function Home() {
   const { models, model } = useModel();
@@ -56,21 +46,24 @@ export function Home() {
 
 function Forms({ models, model }: { models: ModelEntry[]; model: ModelEntry }) {
   const { query: asked } = useSignal(route);
-  const form = FORMS.find(([name]) => name === asked.get('form'))?.[0] ?? 'c';
-  const code = CODE.includes(form);
+  const sources = useResource<Options>('options').value?.forms ?? [];
+  const source = sources.find((one) => one.name === (asked.get('form') ?? 'c'));
+  const forms: Form[] = [...sources.map((one): Form => [one.name, one.summary, one.contents]), ...OTHERS];
+  const form = forms.find(([name]) => name === asked.get('form'))?.[0] ?? 'c';
+  const code = !OTHERS.some(([name]) => name === form);
   const settings = {
     as: form,
     sample_rate_hz: (code && asked.get('rate')) || undefined,
-    single: code && asked.get('double') === null ? true : undefined,
+    single: source?.has_single_precision && asked.get('double') === null ? true : undefined,
     inverse: code && asked.get('plain') === null ? true : undefined,
   };
   const at = path('models', model.id);
-  const preview = useLatest<Preview>(code ? `${at}/preview${query(settings)}` : null);
+  const preview = useLatest<Preview>(source ? `${at}/preview${query(settings)}` : null);
   const detail = useLatest<ModelDetail>(at).value;
   useEffect(() => {
     command.value = (code && preview.value?.command) || null;
   }, [code, preview.value]);
-  const title = FORMS.find(([name]) => name === form)?.[1] ?? '';
+  const title = forms.find(([name]) => name === form)?.[1] ?? '';
   const files = code ? preview.value?.files : form === 'json' ? modelFile(model, detail) : [];
   const size = files?.reduce((sum, file) => sum + file.bytes, 0);
   return (
@@ -80,7 +73,7 @@ function Forms({ models, model }: { models: ModelEntry[]; model: ModelEntry }) {
         <a
           class="btn primary"
           href={href(`${at}/download${query(settings)}`)}
-          download={model.name + ENDINGS[form]}
+          download={`${model.name}${code ? `-${form}.zip` : form === 'json' ? '.json' : '.html'}`}
           aria-disabled={code && preview.error !== undefined}
         >
           <Icon name="down" />
@@ -103,7 +96,7 @@ function Forms({ models, model }: { models: ModelEntry[]; model: ModelEntry }) {
                   </tr>
                 </thead>
                 <tbody>
-                  {FORMS.map(([name, label, what]) => (
+                  {forms.map(([name, label, what]) => (
                     <tr
                       key={name}
                       class={`click ${name === form ? 'sel' : ''}`}

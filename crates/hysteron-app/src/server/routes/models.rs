@@ -159,7 +159,7 @@ async fn download(
             Form::Report => {
                 (format!("{}.html", stem_of(&id)), "text/html; charset=utf-8", report(workspace, &id)?)
             }
-            Form::C | Form::Rust | Form::Fmu => {
+            Form::C | Form::Rust | Form::Fmu | Form::Matlab | Form::Simulink => {
                 let (name, bytes) = archive(workspace, &id, &query)?;
                 (name, "application/zip", bytes)
             }
