@@ -12,10 +12,15 @@ from typing import Any
 
 import hysteron_models as hy
 import numpy as np
-from hysteron_models import _native
+from hysteron_models import _native, fleet
+from hysteron_models.fleet import schema
+from sqlalchemy import select
 
 # Quasi-static loops, fitted in a tenth of a second.
 ESTIMATOR = hy.Hammerstein("bouc-wen", "none", n=1.0, delay=0.0, seed=1)
+
+# Columns that differ between two runs with the same results.
+CHANGING = ("id", "device_id", "seconds", "finished", "report")
 
 
 def drive(fs: float = 200.0) -> hy.Record:
@@ -51,6 +56,28 @@ def write(folder: Path, count: int, first: int = 0) -> list[Path]:
         hy.simulate_bench(u, truth=of_device(number), seed=number).save(path)
         paths.append(path)
     return paths
+
+
+def content(url: str) -> dict[str, Any]:
+    """Everything that a registry holds of each device, but for times and numbers of rows."""
+    registry = fleet.Registry(url)
+    found: dict[str, Any] = {}
+    with registry.engine.connect() as connection:
+        names = {row.id: row.name for row in connection.execute(select(schema.devices))}
+        parameters: dict[int, list[Any]] = {}
+        for row in connection.execute(select(schema.parameters).order_by(schema.parameters.c.position)):
+            parameters.setdefault(row.calibration_id, []).append(tuple(row)[1:])
+        for row in connection.execute(select(schema.calibrations)).mappings():
+            kept = {name: row[name] for name in row if name not in CHANGING}
+            if row["model"]:
+                model = json.loads(row["model"])
+                del model["provenance"]["created"]
+                kept["model"] = json.dumps(model)
+            place = names[row["device_id"]], row["key"]
+            assert place not in found
+            found[place] = {**kept, "parameters": parameters.get(row["id"], [])}
+    registry.close()
+    return found
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ from ..record import PathLike
 from .registry import Registry, opened
 from .rows import parameter_table
 
-# With fewer calibrations before it, their scatter says too little, and the standard errors are taken alone.
+# With fewer earlier values, their scatter says too little.
 FEWEST = 3
 LEVEL = 0.99
 COLUMNS = (
@@ -25,10 +25,10 @@ def drift(
 ) -> pd.DataFrame:
     """The latest calibration of a device against its ``last`` ones before, parameter by parameter.
 
-    t = (x − m)/(s √(1 + 1/n)) with mean m of the n earlier values, and as s² the larger one of their variance
-    and of the mean square of the standard errors; Student's t with n − 1 degrees of freedom. With fewer than
-    three earlier values, s² is of the standard errors alone, and t is normal. Calibrations with other options
-    are left out.
+    t = (x − m)/(s √(1 + 1/n)) with mean m and variance s² of the n earlier values; Student's t with n − 1
+    degrees of freedom. Standard errors do not enter: where the residual is systematic, as with most stacks,
+    they say little about how well a calibration repeats. With fewer than three earlier values they are all
+    there is: s² is their mean square, and t is normal. Calibrations with other options are left out.
 
     Args:
         registry: URL, path or open registry.
@@ -93,7 +93,7 @@ def _change(new: pd.Series[object], old: pd.DataFrame) -> dict[str, object]:
     errors = np.square(np.append(old["std_error"].to_numpy(), float(new["std_error"])))
     known = float(np.nanmean(errors)) if np.isfinite(errors).any() else 0.0
     degrees = count - 1.0 if count >= FEWEST else np.inf
-    variance = max(known, float(np.var(values, ddof=1))) if count >= FEWEST else known
+    variance = float(np.var(values, ddof=1)) if count >= FEWEST else known
     latest = float(new["value"])
     deviation = np.sqrt(variance * (1.0 + 1.0 / count))
     t = (latest - mean) / deviation if deviation > 0 else np.nan

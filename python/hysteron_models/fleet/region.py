@@ -20,7 +20,7 @@ DEVICES_A_PARAMETER = 5
 COMMON = 0.9
 # Median of |z| of a normal number.
 MAD_OF_NORMAL = 0.6744897501960817
-# Directions whose scale is below this share of the largest follow from the others.
+# Directions in which the fleet scatters by less than this share of the widest follow from the others.
 RANK = 1e-6
 
 
@@ -123,11 +123,9 @@ def _scale(z: Array) -> Array:
 
 def robust_distances(z: Array) -> tuple[Array, int]:
     """Squared distance of each row from the robust centre of all, and its degrees of freedom."""
-    rows = z
+    rows = _independent(z / _scale(z))
     for _ in range(2):
         rows = _orthogonalised(rows)
-    kept = _scale(rows) > RANK * float(np.max(_scale(rows)))
-    rows = rows[:, kept]
     rank = rows.shape[1]
     squared = np.square((rows - np.median(rows, axis=0)) / _scale(rows)).sum(axis=1)
     # One step of reweighting: mean and covariance of the nine tenths that are nearest.
@@ -139,6 +137,14 @@ def robust_distances(z: Array) -> tuple[Array, int]:
     return squared / _median_ratio(squared, rank), rank
 
 
+def _independent(z: Array) -> Array:
+    """``z`` without directions in which no row differs from another."""
+    _, scale, directions = np.linalg.svd(z - z.mean(axis=0), full_matrices=False)
+    kept = scale > RANK * scale[0]
+    independent: Array = z if kept.all() else z @ directions[kept].T
+    return independent
+
+
 def _median_ratio(squared: Array, rank: int) -> float:
     return float(np.median(squared)) / _native.chi_square_quantile(0.5, rank)
 
@@ -146,7 +152,7 @@ def _median_ratio(squared: Array, rank: int) -> float:
 def _orthogonalised(z: Array) -> Array:
     """Coordinates along the eigenvectors of the pairwise robust correlation (Gnanadesikan, Kettenring)."""
     scale = _scale(z)
-    y = z[:, scale > 0] / scale[scale > 0]
+    y = z / scale
     count = y.shape[1]
     correlation = np.eye(count)
     for j in range(count):

@@ -127,6 +127,8 @@ def parameter_table(registry: Registry, latest: bool, device: str | None = None)
         .join(calibrations, calibrations.c.id == parameters.c.calibration_id)
         .join(devices, devices.c.id == calibrations.c.device_id)
         .where(parameters.c.held.is_(False), calibrations.c.status == "ok")
+        # The memory that a record began with is not the device's.
+        .where(parameters.c.block != "start")
         .order_by(devices.c.name, calibrations.c.date, calibrations.c.id, parameters.c.position)
     )
     if latest:
