@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: FORCE help demo check test test-python kept-outputs python-tools wheel docs bench-python \
+.PHONY: FORCE help demo check test test-python test-fleet kept-outputs python-tools wheel docs bench-python \
   export-tools bench study article figures clean check-toolchain check-components \
   app page page-tools browser-tools test-browser smoke-browser \
   page-figure
@@ -58,6 +58,10 @@ test-python: python-tools ## the Python package: built beside the command, linte
 	$(PYTHON)/bin/ruff check python && $(PYTHON)/bin/ruff format --check python
 	$(PYTHON)/bin/mypy && $(PYTHON)/bin/python -m mypy.stubtest hysteron_models._native
 	$(PYTHON)/bin/python -m pytest
+
+test-fleet: python-tools ## a night with faults: Dask, 500 simulated devices, workers and client killed, disk full once
+	VIRTUAL_ENV=$(abspath $(PYTHON)) $(PYTHON)/bin/maturin develop --locked --quiet
+	$(PYTHON)/bin/python python/tests/fleet_faults.py
 
 kept-outputs: ## run the notebooks and keep their outputs; draw the pictures that plots are compared with
 kept-outputs: python-tools

@@ -1,6 +1,7 @@
 //! Page of a fleet of devices: distributions of parameters, devices outside the fleet's region, drift over
 //! time, worst fits with small pictures, failures, and every device with a link to its own report.
 
+use hysteron_model::model_file::typographic;
 use hysteron_numeric::number::significant;
 use serde::Deserialize;
 
@@ -292,17 +293,20 @@ fn worst(fleet: &Fleet) -> Section {
         table = table.row([
             linked(&fit.device, &fit.report),
             significant(fit.rmse, 4).into(),
-            fit.unit.as_str().into(),
+            typographic(&fit.unit).into(),
             fit.fit_percent.map_or_else(String::new, |percent| significant(percent, 4)).into(),
         ]);
         let label = |text: &str| if k == 0 { text.to_owned() } else { String::new() };
         let measured =
             Series::line(label("measured"), fit.u.clone(), fit.measured.clone(), Style::measured());
         let model = Series::line(label("model"), fit.u.clone(), fit.model.clone(), Style::model());
-        let panel = Panel::new(Axis::linear("input", &fit.input_unit), Axis::linear("output", &fit.unit))
-            .titled(&fit.device)
-            .series(measured)
-            .series(model);
+        let panel = Panel::new(
+            Axis::linear("input", typographic(&fit.input_unit)),
+            Axis::linear("output", typographic(&fit.unit)),
+        )
+        .titled(&fit.device)
+        .series(measured)
+        .series(model);
         figure = figure.panel(panel);
     }
     Section::new("Worst fits").block(figure).block(table)
@@ -340,7 +344,7 @@ fn all(fitted: &[&FleetDevice]) -> Section {
             device.serial.as_str().into(),
             device.date.as_str().into(),
             shown(device.rmse).into(),
-            device.unit.as_str().into(),
+            typographic(&device.unit).into(),
             shown(device.fit_percent).into(),
         ])
     });

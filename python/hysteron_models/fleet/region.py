@@ -18,6 +18,8 @@ LEVEL = 0.99
 DEVICES_A_PARAMETER = 5
 # Share of the devices that must have a parameter.
 COMMON = 0.9
+# Devices of the normal fleets that set the radius.
+SIMULATED = 20_000
 # Median of |z| of a normal number.
 MAD_OF_NORMAL = 0.6744897501960817
 # Directions in which the fleet scatters by less than this share of the widest follow from the others.
@@ -38,8 +40,8 @@ def outside(
     and scatter are robust: the orthogonalised estimator of R. A. Maronna, R. H. Zamar, *Technometrics* 44
     (2002) 307, doi:10.1198/004017002188618509, with medians and median absolute deviations, two passes, so
     that outliers do not widen the region which they are to be seen against. The squared distance is χ²
-    distributed over a normal fleet with as many degrees of freedom as there are parameters; its median is
-    set to that of χ². Of a fleet without any outlier, a share 1 − ``level`` is listed.
+    distributed over a normal fleet with as many degrees of freedom as there are parameters; its
+    scale is that with which a share 1 − ``level`` of simulated normal fleets of the same size is listed.
 
     Args:
         registry: URL, path or open registry.
@@ -66,6 +68,7 @@ def outside(
             code="region",
         )
     squared, rank = robust_distances(z)
+    squared = squared / _widening(len(wide), rank, level)
     p = np.array([_native.chi_square_tail(float(d), rank) for d in squared])
     scores = (z - np.median(z, axis=0)) / _scale(z)
     table = pd.DataFrame(
@@ -81,6 +84,16 @@ def outside(
     found = found.reset_index(drop=True)
     found.attrs = {"parameters": names, "devices": len(wide), "radius": radius, "level": level}
     return found
+
+
+def _widening(devices: int, rank: int, level: float) -> float:
+    """Quantile of the squared distances in normal fleets of this size over that of χ², by simulation: centre
+    and scatter of few devices are uncertain, and more of them would lie outside."""
+    fleets = max(10, SIMULATED // devices)
+    rng = np.random.default_rng(0)
+    distances = [robust_distances(rng.normal(size=(devices, rank)))[0] for _ in range(fleets)]
+    quantile = float(np.quantile(np.concatenate(distances), level))
+    return max(1.0, quantile / _native.chi_square_quantile(level, rank))
 
 
 def _wide(table: pd.DataFrame, block: str | None, names: Sequence[str] | None) -> pd.DataFrame:
