@@ -55,6 +55,7 @@ python-tools: check-toolchain
 test-python: python-tools ## the Python package: built beside the command, linted, type-checked, tested
 	cargo build --locked -p hysteron-cli
 	VIRTUAL_ENV=$(abspath $(PYTHON)) $(PYTHON)/bin/maturin develop --locked --quiet
+	@python/tests/install-tools.sh
 	$(PYTHON)/bin/ruff check python && $(PYTHON)/bin/ruff format --check python
 	$(PYTHON)/bin/mypy && $(PYTHON)/bin/python -m mypy.stubtest hysteron_models._native
 	$(PYTHON)/bin/python -m pytest
@@ -156,6 +157,8 @@ bench: check-toolchain ## speed, side by side with the peers, which this install
 bench-python: python-tools ## what Python costs over the library
 	VIRTUAL_ENV=$(abspath $(PYTHON)) $(PYTHON)/bin/maturin develop --release --locked --quiet
 	$(PYTHON)/bin/python bench/python_overhead.py
+	$(MAKE) $(HYSTERON)
+	$(PYTHON)/bin/python bench/fleet.py $(HYSTERON)
 
 STUDIES := optimum full-size seeds parameters rates blocks track coverage information afm plays families stamps
 study: ## what the joint identification promises, measured on simulated devices (QUICK=1: a rehearsal)

@@ -19,27 +19,17 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
-from concurrent.futures import Executor, Future
 from pathlib import Path
 from typing import Any
 
 import simulated_fleet
 from hysteron_models import fleet
-from simulated_fleet import ESTIMATOR, content
+from simulated_fleet import ESTIMATOR, Serial, content
 
 WORKERS = 4
 # Room at first, for each device: about a third of what its row takes [kB].
 ROOM_KB = 4
 DEADLINE_S = 900.0
-
-
-class Here(Executor):
-    """Runs at once, in this thread: the serial run."""
-
-    def submit(self, work: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        future: Future[Any] = Future()
-        future.set_result(work(*args, **kwargs))
-        return future
 
 
 class Disk:
@@ -115,7 +105,7 @@ def night(folder: Path, count: int, rng: random.Random) -> bool:
     simulated_fleet.write(records, count)
     pattern, serial = f"{records}/*.csv", f"sqlite:///{folder / 'serial.sqlite'}"
     begun = time.monotonic()
-    fleet.calibrate(pattern, ESTIMATOR, executor=Here(), registry=serial)
+    fleet.calibrate(pattern, ESTIMATOR, executor=Serial(), registry=serial)
     print(f"serial run: {count} simulated devices in {time.monotonic() - begun:.0f} s", flush=True)
 
     disk = Disk(folder / "disk", count)

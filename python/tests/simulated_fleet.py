@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +23,15 @@ ESTIMATOR = hy.Hammerstein("bouc-wen", "none", n=1.0, delay=0.0, seed=1)
 
 # Columns that differ between two runs with the same results.
 CHANGING = ("id", "device_id", "seconds", "finished", "report")
+
+
+class Serial(Executor):
+    """Runs at once, in this thread."""
+
+    def submit(self, work: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        future.set_result(work(*args, **kwargs))
+        return future
 
 
 def drive(fs: float = 200.0) -> hy.Record:

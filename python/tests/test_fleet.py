@@ -17,7 +17,7 @@ import psutil
 import pytest
 import simulated_fleet
 from hysteron_models import fleet
-from simulated_fleet import ESTIMATOR, content
+from simulated_fleet import ESTIMATOR, Serial, content
 
 
 @pytest.fixture(scope="module")
@@ -26,15 +26,6 @@ def records(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("fleet")
     simulated_fleet.write(folder, 20)
     return folder
-
-
-class Here(Executor):
-    """Runs at once, in this thread."""
-
-    def submit(self, work: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        future: Future[Any] = Future()
-        future.set_result(work(*args, **kwargs))
-        return future
 
 
 class Nowhere(Executor):
@@ -48,7 +39,7 @@ class Nowhere(Executor):
 def serial(records: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
     """Registry of a serial run."""
     url = f"sqlite:///{tmp_path_factory.mktemp('serial') / 'fleet.sqlite'}"
-    table = fleet.calibrate(f"{records}/*.csv", ESTIMATOR, executor=Here(), registry=url)
+    table = fleet.calibrate(f"{records}/*.csv", ESTIMATOR, executor=Serial(), registry=url)
     assert list(table["status"]) == ["ok"] * 20 and list(table["reason"]) == [""] * 20
     assert table["fit_percent"].min() > 95
     return url
@@ -173,7 +164,7 @@ def test_an_executor_that_is_broken_fails_rows_and_not_the_night(records: Path, 
         pass
     table = fleet.calibrate(given, ESTIMATOR, executor=closed, registry=url)
     assert list(table["status"]) == ["failed"] * 4 and "shutdown" in table["reason"][0]
-    table = fleet.calibrate(given, ESTIMATOR, executor=Here(), registry=url)
+    table = fleet.calibrate(given, ESTIMATOR, executor=Serial(), registry=url)
     assert list(table["status"]) == ["ok"] * 4
 
 
@@ -184,14 +175,14 @@ def test_bad_records_are_rows_with_reasons(records: Path, tmp_path: Path) -> Non
     (tmp_path / "none.csv").write_text("")
     good = sorted(records.iterdir())[0]
     given = [tmp_path / "empty.csv", tmp_path / "text.csv", tmp_path / "missing.csv", tmp_path, good]
-    table = fleet.calibrate(given, ESTIMATOR, executor=Here(), registry=url)
+    table = fleet.calibrate(given, ESTIMATOR, executor=Serial(), registry=url)
     assert list(table["status"]) == ["failed"] * 4 + ["ok"]
     assert list(table["cause"]) == ["record", "record", "machine", "machine", ""]
     assert all(table["reason"][:4]) and "line 3" in table["reason"][1]
     assert "No such file" in table["reason"][2]
     # The file comes: one row, of the same device.
     (tmp_path / "missing.csv").write_bytes(good.read_bytes())
-    table = fleet.calibrate(given, ESTIMATOR, executor=Here(), registry=url)
+    table = fleet.calibrate(given, ESTIMATOR, executor=Serial(), registry=url)
     assert list(table["status"]) == ["failed", "failed", "ok", "failed", "ok"]
     assert len(content(url)) == 5
 
@@ -200,7 +191,7 @@ def test_a_record_that_changes_during_the_fit_is_not_kept(records: Path, tmp_pat
     path = tmp_path / "a.csv"
     path.write_bytes(sorted(records.iterdir())[0].read_bytes())
 
-    class Changing(Here):
+    class Changing(Serial):
         def submit(self, work: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
             path.write_bytes(sorted(records.iterdir())[1].read_bytes())
             return super().submit(work, *args, **kwargs)
@@ -226,7 +217,7 @@ def test_tables_name_devices_and_the_same_bytes_are_fitted_once(records: Path, t
     )
     submitted = []
 
-    class Counting(Here):
+    class Counting(Serial):
         def submit(self, work: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
             submitted.append(args)
             return super().submit(work, *args, **kwargs)

@@ -10,8 +10,6 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable
-from concurrent.futures import Executor, Future
 from pathlib import Path
 from typing import Any
 
@@ -23,17 +21,8 @@ from alembic.config import Config
 from hysteron_models import fleet
 from hysteron_models.fleet import registry as registry_module
 from hysteron_models.fleet import schema
-from simulated_fleet import ESTIMATOR, content
+from simulated_fleet import ESTIMATOR, Serial, content
 from sqlalchemy import create_engine, inspect, text
-
-
-class Here(Executor):
-    """Runs at once, in this thread."""
-
-    def submit(self, work: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        future: Future[Any] = Future()
-        future.set_result(work(*args, **kwargs))
-        return future
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +38,7 @@ def night(tmp_path_factory: pytest.TempPathFactory) -> Path:
             fleet.Device("B", (str(paths[2]),), date=day),
             fleet.Device("bad", (str(folder / "empty.csv"),), date=day),
         ]
-        fleet.calibrate(table, ESTIMATOR, executor=Here(), registry=file)
+        fleet.calibrate(table, ESTIMATOR, executor=Serial(), registry=file)
     return file
 
 
@@ -141,7 +130,7 @@ def test_the_command_reads_what_python_wrote(night: Path, command: Path, tmp_pat
     ]  # fmt: skip
     assert listed[0]["date"] == "2026-02-01" and listed[0]["serial"] == "17"
     assert [d["device"] for d in told(command, "list", night, "--failed")] == ["bad"]
-    table = fleet.calibrate(json.loads(json.dumps(listed[0]["paths"])), ESTIMATOR, executor=Here(), registry=night,
+    table = fleet.calibrate(json.loads(json.dumps(listed[0]["paths"])), ESTIMATOR, executor=Serial(), registry=night,
                             device=lambda _: "A")  # fmt: skip
     assert listed[0]["rmse"] == table["rmse"][0] and listed[0]["key"] == table["key"][0]
     history = told(command, "show", night, "A")["calibrations"]
@@ -211,7 +200,7 @@ def test_a_disk_that_stays_full_ends_with_a_clear_error(tmp_path: Path) -> None:
     resource.prlimit(client.pid, resource.RLIMIT_FSIZE, (size, -1))
     said = client.communicate(timeout=60)[1]
     assert client.returncode == 1 and "RegistryError" in said and "what it holds is whole" in said
-    fleet.calibrate(pattern, ESTIMATOR, executor=Here(), registry=file)
+    fleet.calibrate(pattern, ESTIMATOR, executor=Serial(), registry=file)
     assert len(content(f"sqlite:///{file}")) == 12
 
 
@@ -226,5 +215,5 @@ def test_a_reader_does_not_stop_the_writer(night: Path, tmp_path: Path) -> None:
     release.start()
     begun = time.monotonic()
     path = simulated_fleet.write(tmp_path / "more", 1, first=7)[0]
-    fleet.calibrate(path, ESTIMATOR, executor=Here(), registry=file)
+    fleet.calibrate(path, ESTIMATOR, executor=Serial(), registry=file)
     assert time.monotonic() - begun > 0.5 and len(content(f"sqlite:///{file}")) == 5

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from concurrent.futures import Executor, Future
 from pathlib import Path
 from typing import Any
 
@@ -15,16 +13,7 @@ import pytest
 from hysteron_models import _native, fleet
 from hysteron_models.fleet.region import robust_distances
 from scipy import stats
-from simulated_fleet import ESTIMATOR, drive, of_device
-
-
-class Here(Executor):
-    """Runs at once, in this thread."""
-
-    def submit(self, work: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        future: Future[Any] = Future()
-        future.set_result(work(*args, **kwargs))
-        return future
+from simulated_fleet import ESTIMATOR, Serial, drive, of_device
 
 
 def test_tails_and_quantiles_are_those_of_scipy() -> None:
@@ -84,7 +73,7 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Path:
         measured("tired", of_device(50, gain=gain), 500 + month, f"2026-{month:02}-01")
         measured("steady <b>1</b>", of_device(51), 600 + month, f"2026-{month:02}-01")
     file = folder / "fleet.sqlite"
-    fleet.calibrate(devices, ESTIMATOR, executor=Here(), registry=file, reports=folder / "reports")
+    fleet.calibrate(devices, ESTIMATOR, executor=Serial(), registry=file, reports=folder / "reports")
     return file
 
 
