@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -254,3 +256,14 @@ def test_arguments_that_cannot_be_meant_are_refused(records: Path, tmp_path: Pat
     assert list(named["device"]) == ["a", "b"]
     with pytest.raises(hy.OptionError, match="sqlite:///"):
         fleet.calibrate(records, ESTIMATOR, executor=Nowhere(), registry="mysql://host/fleet")
+
+
+def test_what_is_not_installed_is_named() -> None:
+    script = (
+        "import sys; sys.modules['sqlalchemy'] = None\n"
+        "import hysteron_models as hy\n"
+        "try: hy.fleet\n"
+        "except hy.MissingPackage as error: print(error)"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert "needs sqlalchemy: install it with  pip install 'hysteron-models[fleet]'" in done.stdout

@@ -46,6 +46,18 @@ def test_a_region_holds_the_share_it_promises_and_outliers_do_not_widen_it() -> 
     assert min(found) == 1.0
 
 
+def test_the_region_of_a_small_fleet_is_wider() -> None:
+    from hysteron_models.fleet.region import _widening
+
+    rng = np.random.default_rng(3)
+    limit = _native.chi_square_quantile(0.99, 4)
+    squared = [robust_distances(rng.normal(size=(40, 4)))[0] for _ in range(300)]
+    raw = np.concatenate(squared)
+    assert (raw > limit).mean() > 0.03
+    assert 0.007 < (raw / _widening(40, 4, 0.99) > limit).mean() < 0.013
+    assert _widening(5000, 4, 0.99) < 1.15
+
+
 def test_parameters_that_follow_from_others_do_not_count_twice() -> None:
     rng = np.random.default_rng(2)
     z = rng.normal(size=(300, 2))

@@ -21,7 +21,7 @@ try:
     import pandas  # noqa: F401
     import sqlalchemy  # noqa: F401
 except ImportError as error:
-    raise missing(error.name or "a package", "fleet", "a fleet") from None
+    raise missing((error.name or "a package").partition(".")[0], "fleet", "a fleet") from None
 
 from .calibration import calibrate
 from .devices import Device
