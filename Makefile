@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: FORCE help demo check test test-python kept-outputs python-tools wheel docs bench-python \
+.PHONY: FORCE help demo check test test-python test-fleet kept-outputs python-tools wheel docs bench-python \
   export-tools bench study article figures clean check-toolchain check-components \
   app page page-tools browser-tools test-browser smoke-browser release-dry-run \
   page-figure
@@ -55,9 +55,14 @@ python-tools: check-toolchain
 test-python: python-tools ## the Python package: built beside the command, linted, type-checked, tested
 	cargo build --locked -p hysteron-cli
 	VIRTUAL_ENV=$(abspath $(PYTHON)) $(PYTHON)/bin/maturin develop --locked --quiet
+	@python/tests/install-tools.sh
 	$(PYTHON)/bin/ruff check python && $(PYTHON)/bin/ruff format --check python
 	$(PYTHON)/bin/mypy && $(PYTHON)/bin/python -m mypy.stubtest hysteron_models._native
 	$(PYTHON)/bin/python -m pytest
+
+test-fleet: python-tools ## a night with faults: Dask, 500 simulated devices, workers and client killed, disk full once
+	VIRTUAL_ENV=$(abspath $(PYTHON)) $(PYTHON)/bin/maturin develop --locked --quiet
+	$(PYTHON)/bin/python python/tests/fleet_faults.py
 
 kept-outputs: ## run the notebooks and keep their outputs; draw the pictures that plots are compared with
 kept-outputs: python-tools
@@ -155,6 +160,8 @@ bench: check-toolchain ## speed, side by side with the peers, which this install
 bench-python: python-tools ## what Python costs over the library
 	VIRTUAL_ENV=$(abspath $(PYTHON)) $(PYTHON)/bin/maturin develop --release --locked --quiet
 	$(PYTHON)/bin/python bench/python_overhead.py
+	$(MAKE) $(HYSTERON)
+	$(PYTHON)/bin/python bench/fleet.py $(HYSTERON)
 
 STUDIES := optimum full-size seeds parameters rates blocks track coverage information afm plays families stamps
 study: ## what the joint identification promises, measured on simulated devices (QUICK=1: a rehearsal)

@@ -121,8 +121,19 @@ def command() -> str:
     ]
     for name in names:
         if name != "help":
-            page += [f"## hysteron {name}", "", f"<pre>{html.escape(told(name, '--help'))}</pre>", ""]
+            page += _with_actions(name)
     return "\n".join(page)
+
+
+def _with_actions(*names: str) -> list[str]:
+    """Help of a subcommand, and of those that it has itself."""
+    said = told(*names, "--help")
+    page = [f"{'#' * (1 + len(names))} hysteron {' '.join(names)}", "", f"<pre>{html.escape(said)}</pre>", ""]
+    listed = said.split("Commands:")[1].split("Options:")[0] if "\nCommands:" in said else ""
+    for name in re.findall(r"^  ([a-z-]+)  ", listed, re.M):
+        if name != "help":
+            page += _with_actions(*names, name)
+    return page
 
 
 def package() -> str:
@@ -135,5 +146,8 @@ def package() -> str:
         "`import hysteron_models as hy`. A first walk: [Python](../python.md).",
         "",
     ]
+    fleet = (ROOT / "python/hysteron_models/fleet/__init__.py").read_text()
+    of_fleet = re.findall(r'^    "([A-Za-z]\w*)",$', fleet.split("__all__")[1], re.M)
+    names = [name for name in names if name != "fleet"] + [f"fleet.{name}" for name in of_fleet]
     page += [f"::: hysteron_models.{name}\n" for name in names]
     return "\n".join(page)

@@ -27,6 +27,7 @@ from ._errors import (
     MissingPackage,
     ModelError,
     OptionError,
+    RegistryError,
 )
 from ._native import __version__
 from .comparison import Comparison, choices, compare
@@ -38,7 +39,7 @@ from .response import ExplainedResponse, frequency_response
 from .results import Finding, FrequencyResponse, Inversion, Prediction, Realisation, Score, Tracking
 
 if TYPE_CHECKING:
-    from . import plots
+    from . import fleet, plots
 
 __all__ = [
     "Branches",
@@ -66,6 +67,7 @@ __all__ = [
     "Prediction",
     "Realisation",
     "Record",
+    "RegistryError",
     "Score",
     "Tracking",
     "__version__",
@@ -73,6 +75,7 @@ __all__ = [
     "compare",
     "contents",
     "excite",
+    "fleet",
     "frequency_response",
     "inspect",
     "load",
@@ -86,9 +89,9 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Plots are imported when first asked for: they need matplotlib."""
-    if name == "plots":
+    """Plots and fleets are imported when first asked for: they need matplotlib, and pandas and SQLAlchemy."""
+    if name in ("fleet", "plots"):
         import importlib
 
-        return importlib.import_module(".plots", __name__)
+        return importlib.import_module(f".{name}", __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

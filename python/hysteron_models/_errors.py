@@ -101,6 +101,10 @@ class OptionError(HysteronError, ValueError):
     """An option is invalid."""
 
 
+class RegistryError(HysteronError):
+    """A registry of calibrations cannot be read or written."""
+
+
 class MissingPackage(HysteronError, ImportError):
     """A package that is an extra of this one is not installed."""
 

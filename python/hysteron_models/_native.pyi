@@ -19,11 +19,15 @@ __all__ = [
     "Model",
     "Record",
     "__version__",
+    "chi_square_quantile",
+    "chi_square_tail",
     "choices",
     "compare",
     "contents",
+    "difference_of",
     "excite",
     "explain_response",
+    "fleet_page",
     "identify",
     "inspect",
     "play",
@@ -31,6 +35,7 @@ __all__ = [
     "read",
     "residual_correlation",
     "split_header",
+    "student_tail",
     "write",
 ]
 __version__: str
@@ -223,3 +228,8 @@ def explain_response(
     response: str | None = None,
     over: str | None = None,
 ) -> tuple[_Points, str, str, Model | None]: ...
+def difference_of(first: Model, second: Model) -> tuple[str, bool]: ...
+def chi_square_tail(x: float, degrees: float) -> float: ...
+def chi_square_quantile(p: float, degrees: float) -> float: ...
+def student_tail(t: float, degrees: float) -> float: ...
+def fleet_page(fleet: str) -> str: ...

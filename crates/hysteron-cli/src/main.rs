@@ -35,6 +35,7 @@ mod prepare;
 mod progress;
 mod realise;
 mod recalibrate;
+mod registry;
 mod remarks;
 mod result_flags;
 mod rig;
@@ -83,6 +84,7 @@ enum Command {
     Rig(rig::Rig),
     Optimizers(optimizers::Optimizers),
     Article(article::Article),
+    Registry(registry::RegistryCommand),
     App(app::App),
     Completions(completions::Completions),
     Schema(schema::Schema),
@@ -107,6 +109,7 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Rig(c) => c.run(),
         Command::Optimizers(c) => c.run(),
         Command::Article(c) => c.run(),
+        Command::Registry(c) => c.run(),
         Command::App(c) => c.run(),
         Command::Completions(c) => c.run(),
         Command::Schema(c) => c.run(),

@@ -11,6 +11,7 @@ mod campaign;
 mod compared;
 pub mod coupled;
 mod defaults;
+pub mod difference;
 mod dynamic_problem;
 mod dynamic_step;
 mod engine;

@@ -7,6 +7,7 @@ mod complex_exponential;
 pub mod convolution;
 mod dispatch;
 pub mod display;
+pub mod distribution;
 mod elementary;
 mod feedback_tangent;
 pub mod fft;

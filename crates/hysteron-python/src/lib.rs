@@ -11,6 +11,7 @@ mod deploy;
 mod errors;
 mod excite;
 mod fit;
+mod fleet;
 mod inverse;
 mod model;
 mod record;
@@ -35,6 +36,8 @@ mod _native {
     use super::excite::{excite, play};
     #[pymodule_export]
     use super::fit::{Fit, choices, identify};
+    #[pymodule_export]
+    use super::fleet::{chi_square_quantile, chi_square_tail, difference_of, fleet_page, student_tail};
     #[pymodule_export]
     use super::model::{Model, residual_correlation};
     #[pymodule_export]

@@ -22,6 +22,7 @@ pub mod comparison;
 mod escape;
 pub mod figure;
 pub mod fit;
+pub mod fleet;
 pub mod frequency_response;
 pub mod identification;
 pub mod model;

@@ -10,6 +10,7 @@ mod error;
 mod force_run;
 mod inverse_findings;
 mod inverse_summary;
+mod numbers;
 mod remark;
 mod run;
 mod score;

@@ -47,6 +47,8 @@ pub struct Cell {
     pub strong: bool,
     /// Set in grey: printed elsewhere, or not comparable.
     pub quiet: bool,
+    /// File that the text is a link to, relative to the page; empty for none.
+    pub link: String,
 }
 
 impl Cell {
@@ -57,12 +59,17 @@ impl Cell {
 
     /// A cell in bold.
     pub fn strong(text: impl Into<String>) -> Self {
-        Self { text: text.into(), strong: true, quiet: false }
+        Self { text: text.into(), strong: true, ..Self::default() }
     }
 
     /// A cell in grey.
     pub fn quiet(text: impl Into<String>) -> Self {
-        Self { text: text.into(), strong: false, quiet: true }
+        Self { text: text.into(), quiet: true, ..Self::default() }
+    }
+
+    /// A cell that is a link to a file, relative to the page.
+    pub fn linked(text: impl Into<String>, link: impl Into<String>) -> Self {
+        Self { text: text.into(), link: link.into(), ..Self::default() }
     }
 }
 
@@ -199,14 +206,13 @@ pub(super) fn render(out: &mut String, table: &Table) {
                 (_, true) => ("<span class=\"quiet\">", "</span>"),
                 _ => ("", ""),
             };
-            put!(
-                out,
-                "<td{}>{}{}{}",
-                cell_class(column.align, &cell.text),
-                emphasis.0,
-                breakable(&cell.text),
-                emphasis.1
-            );
+            put!(out, "<td{}>{}", cell_class(column.align, &cell.text), emphasis.0);
+            if cell.link.is_empty() {
+                put!(out, "{}", breakable(&cell.text));
+            } else {
+                put!(out, "<a href=\"{}\">{}</a>", file_link(&cell.link), breakable(&cell.text));
+            }
+            out.push_str(emphasis.1);
             if column.align == Align::Decimal && is_number(&cell.text) {
                 pad(out, decimals[c] - fraction(&cell.text), fraction(&cell.text) == 0);
             }
@@ -219,6 +225,13 @@ pub(super) fn render(out: &mut String, table: &Table) {
         put!(out, "<p class=\"tablenote\">{}</p>", escape(note));
     }
     out.push_str("</div>");
+}
+
+/// Path as a relative link (RFC 3986): with every other character encoded it has no scheme.
+fn file_link(path: &str) -> String {
+    let plain = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'/' | b'-' | b'_' | b'.' | b'~');
+    let encoded = |byte: u8| if plain(byte) { (byte as char).to_string() } else { format!("%{byte:02X}") };
+    path.bytes().map(encoded).collect()
 }
 
 fn class(align: Align) -> &'static str {
