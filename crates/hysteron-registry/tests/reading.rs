@@ -1,4 +1,10 @@
 //! A registry as Python writes it, in the columns that are read here.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "tests stop at the first surprise"
+)]
 
 use std::path::Path;
 
