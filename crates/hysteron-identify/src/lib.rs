@@ -29,6 +29,7 @@ mod linear_step;
 pub mod modes;
 mod normal;
 pub mod online;
+mod option_ranges;
 mod options;
 pub mod oscillator;
 mod parameter;

@@ -2,7 +2,7 @@
 //!
 //! In the order of use: a [`figure::Figure`] is panels of series with units; a [`page::Page`] is sections of
 //! text, tables and figures; [`identification::identification_report`] composes
-//! what the `hysteron` command shows; [`write_page`] and [`write_figures`] put it on the disk.
+//! what the `hysteron` command shows; [`write_page`] puts it on the disk, [`figure_files`] are its figures.
 //! [`number`] formats values for tables.
 //!
 //! Pages load nothing, work offline and without script, and print on A4. They hold curves reduced to what a
