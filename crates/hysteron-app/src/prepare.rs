@@ -27,9 +27,11 @@ pub(crate) fn prepare(workspace: &Workspace, request: &PrepareRequest) -> Answer
     let mut records = Vec::new();
     for id in &request.records {
         let settings = workspace.history.settings(id)?;
-        scales.extend(
-            parsed(&settings.scales)?.into_iter().filter(|scale| !scales.contains(scale)).collect::<Vec<_>>(),
-        );
+        for scale in parsed(&settings.scales)? {
+            if !scales.contains(&scale) {
+                scales.push(scale);
+            }
+        }
         let path = workspace.existing(id)?;
         let part = read_part(&path, &reading(asked, &settings)?)
             .map_err(|e| Refused::cannot(Problem::of_file(&e, &path, id)))?;

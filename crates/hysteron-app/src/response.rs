@@ -4,8 +4,9 @@ use hysteron_identify::frequency_response::empirical::{EmpiricalOptions, empiric
 use hysteron_identify::frequency_response::{
     Explained, Family, FrequencyResponse, Weighting, compare, unwrapped_phase_deg,
 };
-use hysteron_io::{IoError, ReadOptions, ResponseOptions, read_frequency_response, read_record, save_model};
-use hysteron_model::{Model, UnknownName};
+use hysteron_io::{IoError, ReadOptions, ResponseOptions, read_frequency_response, read_record};
+use hysteron_model::UnknownName;
+use hysteron_model::record::range_of;
 use hysteron_report::frequency_response::{nearest_turn, page, shown};
 use hysteron_report::results::response::{ABOUT_AIC, parameters, structures};
 use hysteron_report::write_page;
@@ -34,8 +35,7 @@ pub(crate) fn explain(workspace: &Workspace, request: &ResponseFitRequest) -> An
     let mut files = Vec::new();
     if let Some(save) = &request.save {
         let written = found.model_file(&made).map_err(Refused::cannot)?;
-        let model = Model::try_from(written.file).map_err(Refused::cannot)?;
-        save_model(&workspace.to_write(save, Kind::Model)?, &model).map_err(Refused::failed)?;
+        workspace.keep_model(save, written.file)?;
         files.push(save.clone());
     }
     if let Some(report) = &request.report {
@@ -113,8 +113,7 @@ fn bode(found: &Explained) -> Vec<Figure> {
     let FrequencyResponse { frequency_hz, values, unit, .. } = &found.response;
     let of = |name: &str, y: Vec<f64>, axis: &str, unit: &str| {
         let axis_of = |name: &str, unit: &str, samples: &[f64]| {
-            let low = samples.iter().copied().fold(f64::INFINITY, f64::min);
-            let high = samples.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let (low, high) = range_of(samples);
             Axis { name: name.to_owned(), unit: unit.to_owned(), low, high }
         };
         let curve = Curve {

@@ -1,10 +1,9 @@
 //! A model corrected over a record, sample by sample.
 
 use hysteron_identify::online::{FollowOptions, Followed, Term, known_noise};
-use hysteron_io::save_model;
 use hysteron_model::model::Capability;
 use hysteron_model::validate::Scoring;
-use hysteron_model::{Advice, Model, Start};
+use hysteron_model::{Advice, Start};
 use hysteron_report::results::adaptation::{coefficients, errors, method, verdict};
 
 use super::recalibrate::source;
@@ -14,7 +13,7 @@ use crate::clock::maker;
 use crate::command;
 use crate::problem::remedy;
 use crate::refused::{Answer, Refused};
-use crate::workspace::{Kind, Workspace};
+use crate::workspace::Workspace;
 
 /// Follows a drifting device over a record; writes the model with the last coefficients where asked.
 ///
@@ -57,8 +56,7 @@ pub(crate) fn adapt(workspace: &Workspace, id: &str, request: &AdaptRequest) -> 
         let parent = (body.data(), &source(workspace, id)?);
         let file = found.model_file(&data, &options, parent, &maker(&command.shell));
         let file = file.map_err(|e| Refused::cannot(Problem::new(e, e.advice())))?;
-        let written = Model::try_from(file).map_err(Refused::cannot)?;
-        save_model(&workspace.to_write(save, Kind::Model)?, &written).map_err(Refused::failed)?;
+        workspace.keep_model(save, file)?;
         workspace.look();
     }
     workspace.history.add_action(&command)?;

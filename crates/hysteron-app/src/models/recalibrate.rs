@@ -1,8 +1,7 @@
 //! Gain, delay and offset of a model from short records.
 
 use hysteron_identify::recalibrate::{Prior, Recording, recalibrate as fitted};
-use hysteron_io::{save_model, sha256};
-use hysteron_model::Model;
+use hysteron_io::sha256;
 use hysteron_model::model::{Capability, SignalRole};
 use hysteron_model::record::{Source, Unit};
 use hysteron_report::results::recalibration::{numbers, offset, scores, verdicts};
@@ -12,7 +11,7 @@ use crate::api::{Outcome, RecalibrateRequest};
 use crate::clock::maker;
 use crate::command;
 use crate::refused::{Answer, Refused};
-use crate::workspace::{Kind, Workspace};
+use crate::workspace::Workspace;
 
 /// Re-estimates gain, delay and offset, and writes the new model.
 ///
@@ -37,8 +36,7 @@ pub(crate) fn recalibrate(workspace: &Workspace, id: &str, request: &Recalibrate
     let entries = request.records.iter().map(|id| workspace.entry(id)).collect::<Answer<Vec<_>>>()?;
     let command = command::recalibrate(id, &entries, options, &request.save);
     let file = found.model_file(body.data(), &source(workspace, id)?, prior, &maker(&command.shell));
-    let written = Model::try_from(file).map_err(Refused::cannot)?;
-    save_model(&workspace.to_write(&request.save, Kind::Model)?, &written).map_err(Refused::failed)?;
+    workspace.keep_model(&request.save, file)?;
     workspace.history.add_action(&command)?;
     workspace.look();
     let unit = Unit::new(&model.units().output).to_string();
