@@ -1,6 +1,30 @@
-// Records chosen for an operation: check boxes, so that it can be done by key.
+// Records chosen for an operation: a list or check boxes, so that it can be done by key.
 import type { RecordEntry } from '../api/types';
 import { fileName } from '../format';
+
+/** One record of a list. */
+export function RecordChosen(props: {
+  label: string;
+  records: RecordEntry[];
+  /** What stands in the list for none of them. */
+  none?: string;
+  chosen: string;
+  choose: (id: string) => void;
+}) {
+  return (
+    <label class="row">
+      <span class="soft">{props.label}</span>
+      <select value={props.chosen} onChange={(event) => props.choose(event.currentTarget.value)}>
+        {props.none && <option value="">{props.none}</option>}
+        {props.records.map((one) => (
+          <option key={one.id} value={one.id}>
+            {one.id}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}
 
 export function RecordsChosen(props: {
   label: string;

@@ -3,7 +3,7 @@ import { useState } from 'preact/hooks';
 import { path } from '../../api/client';
 import type { ModelEntry, RecordEntry } from '../../api/types';
 import { Operation } from '../../components/Operation';
-import { fileName } from '../../format';
+import { RecordChosen } from '../../components/RecordsChosen';
 
 export function Simulate({ model, records }: { model: ModelEntry; records: RecordEntry[] }) {
   const [record, choose] = useState<string>('');
@@ -18,18 +18,7 @@ export function Simulate({ model, records }: { model: ModelEntry; records: Recor
       verb="Simulate"
       save={{ name: 'simulated.csv' }}
     >
-      <label class="row">
-        <span class="soft">Drive of</span>
-        <select value={record} onChange={(event) => choose(event.currentTarget.value)}>
-          <option value="">a record…</option>
-          {records.map((one) => (
-            <option key={one.id} value={one.id}>
-              {one.device ? `${one.device}/` : ''}
-              {fileName(one.id)}
-            </option>
-          ))}
-        </select>
-      </label>
+      <RecordChosen label="Drive of" none="a record…" records={records} chosen={record} choose={choose} />
     </Operation>
   );
 }

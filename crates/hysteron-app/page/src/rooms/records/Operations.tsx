@@ -6,10 +6,19 @@ import { RecordsChosen } from '../../components/RecordsChosen';
 import { stem } from '../../format';
 import { sameDevice } from './roles';
 
+/** The other records of the device that were read. */
+function othersOf(record: RecordEntry, records: RecordEntry[]): RecordEntry[] {
+  return sameDevice(records, record).filter((other) => other.id !== record.id && !other.error);
+}
+
+/** Name of a file beside a record. */
+function besideRecord(record: RecordEntry, ending: string): string {
+  return `${record.device ? `${record.device}/` : ''}${stem(record.id)}${ending}`;
+}
+
 export function PrepareRecords({ record, records }: { record: RecordEntry; records: RecordEntry[] }) {
   const [others, choose] = useState<string[]>([]);
-  const joined = sameDevice(records, record).filter((other) => other.id !== record.id && !other.error);
-  const folder = record.device ? `${record.device}/` : '';
+  const joined = othersOf(record, records);
   return (
     <Operation
       name="prepare"
@@ -18,7 +27,7 @@ export function PrepareRecords({ record, records }: { record: RecordEntry; recor
       at="prepare"
       request={{ records: [record.id, ...others] }}
       verb="Write the new record"
-      save={{ name: `${folder}${stem(record.id)}-prepared.csv`, always: true }}
+      save={{ name: besideRecord(record, '-prepared.csv'), always: true }}
     >
       {joined.length > 0 && (
         <RecordsChosen label="Joined behind it" records={joined} chosen={others} choose={choose} />
@@ -29,8 +38,7 @@ export function PrepareRecords({ record, records }: { record: RecordEntry; recor
 
 export function ResponseFit({ record, records }: { record: RecordEntry; records: RecordEntry[] }) {
   const [others, choose] = useState<string[]>([]);
-  const more = sameDevice(records, record).filter((other) => other.id !== record.id && !other.error);
-  const folder = record.device ? `${record.device}/` : '';
+  const more = othersOf(record, records);
   return (
     <Operation
       name="frequency-response"
@@ -39,7 +47,7 @@ export function ResponseFit({ record, records }: { record: RecordEntry; records:
       at="frequency-response"
       request={{ files: [record.id, ...others] }}
       verb="Fit structures"
-      save={{ name: `${folder}${stem(record.id)}-response.json` }}
+      save={{ name: besideRecord(record, '-response.json') }}
     >
       {!record.error && more.length > 0 && (
         <RecordsChosen label="Together with" records={more} chosen={others} choose={choose} />

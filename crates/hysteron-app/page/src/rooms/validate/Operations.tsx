@@ -3,8 +3,7 @@ import { useState } from 'preact/hooks';
 import { path } from '../../api/client';
 import type { ModelEntry, RecordEntry } from '../../api/types';
 import { Operation } from '../../components/Operation';
-import { RecordsChosen } from '../../components/RecordsChosen';
-import { fileName } from '../../format';
+import { RecordChosen, RecordsChosen } from '../../components/RecordsChosen';
 
 export function Recalibrate({ model, records }: { model: ModelEntry; records: RecordEntry[] }) {
   const [chosen, choose] = useState<string[]>(records.slice(0, 1).map((record) => record.id));
@@ -37,16 +36,7 @@ export function Adapt({ model, records }: { model: ModelEntry; records: RecordEn
       verb="Follow the drift"
       save={{ name: model.id.replace(/\.json$/, '-adapted.json') }}
     >
-      <label class="row">
-        <span class="soft">Record</span>
-        <select value={record} onChange={(event) => choose(event.currentTarget.value)}>
-          {records.map((one) => (
-            <option key={one.id} value={one.id}>
-              {fileName(one.id)}
-            </option>
-          ))}
-        </select>
-      </label>
+      <RecordChosen label="Record" records={records} chosen={record} choose={choose} />
     </Operation>
   );
 }
