@@ -50,6 +50,7 @@ python-tools: check-toolchain
 	@cmp -s python/requirements-test.txt $(PYTHON)/installed.txt || { \
 	  rm -rf $(PYTHON) && python3 -m venv $(PYTHON) && \
 	  $(PYTHON)/bin/pip install --quiet --disable-pip-version-check -r python/requirements-test.txt && \
+	  $(PYTHON)/bin/pip install --quiet --disable-pip-version-check --no-deps sysidentpy==0.9.0 && \
 	  cp python/requirements-test.txt $(PYTHON)/installed.txt; }
 
 test-python: python-tools ## the Python package: built beside the command, linted, type-checked, tested

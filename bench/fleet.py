@@ -21,9 +21,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "python/tests"))
 
 import hysteron_models as hy
 import simulated_fleet
-from distributed import Client, LocalCluster
 from hysteron_models import fleet
-from hysteron_models.fleet import key, rows
 
 CORES = 2
 # Structure that both fit. Quasi-static: a quick fit, for which the cost of scheduling counts most.
@@ -79,6 +77,9 @@ def trivial(folder):
 
 
 def main():
+    # Here, since the own processes run the imports of this script.
+    from distributed import Client, LocalCluster
+
     command, count = Path(sys.argv[1]).resolve(), int(sys.argv[2]) if len(sys.argv) > 2 else 60
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -131,6 +132,8 @@ def main():
 
 def writing(folder):
     """Time to write a row of a fit, alone [s]."""
+    from hysteron_models.fleet import key, rows
+
     source, target = fleet.Registry(folder / "own.sqlite"), fleet.Registry(folder / "many.sqlite")
     some = rows.table(source).iloc[0]
     outcome = rows.outcome_of(source, some["key"])

@@ -50,9 +50,9 @@ checksums() {
     cp out/wheels/*.whl "$out" && (cd "$out" && sha256sum -- *.whl *.tar.gz | tee SHA256SUMS)
 }
 step "checksums" checksums
-step "crates, packaged in order" cargo publish --workspace --dry-run --locked --no-verify --allow-dirty
+step "crates, packaged in order" scripts/publish_crates.sh --dry-run --no-verify --allow-dirty
 if [[ -z ${QUICK:-} ]]; then
-    step "crates, built from their packages" cargo publish --workspace --dry-run --locked --allow-dirty
+    step "crates, built from their packages" scripts/publish_crates.sh --dry-run --allow-dirty
 else
     not_run+=("crates were not built from their packages (QUICK)")
 fi

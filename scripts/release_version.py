@@ -15,7 +15,7 @@ def version() -> str:
     found = re.search(r'\[workspace\.package\]\nversion = "([^"]+)"', text)
     if found is None:
         sys.exit("error: Cargo.toml has no version under [workspace.package]")
-    others = set(re.findall(r'path = "crates/[^"]+", version = "([^"]+)"', text)) - {found[1]}
+    others = set(re.findall(r'path = "[^"]+", version = "([^"]+)"', text)) - {found[1]}
     if others:
         sys.exit(f"error: dependencies between the crates ask for {', '.join(sorted(others))}, not {found[1]}")
     return found[1]

@@ -262,7 +262,7 @@ def test_what_is_not_installed_is_named() -> None:
     script = (
         "import sys; sys.modules['sqlalchemy'] = None\n"
         "import hysteron_models as hy\n"
-        "try: hy.fleet\n"
+        "try: hy.fleet.calibrate\n"
         "except hy.MissingPackage as error: print(error)"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)

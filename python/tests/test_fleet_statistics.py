@@ -111,7 +111,7 @@ def test_drift_is_seen_where_there_is_some(lab: Path) -> None:
 
 
 def test_drift_is_students_t_of_the_latest_value() -> None:
-    from hysteron_models.fleet.drift import _change
+    from hysteron_models.fleet.history import _change
 
     old = pd.DataFrame({"value": [1.0, 1.2, 0.9, 1.1], "std_error": [0.01] * 4})
     new = pd.Series({"device": "A", "name": "x", "unit": "", "value": 1.6, "std_error": 0.01})

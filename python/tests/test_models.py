@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import copy
 import pickle
+import re
 import subprocess
 import sys
 import threading
 import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
+from typing import get_args
 
 import hysteron_models as hy
 import numpy as np
 import pytest
+from hysteron_models.model import ExportForm
 from scipy import signal as scipy_signal
 
 
@@ -105,6 +108,10 @@ def test_models_are_saved_pickled_and_copied(
     matlab = stage.export(tmp_path / "m", "matlab", name="stage", inverse=True, limits=(0, 10))
     assert {"stage.m", "stage_inverse.m"} <= set(matlab) and (tmp_path / "m/stage.m").exists()
     assert "stage_sfun.c" in stage.export(tmp_path / "s", "simulink", name="stage")
+    with pytest.raises(hy.OptionError) as refused:
+        stage.export(tmp_path / "x", "punched-cards")  # type: ignore[arg-type]
+    offered = str(refused.value).partition("expected one of ")[2]
+    assert re.findall("`(.*?)`", offered) == list(get_args(ExportForm))
     fresh, found = loaded.recalibrate(unseen)
     assert fresh.kind == "hammerstein" and "gain" in found
 

@@ -83,3 +83,20 @@ impl Model {
         Ok(Export { files })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_form_has_a_target() {
+        for form in Form::ALL {
+            let mut written = serde_json::json!(form.name());
+            if !matches!(form, Form::Fmu | Form::Matlab) {
+                written = serde_json::json!({form.name(): {"float": "f32"}});
+            }
+            let target: Target = serde_json::from_value(written).unwrap();
+            assert_eq!(target.form().0, form);
+        }
+    }
+}

@@ -14,22 +14,19 @@ Needs the extra ``fleet``: pandas, SQLAlchemy, Alembic, Dask.
 
 from __future__ import annotations
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from .._errors import missing
 
-try:
-    import alembic  # noqa: F401
-    import pandas  # noqa: F401
-    import sqlalchemy  # noqa: F401
-except ImportError as error:
-    raise missing((error.name or "a package").partition(".")[0], "fleet", "a fleet") from None
-
-from .calibration import calibrate
-from .devices import Device
-from .drift import drift, drifts
-from .models import difference, model
-from .page import report
-from .region import outside
-from .registry import Registry
+if TYPE_CHECKING:
+    from .calibration import calibrate
+    from .devices import Device
+    from .history import drift, drifts
+    from .models import difference, model
+    from .page import report
+    from .region import outside
+    from .registry import Registry
 
 __all__ = [
     "Device",
@@ -42,3 +39,27 @@ __all__ = [
     "outside",
     "report",
 ]
+
+# Imported when first asked for: a worker process, which also runs the imports of the script that started it,
+# needs neither the database nor pandas, and so begins within a fraction of the time.
+_MODULES = {
+    "Device": "devices",
+    "Registry": "registry",
+    "calibrate": "calibration",
+    "difference": "models",
+    "drift": "history",
+    "drifts": "history",
+    "model": "models",
+    "outside": "region",
+    "report": "page",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    try:
+        module = import_module(f".{_MODULES[name]}", __name__)
+    except ModuleNotFoundError as error:
+        raise missing((error.name or "a package").partition(".")[0], "fleet", "a fleet") from None
+    return getattr(module, name)

@@ -15,8 +15,8 @@ from .. import _native
 from .._errors import OptionError
 from ..record import PathLike
 from ..results import write_text
-from .drift import LEVEL as DRIFT_LEVEL
-from .drift import drifts, histories
+from .history import LEVEL as DRIFT_LEVEL
+from .history import drifts, histories
 from .region import LEVEL, outside
 from .registry import Registry, opened
 from .rows import latest_ids, parameter_table, table

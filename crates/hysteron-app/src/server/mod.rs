@@ -26,7 +26,7 @@ pub use openapi::document;
 use crate::error::AppError;
 use crate::jobs::Jobs;
 use crate::refused::Refused;
-use crate::workspace::{EXAMPLES, Workspace, open_example};
+use crate::workspace::{Workspace, open_example};
 use guard::Access;
 
 /// Largest body of a request other than an upload \[bytes\]: a reference of a few million samples.
@@ -82,7 +82,7 @@ impl App {
     pub fn bind(settings: &Settings) -> Result<Self, AppError> {
         let workspace = Workspace::open(&settings.folder, settings.max_upload_bytes, RECORD_MEMORY)?;
         if settings.examples {
-            EXAMPLES.iter().try_for_each(|example| {
+            hysteron_examples::EXAMPLES.iter().try_for_each(|example| {
                 let opened = open_example(&workspace, example.name);
                 opened.map(drop).map_err(|refused| AppError::Examples(refused.into_problem().what))
             })?;

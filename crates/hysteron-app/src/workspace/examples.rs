@@ -1,49 +1,11 @@
 //! Measured examples, inside the program, copied into the workspace on request.
 
+use hysteron_examples::EXAMPLES;
 use hysteron_io::atomic_file::write_atomically;
 
 use super::{Workspace, shown};
 use crate::api::{ExampleOpened, RecordSettings};
 use crate::refused::{Answer, Refused};
-
-/// A file of the examples of the repository.
-macro_rules! file {
-    ($folder:literal, $name:literal) => {
-        ($name, include_bytes!(concat!("../../../../examples/", $folder, "/", $name)).as_slice())
-    };
-}
-
-/// Records of a real device with their licence.
-pub(crate) struct MeasuredExample {
-    pub name: &'static str,
-    pub title: &'static str,
-    /// Columns of input and output, where the files hold more.
-    columns: Option<(&'static str, &'static str)>,
-    records: &'static [(&'static str, &'static [u8])],
-    licence: (&'static str, &'static [u8]),
-}
-
-/// All of them.
-pub(crate) static EXAMPLES: [MeasuredExample; 2] = [
-    MeasuredExample {
-        name: "piezo-p885-200hz",
-        title: "P-885 stack, a loop of 1 Hz from rest",
-        columns: None,
-        records: &[file!("piezo-p885-200hz", "identification_1hz.csv")],
-        licence: file!("piezo-p885-200hz", "README.md"),
-    },
-    MeasuredExample {
-        name: "afm-z-scanner",
-        title: "AFM z scanner, ramps, rests and sines of 1 to 300 Hz",
-        columns: Some(("u_V", "y_um")),
-        records: &[
-            file!("afm-z-scanner", "cycle_1_300hz_01.csv"),
-            file!("afm-z-scanner", "cycle_1_300hz_02.csv"),
-            file!("afm-z-scanner", "cycle_1_300hz_03.csv"),
-        ],
-        licence: file!("afm-z-scanner", "README.md"),
-    },
-];
 
 /// Copies an example into the workspace. Records of several files continue one another.
 ///

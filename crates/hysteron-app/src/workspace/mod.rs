@@ -14,7 +14,7 @@ mod upload;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-pub(crate) use examples::{EXAMPLES, open_example};
+pub(crate) use examples::open_example;
 pub(crate) use history::History;
 pub(crate) use names::{HISTORY, device_of, path_of, shown, stem_of};
 pub(crate) use read::ReadRecord;

@@ -17,7 +17,7 @@ use crate::server::answer::{compute, run};
 use crate::server::events::events;
 use crate::server::openapi::document;
 use crate::server::operation::Operation;
-use crate::workspace::{EXAMPLES, Kind, device_of, open_example};
+use crate::workspace::{Kind, device_of, open_example};
 
 pub(in crate::server) fn operations() -> Vec<Operation> {
     vec![
@@ -42,7 +42,7 @@ async fn workspace(State(shared): State<Arc<Shared>>) -> Answer<Json<Workspace>>
         let listed = workspace.look();
         let ids = listed.of(Kind::Record).chain(listed.of(Kind::Model));
         let devices: BTreeSet<String> = ids.map(|found| device_of(&found.id).to_owned()).collect();
-        let examples = EXAMPLES.iter().map(|example| Example {
+        let examples = hysteron_examples::EXAMPLES.iter().map(|example| Example {
             name: example.name.to_owned(),
             title: example.title.to_owned(),
             open: devices.contains(example.name),
