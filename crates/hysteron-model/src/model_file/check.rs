@@ -8,6 +8,22 @@ use super::{
     polynomial_name,
 };
 use crate::hysteresis::{HysteresisForm, ModelNumber, Place};
+use crate::record::{MOST_MAGNITUDE, RATES_HZ};
+
+// What a file may ask for: memory and time to realise a model grow with the square of these, and a fit ends far
+// below them.
+/// Terms of a numerator or denominator in s.
+const MOST_TERMS: usize = 64;
+/// Terms in 1/z: a delay before them is as many zeros.
+const MOST_ARX_TERMS: usize = 4096;
+/// Numbers of the hysteresis block.
+const MOST_NUMBERS: usize = 4096;
+/// Degree of the polynomial.
+const MOST_DEGREE: usize = 32;
+/// Saturating terms of a force.
+pub(super) const MOST_SATURATING: usize = 64;
+/// Paths of coupled branches, inputs by outputs.
+pub(super) const MOST_PATHS: usize = 4096;
 
 impl ModelFile {
     /// Checks everything that is not a matter of types: version, finite numbers, ranges, units, parameter
@@ -24,12 +40,7 @@ impl ModelFile {
         quantity("delay", &self.delay, "s", Some(0.0))?;
         quantity("offset", &self.offset, &units.output, None)?;
         if let Some(rate) = self.sample_rate_hz {
-            allowed(
-                "sample_rate_hz",
-                rate,
-                rate.is_finite() && rate > 0.0,
-                "a finite number above 0, or null",
-            )?;
+            sample_rate(rate)?;
         }
         if let Some(voltage) = &self.start.voltage {
             if self.start.kind != StartKind::Rest {
@@ -54,6 +65,12 @@ impl ModelFile {
                 (DynamicsKind::None, true) => continue,
                 (DynamicsKind::None, false) => return complain("no terms for the kind \"none\""),
                 (_, true) => return complain("at least one term"),
+                (DynamicsKind::Arx, false) if list.len() > MOST_ARX_TERMS => {
+                    return complain("at most 4096 terms");
+                }
+                (DynamicsKind::Integer | DynamicsKind::Fractional, false) if list.len() > MOST_TERMS => {
+                    return complain("at most 64 terms");
+                }
                 (_, false) => terms(path, list, kind)?,
             }
         }
@@ -100,7 +117,15 @@ pub(super) fn family(
     parameters: &Parameters,
     units: &Units,
 ) -> Result<(), ModelFileError> {
+    let numbers = parameters.iter().count();
+    allowed("hysteresis.parameters", numbers as f64, numbers <= MOST_NUMBERS, "at most 4096 numbers")?;
     let degree = polynomial(parameters, units)?;
+    allowed(
+        "hysteresis.parameters",
+        degree as f64,
+        degree <= MOST_DEGREE,
+        "a polynomial of degree 32 at most",
+    )?;
     let form = sized(form, parameters)?;
     let numbers = form.model_numbers();
     let exponent = parameters.get(EXPONENT).map(|n| n.value);
@@ -183,6 +208,7 @@ pub(super) fn quantity(
     let value = quantity.value;
     let value_path = format!("{path}.value");
     allowed(&value_path, value, value.is_finite(), "a finite number")?;
+    allowed(&value_path, value, value.abs() <= MOST_MAGNITUDE, "a magnitude of at most 1e100")?;
     match least {
         Some(1.0) => allowed(&value_path, value, value >= 1.0, "a number of at least 1")?,
         Some(least) => allowed(&value_path, value, value >= least, "a number that is not negative")?,
@@ -225,7 +251,7 @@ pub(super) fn channels(inputs: &[String], outputs: &[String]) -> Result<(), Mode
 }
 
 pub(super) fn sample_rate(rate: f64) -> Result<(), ModelFileError> {
-    allowed("sample_rate_hz", rate, rate.is_finite() && rate > 0.0, "a finite number above 0")
+    allowed("sample_rate_hz", rate, RATES_HZ.contains(&rate), "a rate from 1e-9 to 1e12 Hz")
 }
 
 pub(super) fn valid_range(range: Option<&ValidRange>, units: &Units) -> Result<(), ModelFileError> {
@@ -247,13 +273,14 @@ pub(super) fn axes_score(index: usize, score: &ModesScoreEntry) -> Result<(), Mo
 }
 
 pub(super) fn interval(path: &str, interval: &Interval, unit: &str) -> Result<(), ModelFileError> {
-    allowed(&format!("{path}.low"), interval.low, interval.low.is_finite(), "a finite number")?;
+    let least = interval.low;
+    allowed(&format!("{path}.low"), least, least.abs() <= MOST_MAGNITUDE, "a magnitude of at most 1e100")?;
     let high = interval.high;
     allowed(
         &format!("{path}.high"),
         high,
-        high.is_finite() && high >= interval.low,
-        "a finite number, at least `low`",
+        high <= MOST_MAGNITUDE && high >= interval.low,
+        "a number from `low` to 1e100",
     )?;
     same_unit(path, &interval.unit, unit)
 }

@@ -190,6 +190,8 @@ impl CoupledFile {
         let count = |path: &str, found: usize, expected: usize, what| {
             allowed(path, found as f64, found == expected && expected > 0, what)
         };
+        let paths = self.inputs.len().saturating_mul(self.outputs.len());
+        allowed("paths", paths as f64, paths <= check::MOST_PATHS, "at most 4096 paths")?;
         count("actuators", self.actuators.len(), self.inputs.len(), "one entry an input")?;
         count("paths", self.paths.len(), self.outputs.len(), "one list an output")?;
         count("offsets", self.offsets.len(), self.outputs.len(), "one entry an output")?;

@@ -164,6 +164,8 @@ impl ForceFile {
         let units = Units::new(&self.units);
         check::family(self.hysteresis.kind.family(), &self.hysteresis.parameters, &units)?;
         quantity("viscous", &self.viscous, &viscous_unit(&units), None)?;
+        let terms = self.saturating.len();
+        allowed("saturating", terms as f64, terms <= check::MOST_SATURATING, "at most 64 terms")?;
         for (index, entry) in self.saturating.iter().enumerate() {
             let own = [(&units.output, None), (&units.rate(), Some(0.0)), (&units.input, Some(0.0))];
             for ((name, found), (unit, least)) in entry.named().into_iter().zip(own) {

@@ -27,7 +27,9 @@
 //! `"kind": "none"` both lists are empty (or absent). Terms are in ascending order.
 //!
 //! Reading is strict: an unknown version, key, kind or parameter, a missing key, a wrong unit, a number that
-//! is not finite or not allowed is a [`ModelFileError`] that names the place. Keys that are not part of the
+//! is not finite or not allowed is a [`ModelFileError`] that names the place. Limits: 64 terms in s and 4096 in
+//! 1/z a polynomial, 4096 numbers of the hysteresis, a polynomial of degree 32, 4096 paths between inputs and
+//! outputs; magnitudes of at most 1e100, sample rates from 1e-9 to 1e12 Hz. Keys that are not part of the
 //! mathematics (`name`, `units`, `normalisation`, `start`, `valid_range`, `provenance`, `scores`,
 //! `correlation` and `std_error`) may be absent. Writing is atomic, and a file that could not be read back is
 //! never written. Numbers survive writing and reading bit for bit. [`json_schema`] is the same in JSON

@@ -248,11 +248,7 @@ fn every_refusal_names_the_place_and_what_is_expected() {
         ("/hysteresis/parameters/alpha", None, "hysteresis.parameters: `alpha` is missing"),
         ("/hysteresis/parameters/linear", None, "hysteresis.parameters: `linear` is missing"),
         ("/hysteresis/parameters/alpha/unit", Some(json!("nm/V")), "hysteresis.parameters.alpha.unit"),
-        (
-            "/sample_rate_hz",
-            Some(json!(0)),
-            "sample_rate_hz: expected a finite number above 0, or null, found 0",
-        ),
+        ("/sample_rate_hz", Some(json!(0)), "sample_rate_hz: expected a rate from 1e-9 to 1e12 Hz, found 0"),
         (
             "/dynamics/denominator/1/order/value",
             Some(json!(-1.0)),
@@ -297,7 +293,7 @@ fn every_refusal_names_the_place_and_what_is_expected() {
         (
             "/valid_range/input/high",
             Some(json!(-1)),
-            "valid_range.input.high: expected a finite number, at least `low`",
+            "valid_range.input.high: expected a number from `low` to 1e100",
         ),
         ("/start/voltage/unit", Some(json!("mV")), "start.voltage.unit: expected the unit \"V\""),
         (

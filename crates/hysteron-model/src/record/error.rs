@@ -3,6 +3,7 @@
 use hysteron_numeric::display::short;
 
 use super::time_base::NO_TIMES;
+use super::{MOST_MAGNITUDE, RATES_HZ};
 use crate::advice::{Advice, ColumnRole};
 
 /// Fault of a record, or the reason why a step cannot be done with it. Sample indices count from 0.
@@ -48,6 +49,21 @@ pub enum RecordError {
          record there, or fill the gap from its neighbours and mark it 0 in a `valid` column"
     )]
     NotFinite {
+        /// Name of the record.
+        record: String,
+        /// Name of the channel.
+        channel: String,
+        /// Sample index, from 0.
+        index: usize,
+        /// The value found.
+        value: f64,
+    },
+    /// A sample beyond what any quantity measures, with which sums of squares overflow.
+    #[error(
+        "record `{record}`, channel `{channel}`, sample {index}: {value:e} is larger than any measured quantity \
+         (at most {MOST_MAGNITUDE:e}); check the file's numbers"
+    )]
+    TooLarge {
         /// Name of the record.
         record: String,
         /// Name of the channel.
@@ -181,8 +197,12 @@ pub enum RecordError {
         /// The one time stamp \[s\].
         time_s: f64,
     },
-    /// A sample rate that is not a positive finite number.
-    #[error("record `{record}`: a sample rate of {value} Hz is not possible; it must be positive and finite")]
+    /// A sample rate that no instrument has.
+    #[error(
+        "record `{record}`: a sample rate of {value:e} Hz is not possible; it must be from {:e} to {:e} Hz",
+        RATES_HZ.start(),
+        RATES_HZ.end()
+    )]
     BadSampleRate {
         /// Name of the record.
         record: String,

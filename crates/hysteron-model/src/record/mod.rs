@@ -93,6 +93,11 @@ pub use turning_points::{TurningPoint, shortest_swing, turning_points};
 pub use turning_points::{range_of, span};
 pub use unit::{Quantity, Unit};
 
+/// Largest magnitude of a sample, in any unit: the sum of squares of all samples of a record stays finite.
+pub const MOST_MAGNITUDE: f64 = 1e100;
+/// Sample rates \[Hz\]: from one sample in thirty years to one a picosecond.
+pub const RATES_HZ: std::ops::RangeInclusive<f64> = 1e-9..=1e12;
+
 /// One measured (or simulated) run: named channels with units on one time base. Never changed in place:
 /// every preparation step returns a new record.
 #[derive(Clone, Debug, PartialEq)]
@@ -247,6 +252,14 @@ impl Record {
             }
             if let Some(index) = channel.samples.iter().position(|x| !x.is_finite()) {
                 return Err(RecordError::NotFinite {
+                    record: record(),
+                    channel: name.clone(),
+                    index,
+                    value: channel.samples[index],
+                });
+            }
+            if let Some(index) = channel.samples.iter().position(|x| x.abs() > MOST_MAGNITUDE) {
+                return Err(RecordError::TooLarge {
                     record: record(),
                     channel: name.clone(),
                     index,

@@ -1,6 +1,6 @@
 //! Time bases: recognising a uniform grid in a column of time stamps.
 
-use super::{RecordError, TimeBase};
+use super::{RATES_HZ, RecordError, TimeBase};
 
 /// Largest deviation from the least-squares grid, in sample periods, up to which time stamps count as
 /// uniform.
@@ -34,7 +34,7 @@ impl TimeBase {
     ///
     /// # Errors
     /// [`RecordError::TooShort`] below two stamps, [`RecordError::NotFinite`],
-    /// [`RecordError::TimeDecreases`], [`RecordError::TimeStandsStill`].
+    /// [`RecordError::TimeDecreases`], [`RecordError::TimeStandsStill`], [`RecordError::BadSampleRate`].
     pub fn from_times(record: &str, times_s: Vec<f64>) -> Result<Self, RecordError> {
         Self::from_times_within(UNIFORM_TOLERANCE_SAMPLES, record, times_s)
     }
@@ -155,13 +155,13 @@ impl TimeBase {
 }
 
 pub(crate) fn check_rate(record: &str, sample_rate_hz: f64) -> Result<(), RecordError> {
-    if sample_rate_hz.is_finite() && sample_rate_hz > 0.0 {
+    if RATES_HZ.contains(&sample_rate_hz) {
         return Ok(());
     }
     Err(RecordError::BadSampleRate { record: record.to_string(), value: sample_rate_hz })
 }
 
-/// Finite, at least two, never decreasing, not all equal.
+/// Finite, at least two, never decreasing, not all equal, at a mean rate that an instrument has.
 pub(crate) fn check_times(record: &str, times_s: &[f64]) -> Result<(), RecordError> {
     let n = times_s.len();
     if n < 2 {
@@ -196,7 +196,7 @@ pub(crate) fn check_times(record: &str, times_s: &[f64]) -> Result<(), RecordErr
             time_s: times_s[0],
         });
     }
-    Ok(())
+    check_rate(record, (n - 1) as f64 / span)
 }
 
 /// Grid t_k = start + k period.

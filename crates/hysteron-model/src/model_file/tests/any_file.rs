@@ -2,23 +2,25 @@
 
 use super::*;
 
+/// Every number that a file may hold, zero and the smallest among them.
+fn number() -> impl Strategy<Value = f64> {
+    let any = prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO;
+    any.prop_map(|x| if x.abs() > 1e100 { x * 1e-209 } else { x })
+}
+
 proptest! {
-    /// Any finite numbers come back bit for bit.
+    /// Any numbers come back bit for bit.
     #[test]
     fn numbers_survive_the_file_bit_for_bit(
-        polynomial in prop::collection::vec(
-            prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO,
-            1..9,
-        ),
-        alpha in prop::num::f64::NORMAL,
-        offset in prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL,
+        polynomial in prop::collection::vec(number(), 1..9),
+        alpha in number(),
+        offset in number(),
         n in 1.0..20.0_f64,
         delay_s in 0.0..10.0_f64,
-        coefficient in prop::num::f64::NORMAL,
+        coefficient in number().prop_filter("not 0", |x| *x != 0.0),
         orders in prop::collection::btree_set(0_u32..4_000_000_000, 1..6),
-        rate in prop::num::f64::POSITIVE | prop::num::f64::NORMAL,
+        rate in 1e-9..1e12_f64,
     ) {
-        let rate = rate.abs();
         let denominator = orders.iter().map(|&o| term(coefficient, f64::from(o) / 7e8)).collect();
         let model = Model {
             hysteresis: ArticleOperator { polynomial, alpha, beta: offset, gamma: -alpha, n }.into(),
@@ -97,4 +99,34 @@ fn shape_numbers_that_a_family_cannot_have_are_refused() {
             assert!(matches!(file.check(), Err(ModelFileError::Shape { .. })), "{:?}", file.check());
         }
     }
+}
+
+/// What takes memory and time to be realised is limited where it is read.
+#[test]
+fn a_file_asks_for_no_more_than_the_stated_limits() {
+    let with = |change: fn(&mut ModelFile)| {
+        let mut file = complete();
+        change(&mut file);
+        file.check().unwrap_err().to_string()
+    };
+    let terms = |kind, count: u32| {
+        let mut file = complete();
+        file.dynamics.kind = kind;
+        let entry =
+            |k| TermEntry { order: Quantity::new(f64::from(k), "1"), coefficient: Quantity::new(1.0, "1") };
+        file.dynamics.denominator = (0..count).map(entry).collect();
+        file.check().unwrap_err().to_string()
+    };
+    assert_eq!(
+        terms(DynamicsKind::Fractional, 65),
+        "dynamics.denominator: expected at most 64 terms, found 65 terms"
+    );
+    assert_eq!(
+        terms(DynamicsKind::Arx, 4097),
+        "dynamics.denominator: expected at most 4096 terms, found 4097 terms"
+    );
+    let large = with(|file| file.offset.value = -2e100);
+    assert_eq!(large, format!("offset.value: expected a magnitude of at most 1e100, found {}", -2e100));
+    let fast = with(|file| file.sample_rate_hz = Some(1e13));
+    assert_eq!(fast, "sample_rate_hz: expected a rate from 1e-9 to 1e12 Hz, found 10000000000000");
 }

@@ -98,7 +98,7 @@ proptest! {
     #[test]
     fn any_record_can_be_inspected(
         samples in prop::collection::vec(
-            (-1e3..1e3f64, prop_oneof![Just(0.0), Just(1.0), -1e300..1e300f64]),
+            (-1e3..1e3f64, prop_oneof![Just(0.0), Just(1.0), -1e100..1e100f64]),
             2..120,
         ),
         rate in prop::option::of(1e-3..1e6f64),

@@ -1,0 +1,54 @@
+//! What a hostile or broken file may do: nothing but be refused.
+//!
+//! Every entry of [`ENTRIES`] takes bytes as a fuzzer makes them, hands them to a part of the library that reads
+//! what others wrote, and checks what it must keep to: no panic, no number that is not finite where none is
+//! promised, what was written is read back the same. The binary of this crate is such an entry in libFuzzer;
+//! `tests/corpus.rs` replays the inputs of `corpus/`.
+#![forbid(unsafe_code)]
+#![allow(clippy::expect_used, clippy::panic, reason = "a check that fails is found by its panic")]
+
+mod app;
+mod exported;
+mod model;
+mod numbers;
+mod prepare;
+mod readers;
+mod runtime;
+mod settings;
+
+/// A part of the library that reads what others wrote.
+pub struct Entry {
+    /// Name, also that of the folder of its inputs.
+    pub name: &'static str,
+    /// Takes an input; panics where a promise is broken.
+    pub take: fn(&[u8]),
+}
+
+/// All of them.
+pub const ENTRIES: [Entry; 20] = [
+    Entry { name: "csv", take: readers::csv },
+    Entry { name: "gcs", take: readers::gcs },
+    Entry { name: "hdf5", take: readers::hdf5 },
+    Entry { name: "jpk", take: readers::jpk },
+    Entry { name: "lvm", take: readers::lvm },
+    Entry { name: "mat", take: readers::mat },
+    Entry { name: "npy", take: readers::npy },
+    Entry { name: "npz", take: readers::npz },
+    Entry { name: "tdms", take: readers::tdms },
+    Entry { name: "xlsx", take: readers::xlsx },
+    Entry { name: "response", take: readers::response },
+    Entry { name: "model", take: model::file },
+    Entry { name: "model-numbers", take: model::numbers },
+    Entry { name: "truth-and-plan", take: settings::truth_and_plan },
+    Entry { name: "drive", take: settings::drive },
+    Entry { name: "checkpoint", take: settings::checkpoint },
+    Entry { name: "prepare", take: prepare::prepare },
+    Entry { name: "app", take: app::request },
+    Entry { name: "runtime", take: runtime::steps },
+    Entry { name: "exported-c", take: exported::steps },
+];
+
+/// The entry of a name.
+pub fn entry(name: &str) -> Option<&'static Entry> {
+    ENTRIES.iter().find(|entry| entry.name == name)
+}

@@ -1,0 +1,154 @@
+#!/usr/bin/env python3
+"""Runs the entries of `fuzz/` in libFuzzer, with stable Rust.
+
+    scripts/fuzz.py                          every entry for a minute, two at a time
+    scripts/fuzz.py --executions 5000000     each until it has had so many, those of earlier runs counted
+    scripts/fuzz.py --seconds 600 csv mat    two of them
+    scripts/fuzz.py --keep                   adds what found new ways to the corpus that the tests replay
+
+Inputs that were found collect in target/fuzz/inputs, those that broke a promise in target/fuzz/findings.
+Executions, seconds and coverage are added up in fuzz/executions.json. Limits of an input: 10 s, 1 GiB.
+"""
+
+import argparse
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+WORK = ROOT / "target/fuzz"
+COUNTS = ROOT / "fuzz/executions.json"
+TRIPLE = "x86_64-unknown-linux-gnu"
+FLAGS = [
+    "-Cpasses=sancov-module",
+    "-Cllvm-args=-sanitizer-coverage-level=4",
+    "-Cllvm-args=-sanitizer-coverage-inline-8bit-counters",
+    "-Cllvm-args=-sanitizer-coverage-pc-table",
+    "-Cllvm-args=-sanitizer-coverage-trace-compares",
+    "--cfg fuzzing",
+    "-Cdebug-assertions",
+]
+# Longest input [bytes] where it is not 4096.
+LONGEST = {"hdf5": 20_000, "mat": 8192, "xlsx": 12_000, "model": 16_000, "npz": 8192}
+# A kept corpus stays small.
+MOST_KEPT, MOST_BYTES = 60, 120_000
+
+
+def build() -> Path:
+    """The fuzzer; for this target alone, so that build scripts are not instrumented."""
+    environment = {**os.environ, "RUSTFLAGS": " ".join(FLAGS)}
+    command = ["cargo", "build", "--locked", "--profile", "fuzz", "--target", TRIPLE, "--target-dir", WORK]
+    subprocess.run(
+        [*command, "-p", "hysteron-fuzz", "--features", "libfuzzer"], check=True, cwd=ROOT, env=environment
+    )
+    return WORK / TRIPLE / "fuzz/hysteron-fuzz"
+
+
+def entries() -> list[str]:
+    text = (ROOT / "fuzz/src/lib.rs").read_text(encoding="utf-8")
+    return re.findall(r'Entry \{ name: "([\w-]+)"', text)
+
+
+def counts() -> dict[str, dict[str, int]]:
+    return json.loads(COUNTS.read_text(encoding="utf-8")) if COUNTS.exists() else {}
+
+
+lock = threading.Lock()
+
+
+def add(entry: str, executions: int, seconds: int, coverage: int) -> None:
+    with lock:
+        known = counts()
+        old = known.get(entry, {"executions": 0, "seconds": 0, "coverage": 0})
+        known[entry] = {
+            "executions": old["executions"] + executions,
+            "seconds": old["seconds"] + seconds,
+            "coverage": max(old["coverage"], coverage),
+        }
+        COUNTS.write_text(json.dumps(known, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+
+
+def run(fuzzer: Path, entry: str, seconds: int | None, executions: int | None) -> bool:
+    """Whether no promise was broken."""
+    if executions is not None:
+        executions -= counts().get(entry, {}).get("executions", 0)
+        if executions <= 0:
+            return True
+    inputs, findings = WORK / "inputs" / entry, WORK / "findings" / entry
+    inputs.mkdir(parents=True, exist_ok=True)
+    findings.mkdir(parents=True, exist_ok=True)
+    command = [
+        fuzzer, inputs, ROOT / "fuzz/corpus" / entry, f"-max_len={LONGEST.get(entry, 4096)}", "-timeout=10",
+        "-rss_limit_mb=1024", f"-artifact_prefix={findings}/", "-print_final_stats=1", "-reload=0",
+    ]  # fmt: skip
+    command += [f"-max_total_time={seconds}"] if seconds is not None else []
+    command += [f"-runs={executions}"] if executions is not None else []
+    done = subprocess.run(
+        command, cwd=ROOT, env={**os.environ, "HYSTERON_FUZZ": entry}, capture_output=True, text=True,
+        errors="replace",
+    )  # fmt: skip
+    log = WORK / f"{entry}.log"
+    log.write_text(done.stderr, encoding="utf-8")
+    executed = int((re.findall(r"stat::number_of_executed_units:\s*(\d+)", done.stderr) or [0])[-1])
+    took = int((re.findall(r"Done \d+ runs in (\d+) second", done.stderr) or [0])[-1])
+    coverage = int((re.findall(r"cov: (\d+)", done.stderr) or [0])[-1])
+    add(entry, executed, took, coverage)
+    print(f"{entry}: {executed} executions in {took} s, {coverage} edges", flush=True)
+    if done.returncode:
+        what = re.findall(r"(?m)^(?:thread .*panicked.*\n.*|.*ERROR: libFuzzer.*)$", done.stderr)
+        print(f"  BROKEN, see {log}: {' '.join(what[:2])}", flush=True)
+    return done.returncode == 0
+
+
+def keep(fuzzer: Path, entry: str) -> None:
+    """The smallest inputs that together find what all found, as far as they fit."""
+    kept = ROOT / "fuzz/corpus" / entry
+    with tempfile.TemporaryDirectory() as name:
+        merged = Path(name)
+        subprocess.run(
+            [fuzzer, "-merge=1", merged, kept, WORK / "inputs" / entry],
+            env={**os.environ, "HYSTERON_FUZZ": entry}, capture_output=True, cwd=ROOT, check=True,
+        )  # fmt: skip
+        there = {path.read_bytes() for path in kept.iterdir()}
+        room = MOST_BYTES - sum(map(len, there))
+        for path in sorted(merged.iterdir(), key=lambda path: path.stat().st_size):
+            size = path.stat().st_size
+            if path.read_bytes() not in there and len(there) < MOST_KEPT and size <= room:
+                shutil.copy(path, kept / path.name[:12])
+                there.add(path.read_bytes())
+                room -= size
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("entries", nargs="*", help="all, if none is given")
+    parser.add_argument("--seconds", type=int)
+    parser.add_argument("--executions", type=int)
+    parser.add_argument("--keep", action="store_true")
+    options = parser.parse_args()
+    chosen = options.entries or entries()
+    unknown = set(chosen) - set(entries())
+    if unknown:
+        sys.exit(f"error: no entry is called {', '.join(sorted(unknown))}\n  there are: {', '.join(entries())}")
+    fuzzer = build()
+    if options.keep:
+        for entry in chosen:
+            keep(fuzzer, entry)
+        return
+    seconds = options.seconds or (None if options.executions else 60)
+    with ThreadPoolExecutor(max(1, len(os.sched_getaffinity(0)))) as pool:
+        fine = list(pool.map(lambda entry: run(fuzzer, entry, seconds, options.executions), chosen))
+    known = counts()
+    print(f"in all: {sum(count['executions'] for count in known.values())} executions")
+    sys.exit(0 if all(fine) else 1)
+
+
+if __name__ == "__main__":
+    main()
