@@ -4,7 +4,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .PHONY: FORCE help demo check test test-python test-fleet kept-outputs python-tools wheel docs bench-python \
   export-tools bench study article figures clean check-toolchain check-components \
-  app page page-tools browser-tools test-browser smoke-browser release-dry-run \
+  app page page-tools browser-tools test-browser smoke-browser release-dry-run fuzz \
   page-figure
 
 RECORD := examples/piezo-p885-200hz/identification_1hz.csv
@@ -84,6 +84,9 @@ wheel: python-tools ## a wheel for any Linux with glibc 2.17 or newer and CPytho
 	VIRTUAL_ENV=$(abspath $(PYTHON)) PATH=$(abspath $(PYTHON))/bin:$$PATH \
 	  $(PYTHON)/bin/maturin build --release --locked --zig \
 	  --compatibility manylinux_2_17 --out $(OUT)/wheels
+
+fuzz: check-toolchain ## every entry of fuzz/ in libFuzzer for SECONDS (60); EXECUTIONS=N until each has had so many
+	scripts/fuzz.py $(if $(EXECUTIONS),--executions $(EXECUTIONS),--seconds $(or $(SECONDS),60))
 
 release-dry-run: python-tools ## what of a release can be tried here: workflows, wheel, binary, crates packaged in order (QUICK=1)
 	scripts/release-dry-run.sh

@@ -441,6 +441,7 @@ class Model:
         fs: float | None = None,
         float_type: Literal["f32", "f64"] = "f64",
         name: str = "model",
+        date: str | None = None,
         inverse: bool = False,
         limits: tuple[float, float] | None = None,
         slew: float | None = None,
@@ -458,6 +459,7 @@ class Model:
             fs: the controller's rate [Hz]; that of the identification if not given.
             float_type: number type of the source.
             name: beginning of every name in it.
+            date: day in the headers; none if not given, and the source is the same on every day.
             inverse: write the inverse, too; the other arguments are those of :meth:`invert`.
             limits: least and largest drive.
             slew: largest rate of the drive, per second.
@@ -470,6 +472,7 @@ class Model:
             "sample_rate_hz": fs,
             "float": float_type,
             "name": name,
+            "date": date,
             "inverse": inverse,
             "inverting": _inverting(limits, slew, bandwidth, preview, predict_to),
         }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use hysteron_export::{
-    ExportError, ExportSummary, Form, Inverse, Means, NamedFile, Precision, Rounding, Runtime, Subject,
+    ExportError, ExportSummary, Form, Inverse, Means, NamedFile, Precision, RUNTIME, Rounding, Subject,
     write_folder,
 };
 use hysteron_model::compensator::{Compensation, CompensatorOptions, Prediction};
@@ -18,6 +18,7 @@ use crate::choices::one_of;
 use crate::console;
 use crate::failure::Failure;
 use crate::invert::range;
+use crate::maker;
 use crate::model::LoadedModel;
 use crate::numbers::{positive, share, whole};
 use crate::output;
@@ -96,9 +97,9 @@ pub struct Export {
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true, requires = "inverse")]
     predict_to: Option<f64>,
 
-    /// Folder of hysteron-rt, for --to rust [default: the registry's]
-    #[arg(long, value_name = "DIR")]
-    runtime: Option<PathBuf>,
+    /// Day in the headers [default: that of SOURCE_DATE_EPOCH, else today]; `none` leaves it out
+    #[arg(long, value_name = "DATE")]
+    date: Option<String>,
 
     /// Print one JSON object
     #[arg(long)]
@@ -116,7 +117,6 @@ enum Float {
 impl Export {
     pub fn run(&self) -> Result<(), Failure> {
         output::check_folder("the source", &self.out_dir)?;
-        let runtime = self.runtime()?;
         if matches!(self.float, Float::F32) && !self.to.has_single_precision() {
             return Err(Failure::usage(format!("--float f32 does not go with --to {}", self.to.name()))
                 .because(ExportError::MatlabPrecision)
@@ -137,11 +137,16 @@ impl Export {
         let name = self.name.clone().unwrap_or_else(|| name_of(&self.model));
         let mut subject = Subject::new(&name, precision, loaded.body().data(), realisation, self.accuracy)
             .map_err(|e| self.cannot(&e))?;
+        subject.origin.model_sha256.clone_from(&loaded.source().sha256);
+        subject.origin.date = match self.date.as_deref() {
+            Some("none") => None,
+            Some(date) => Some(date.to_owned()),
+            None => Some(maker::day()),
+        };
         remark_rounding("displacement", &subject.output_unit, subject.rounding);
         subject.along_sweep = Some(along_sweep(&self.model, &loaded, &subject.realisation, self.accuracy)?);
         let inverse = if self.inverse { Some(self.inverted(&loaded, &subject, &options)?) } else { None };
-        let files =
-            self.files(&subject, inverse.as_ref(), runtime.as_deref()).map_err(|e| self.cannot(&e))?;
+        let files = self.files(&subject, inverse.as_ref()).map_err(|e| self.cannot(&e))?;
         write_folder(&self.out_dir, &files).map_err(|e| self.cannot(&e))?;
         if let Some(range) = loaded.model().valid_range() {
             console::note(&range.in_words());
@@ -150,20 +155,21 @@ impl Export {
         if self.json {
             return console::json(&summary);
         }
-        let lines: Vec<String> =
-            summary.files.iter().map(|f| format!("wrote {} ({} bytes)\n", f.path, f.bytes)).collect();
+        let runtime = self.out_dir.join(RUNTIME);
+        let (runtime_files, own): (Vec<_>, Vec<_>) =
+            summary.files.iter().partition(|file| Path::new(&file.path).starts_with(&runtime));
+        let mut lines: Vec<String> =
+            own.iter().map(|f| format!("wrote {} ({} bytes)\n", f.path, f.bytes)).collect();
+        if !runtime_files.is_empty() {
+            let (count, folder) = (runtime_files.len(), runtime.display());
+            lines.push(format!("wrote {folder} ({count} files, the source of hysteron-rt)\n"));
+        }
         console::result(&lines.concat())
     }
 
-    fn files(
-        &self,
-        subject: &Subject,
-        inverse: Option<&Inverse>,
-        runtime: Option<&Path>,
-    ) -> Result<Vec<NamedFile>, ExportError> {
+    fn files(&self, subject: &Subject, inverse: Option<&Inverse>) -> Result<Vec<NamedFile>, ExportError> {
         let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-        let runtime = runtime.map_or(Runtime::Registry, Runtime::Folder);
-        self.to.files(subject, inverse, Means { runtime, compiler: &compiler })
+        self.to.files(subject, inverse, Means { compiler: &compiler })
     }
 
     /// The inverse of the model within its limits.
@@ -200,25 +206,6 @@ impl Export {
             .map_err(|e| self.cannot(&e))?;
         remark_rounding("voltage", &subject.input_unit, inverse.rounding);
         Ok(inverse)
-    }
-
-    /// Absolute path of the folder of hysteron-rt, because the exported crate is elsewhere.
-    fn runtime(&self) -> Result<Option<PathBuf>, Failure> {
-        let Some(folder) = &self.runtime else { return Ok(None) };
-        if !matches!(self.to, Form::Rust) {
-            return Err(Failure::usage("--runtime goes only with --to rust"));
-        }
-        let manifest = folder.join("Cargo.toml");
-        let found = std::fs::read_to_string(&manifest).is_ok_and(|text| text.contains("\"hysteron-rt\""));
-        let folder = folder.canonicalize().ok().filter(|_| found);
-        folder.map(Some).ok_or_else(|| {
-            Failure::new(format!(
-                "{} is not the folder of hysteron-rt",
-                self.runtime.as_deref().unwrap_or(Path::new("")).display()
-            ))
-            .because(format!("{} is not its manifest", manifest.display()))
-            .hint("name crates/hysteron-rt of Hysteron's source")
-        })
     }
 
     fn cannot(&self, error: &ExportError) -> Failure {

@@ -6,12 +6,21 @@ use hysteron_model::model_file::{Maker, timestamp};
 
 /// This program, the current time and the command line.
 pub fn maker() -> Maker {
-    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
     Maker {
         program: concat!("hysteron ", env!("CARGO_PKG_VERSION")).to_owned(),
-        created: Some(timestamp(seconds)),
+        created: Some(timestamp(now())),
         command: Some(command_line()),
     }
+}
+
+/// Today in UTC, or the day that `SOURCE_DATE_EPOCH` says, so that a build can be repeated.
+pub fn day() -> String {
+    let given = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|seconds| seconds.parse().ok());
+    timestamp(given.unwrap_or_else(now)).chars().take("2025-01-31".len()).collect()
+}
+
+fn now() -> u64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs())
 }
 
 /// The command as typed, quoted for a shell.

@@ -411,6 +411,11 @@ impl LoadedModel {
         Ok(Self { loaded, body })
     }
 
+    /// The file as it was read.
+    pub fn source(&self) -> &Source {
+        self.loaded.source()
+    }
+
     /// The model with its data.
     pub fn body(&self) -> &Hammerstein {
         &self.body

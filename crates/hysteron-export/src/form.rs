@@ -10,7 +10,7 @@ use crate::error::ExportError;
 use crate::fmu::{fmu_files, inverse_fmu_files};
 use crate::inverse::{Inverse, inverse_files};
 use crate::matlab::{matlab_files, matlab_inverse_files};
-use crate::rust_crate::{Runtime, rust_files};
+use crate::rust_crate::rust_files;
 use crate::simulink::{simulink_files, simulink_inverse_files};
 use crate::subject::Subject;
 
@@ -33,8 +33,6 @@ pub enum Form {
 /// What an export uses of the machine that it is made on.
 #[derive(Clone, Copy, Debug)]
 pub struct Means<'a> {
-    /// Source of `hysteron-rt` for [`Form::Rust`].
-    pub runtime: Runtime<'a>,
     /// C compiler that makes the binaries of [`Form::Fmu`].
     pub compiler: &'a str,
 }
@@ -71,7 +69,9 @@ impl Form {
             Self::C => {
                 "NAME.h, NAME.c (no malloc, nothing but <math.h>), NAME_selftest.c with golden vectors"
             }
-            Self::Rust => "a no_std crate on top of hysteron-rt, with the same golden vectors as a test",
+            Self::Rust => {
+                "a no_std crate with the source of hysteron-rt beside it, and the same golden vectors as a test"
+            }
             Self::Fmu => {
                 "NAME_fmi2.fmu and NAME_fmi3.fmu for co-simulation: source, and on 64-bit Linux a binary \
                  made by $CC or cc"
@@ -101,7 +101,7 @@ impl Form {
         let compiler = means.compiler;
         let mut files = match self {
             Self::C => c_files(subject)?,
-            Self::Rust => rust_files(subject, inverse, means.runtime)?,
+            Self::Rust => rust_files(subject, inverse)?,
             Self::Fmu => fmu_files(subject, compiler)?,
             Self::Matlab => matlab_files(subject)?,
             Self::Simulink => simulink_files(subject)?,

@@ -1,7 +1,5 @@
 //! A `no_std` Rust crate.
 
-use std::path::Path;
-
 use hysteron_model::realise::RuntimeParts;
 use hysteron_rt::{Branch, LANES, Real, StateLaw};
 
@@ -20,26 +18,19 @@ const SOURCE: &str = include_str!("../templates/rust/model.rs");
 const SELFTEST: &str = include_str!("../templates/rust/selftest.rs");
 const INVERSE_SELFTEST: &str = include_str!("../templates/rust/inverse_selftest.rs");
 
-/// Source of `hysteron-rt`, the only dependency of the exported crate.
-#[derive(Clone, Copy, Debug)]
-pub enum Runtime<'a> {
-    /// In the registry, in this program's version.
-    Registry,
-    /// In a folder.
-    Folder(&'a Path),
-}
+/// Folder of the runtime in the exported crate.
+pub const RUNTIME: &str = "runtime";
 
 /// The model, and its inverse where there is one, as a `no_std` crate: `Cargo.toml`, `src/lib.rs`,
-/// `src/inverse.rs` and tests with golden vectors.
+/// `src/inverse.rs`, tests with golden vectors, and the source of `hysteron-rt` under `runtime`.
 ///
 /// # Errors
 /// Those of [`crate::c_files`].
-pub fn rust_files(
-    subject: &Subject,
-    inverse: Option<&Inverse>,
-    runtime: Runtime<'_>,
-) -> Result<Vec<NamedFile>, ExportError> {
-    let mut files = vec![NamedFile::new("Cargo.toml", manifest(subject, runtime))];
+pub fn rust_files(subject: &Subject, inverse: Option<&Inverse>) -> Result<Vec<NamedFile>, ExportError> {
+    let mut files = vec![NamedFile::new("Cargo.toml", manifest(subject))];
+    files.push(NamedFile::new(format!("{RUNTIME}/Cargo.toml"), runtime_manifest()));
+    let sources = hysteron_rt::rust_source::FILES.iter();
+    files.extend(sources.map(|(name, text)| NamedFile::new(format!("{RUNTIME}/src/{name}"), *text)));
     let literal = |x: f64| subject.precision.rust_literal(x);
     let mut filling = common(subject, subject.description(), numbers(subject)?)?;
     filling.flag("has_inverse", inverse.is_some());
@@ -132,17 +123,24 @@ fn law(inverse: &Inverse) -> String {
     .concat()
 }
 
-fn manifest(subject: &Subject, runtime: Runtime<'_>) -> String {
-    let version = env!("CARGO_PKG_VERSION");
-    let runtime = match runtime {
-        Runtime::Registry => toml_string(version),
-        Runtime::Folder(path) => format!("{{ path = {} }}", toml_string(&path.to_string_lossy())),
-    };
+fn manifest(subject: &Subject) -> String {
     format!(
-        "# Written by hysteron export {version}.\n[package]\nname = {}\nversion = \"0.1.0\"\nedition = \
+        "# Written by hysteron export {}.\n[package]\nname = {}\nversion = \"0.1.0\"\nedition = \
          \"2024\"\npublish = false\n\n\
-         [dependencies]\nhysteron-rt = {runtime}\n\n# Not part of any workspace around it.\n[workspace]\n",
+         [dependencies]\n# Several exported crates in one workspace share one such folder.\n\
+         hysteron-rt = {{ path = \"{RUNTIME}\" }}\n\n# Not part of any workspace around it.\n[workspace]\n",
+        env!("CARGO_PKG_VERSION"),
         toml_string(&subject.name)
+    )
+}
+
+fn runtime_manifest() -> String {
+    format!(
+        "# Copied by hysteron export.\n[package]\nname = \"hysteron-rt\"\nversion = \"{}\"\nedition = \"2024\"\n\
+         license = \"MIT OR Apache-2.0\"\npublish = false\n\n\
+         [features]\n# Elementary functions of the standard library in place of libm.\nstd = []\n\n\
+         [dependencies]\nlibm = \"0.2\"\n",
+        env!("CARGO_PKG_VERSION")
     )
 }
 

@@ -8,6 +8,7 @@ use hysteron_rt::Real;
 use crate::error::ExportError;
 use crate::golden::{Golden, Rounding};
 use crate::number::Precision;
+use crate::origin::Origin;
 
 /// A model to export.
 #[derive(Clone, Debug)]
@@ -24,6 +25,8 @@ pub struct Subject {
     pub output_unit: String,
     /// Name of the model for people.
     pub title: Option<String>,
+    /// Where the model comes from.
+    pub origin: Origin,
     /// Range that the records covered.
     pub range: Option<ValidRange>,
     /// Scores of the model on its records.
@@ -63,6 +66,7 @@ impl Subject {
             input_unit: file.units.input.clone(),
             output_unit: file.units.output.clone(),
             title: file.name.clone(),
+            origin: Origin::of(file),
             range: file.valid_range.clone(),
             scores: file.scores.clone(),
             accuracy,
@@ -86,28 +90,31 @@ impl Subject {
         let (input, output) = (&self.input_unit, &self.output_unit);
         let number = significant;
         let title = self.title.as_deref().map(|t| format!(" ({t})")).unwrap_or_default();
-        let mut lines = vec![
-            format!(
-                "{}{title}: {input} in, {output} out, {} Hz, {} precision.",
-                self.name,
-                number(self.realisation.sample_rate_hz),
-                match self.precision {
-                    Precision::F32 => "single",
-                    Precision::F64 => "double",
-                }
-            ),
-            format!("Written by hysteron export {}.", env!("CARGO_PKG_VERSION")),
+        let mut lines = vec![format!(
+            "{}{title}: {input} in, {output} out, {} Hz, {} precision.",
+            self.name,
+            number(self.realisation.sample_rate_hz),
+            match self.precision {
+                Precision::F32 => "single",
+                Precision::F64 => "double",
+            }
+        )];
+        lines.extend(self.origin.lines());
+        lines.extend([
             String::new(),
             "displacement = offset + (H * v)(t), v = l[u] + memory, u the voltage:".into(),
             operator_in_words(self.realisation.model.hysteresis.form()),
             format!(
-                "  H = q^{} (sum of {} tap(s) + {} states behind them), q the unit delay; gain at rest {}.",
-                linear.delay_samples,
+                "  H = {}(sum of {} tap(s) + {} states behind them); gain at rest {}.",
+                match linear.delay_samples {
+                    0 => String::new(),
+                    samples => format!("z^-{samples} "),
+                },
                 linear.taps.len(),
                 linear.states(),
                 number(linear.rest_gain)
             ),
-        ];
+        ]);
         if self.realisation.joins_means {
             lines.push(
                 "  Every move is also evaluated half-way: v enters H with its mean over each sample.".into(),

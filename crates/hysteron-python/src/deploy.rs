@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use hysteron_export::{Form, Inverse, Means, Precision, Runtime, Subject, write_folder};
+use hysteron_export::{Form, Inverse, Means, Precision, Subject, write_folder};
 use hysteron_model::compensator::Compensation;
 use hysteron_model::model::{Capability, CheckedRealisation};
 use hysteron_model::realise::{RealiseOptions, realise};
@@ -78,7 +78,8 @@ impl Model {
         let files = work::run(py, || {
             let realisation = realise(body.law(), rate, &realise_options)?;
             let accuracy = realise_options.accuracy;
-            let subject = Subject::new(&asked.name, asked.float, body.data(), realisation, accuracy)?;
+            let mut subject = Subject::new(&asked.name, asked.float, body.data(), realisation, accuracy)?;
+            subject.origin.date = asked.date;
             let slew = asked.inverting.slew_per_s.unwrap_or(f64::INFINITY);
             let inverse = range.map(|range| {
                 let compensation = Compensation::new(body.law(), rate, &compensator)?;
@@ -86,7 +87,7 @@ impl Model {
             });
             let inverse = inverse.transpose()?;
             let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-            let means = Means { runtime: Runtime::Registry, compiler: &compiler };
+            let means = Means { compiler: &compiler };
             let files = asked.to.files(&subject, inverse.as_ref(), means)?;
             write_folder(&folder, &files)?;
             Ok::<_, hysteron_export::ExportError>(files)
@@ -104,6 +105,7 @@ struct Exporting {
     sample_rate_hz: Option<f64>,
     float: Precision,
     name: String,
+    date: Option<String>,
     inverse: bool,
     inverting: Inverting,
 }

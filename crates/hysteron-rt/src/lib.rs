@@ -7,7 +7,7 @@
 //! * [`SidedPlays`]: plays between other sides ([`Sides`]), with a [`BrokenLine`] behind them; [`Plane`]: a
 //!   plane of relays by its Everett function and its turning points ([`Turns`]).
 //! * [`Branch`]: states that follow a differential equation along each branch, updated by increments, one
-//!   file of [`branch`] a law; [`c_source`]: the operators in C99.
+//!   file of [`branch`] a law; [`c_source`]: the operators in C99; [`rust_source`]: these files.
 //! * [`Model`]: hysteresis ([`Operator`]) followed by linear dynamics ([`Sections`]: real poles, pole pairs,
 //!   taps, delay), voltage in, displacement out, in a bounded number of operations a sample.
 //! * [`Compensator`]: the inverse, reference in, voltage out, within the amplifier's range and slew ([`Law`],
@@ -51,6 +51,7 @@ mod parameter_error;
 mod plane;
 mod play;
 mod real;
+pub mod rust_source;
 mod series;
 
 /// dz/du = α − β s z|z|ⁿ⁻¹ − γ |z|ⁿ as the law of one state; several may act in parallel

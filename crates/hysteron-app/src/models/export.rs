@@ -2,7 +2,7 @@
 
 use std::io::{Cursor, Write};
 
-use hysteron_export::{Form, Inverse, Means, NamedFile, Precision, Runtime, Subject};
+use hysteron_export::{Form, Inverse, Means, NamedFile, Precision, Subject};
 use hysteron_model::compensator::Compensation;
 use hysteron_model::compensator::CompensatorOptions;
 use hysteron_model::model::{Capability, Hammerstein};
@@ -10,6 +10,7 @@ use hysteron_model::realise::{RealiseOptions, realise};
 use zip::write::SimpleFileOptions;
 
 use crate::api::{DownloadQuery, ExportFile, Preview};
+use crate::clock::now;
 use crate::command;
 use crate::refused::{Answer, Refused};
 use crate::workspace::{Workspace, stem_of};
@@ -46,10 +47,11 @@ fn exported(workspace: &Workspace, id: &str, query: &DownloadQuery) -> Answer<Ex
     let precision = if single { Precision::F32 } else { Precision::F64 };
     let name = name_of(id);
     let subject = Subject::new(&name, precision, body.data(), realisation, options.accuracy);
-    let subject = subject.map_err(Refused::cannot)?;
+    let mut subject = subject.map_err(Refused::cannot)?;
+    subject.origin.date = Some(now().chars().take("2025-01-31".len()).collect());
     let inverse = if query.inverse { Some(inverted(body, &subject, rate, query)?) } else { None };
     let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-    let means = Means { runtime: Runtime::Registry, compiler: &compiler };
+    let means = Means { compiler: &compiler };
     let files = form.files(&subject, inverse.as_ref(), means).map_err(Refused::cannot)?;
     Ok(Exported { name, files, states, error })
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use hysteron_export::{
-    Inverse, NamedFile, Precision, Runtime, Subject, c_files, fmu_files, inverse_files, inverse_fmu_files,
+    Inverse, NamedFile, Precision, RUNTIME, Subject, c_files, fmu_files, inverse_files, inverse_fmu_files,
     matlab_files, matlab_inverse_files, rust_files, simulink_files, write_folder,
 };
 use hysteron_model::compensator::Prediction;
@@ -89,23 +89,17 @@ fn the_c_source_compiles_and_prints_the_text() {
 fn the_rust_crate_is_checked_and_documented_without_a_warning() {
     let place = tempfile::tempdir().unwrap();
     let workspace = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap();
-    // A folder whose name is hostile to TOML, outside the workspace of the exported crates.
-    let elsewhere = tempfile::tempdir().unwrap();
-    #[cfg(unix)]
-    let workspace = {
-        let link = elsewhere.path().join("r\"t'\u{e9} #");
-        std::os::unix::fs::symlink(&workspace, &link).unwrap();
-        link
-    };
     let runtime = workspace.join("crates/hysteron-rt");
     let mut members = Vec::new();
     for (k, texts) in TEXTS.into_iter().enumerate() {
         let name = format!("stage_{k}");
         let (subject, inverse) = stage(&name, texts, Precision::F32);
-        let mut files = rust_files(&subject, Some(&inverse), Runtime::Folder(&runtime)).unwrap();
+        let mut files = rust_files(&subject, Some(&inverse)).unwrap();
+        files.retain(|file| !file.name.starts_with(RUNTIME));
         let manifest = files.iter_mut().find(|f| f.name == "Cargo.toml").unwrap();
         let text = String::from_utf8(manifest.bytes.clone()).unwrap();
-        manifest.bytes = text.replace("[workspace]", "").into_bytes();
+        let shared = format!("path = {runtime:?}");
+        manifest.bytes = text.replace("[workspace]", "").replace("path = \"runtime\"", &shared).into_bytes();
         write_folder(&place.path().join(&name), &files).unwrap();
         members.push(format!("\"{name}\""));
     }

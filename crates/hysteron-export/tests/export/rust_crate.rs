@@ -1,8 +1,8 @@
-//! The exported crate builds without std on top of `hysteron-rt` alone and passes its own test.
+//! The exported crate builds without std from what was written alone and passes its own test.
 
 use std::path::PathBuf;
 
-use hysteron_export::{Runtime, rust_files, write_folder};
+use hysteron_export::{NamedFile, Precision, RUNTIME, rust_files, write_folder};
 use hysteron_model::compensator::Prediction;
 
 use crate::models;
@@ -11,8 +11,9 @@ use crate::tools::{run, workspace_of};
 #[test]
 fn every_kind_of_model_builds_and_passes_its_selftest() {
     let place = tempfile::tempdir().unwrap();
+    // One workspace and one runtime, so that it is compiled once.
     let runtime = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../hysteron-rt").canonicalize().unwrap();
-    // One workspace, so that the runtime is compiled once.
+    let shared = format!("path = {runtime:?}");
     let (mut members, mut inverses) = (Vec::new(), 0);
     for (name, model) in models::all() {
         for precision in models::precisions(name) {
@@ -20,18 +21,14 @@ fn every_kind_of_model_builds_and_passes_its_selftest() {
             let name = format!("{name}_{}", precision.name());
             let inverse = has_inverse.then(|| models::inverse(&name, &model, precision, Prediction::Stays));
             inverses += usize::from(has_inverse);
-            let mut files = rust_files(
-                &models::subject(&name, &model, precision),
-                inverse.as_ref(),
-                Runtime::Folder(&runtime),
-            )
-            .unwrap();
+            let subject = models::subject(&name, &model, precision);
+            let mut files = own_files(rust_files(&subject, inverse.as_ref()).unwrap());
             let manifest = files.iter_mut().find(|f| f.name == "Cargo.toml").unwrap();
             let text = String::from_utf8(manifest.bytes.clone()).unwrap();
             let dependencies: Vec<&str> =
                 text.lines().skip_while(|l| *l != "[dependencies]").take_while(|l| !l.is_empty()).collect();
-            assert_eq!(dependencies.len(), 2, "{text}");
-            let inside = text.replace("[workspace]", "");
+            assert_eq!(dependencies.len(), 3, "{text}");
+            let inside = text.replace("[workspace]", "").replace("path = \"runtime\"", &shared);
             assert_ne!(text, inside);
             manifest.bytes = inside.into_bytes();
             write_folder(&place.path().join(&name), &files).unwrap();
@@ -65,4 +62,24 @@ fn every_kind_of_model_builds_and_passes_its_selftest() {
         "missing-docs",
     ];
     run(place.path(), env!("CARGO"), &check);
+}
+
+/// Without the runtime.
+fn own_files(mut files: Vec<NamedFile>) -> Vec<NamedFile> {
+    files.retain(|file| !file.name.starts_with(RUNTIME));
+    files
+}
+
+/// As it is written, in an empty folder, without a network.
+#[test]
+fn a_crate_builds_from_what_was_written_alone() {
+    let place = tempfile::tempdir().unwrap();
+    let (name, model) = models::invertible().swap_remove(0);
+    let subject = models::subject(name, &model, Precision::F64);
+    let inverse = models::inverse(name, &model, Precision::F64, Prediction::Stays);
+    write_folder(place.path(), &rust_files(&subject, Some(&inverse)).unwrap()).unwrap();
+    let target = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("exported-crate");
+    let tests = ["test", "--offline", "--target-dir", target.to_str().unwrap()];
+    let said = run(place.path(), env!("CARGO"), &tests);
+    assert_eq!(said.matches("test golden_vectors ... ok").count(), 2, "{said}");
 }

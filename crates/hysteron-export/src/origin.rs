@@ -1,0 +1,45 @@
+//! Where a source comes from: the model file, its records, the day.
+
+use std::path::Path;
+
+use hysteron_io::sha256;
+use hysteron_model::model_file::{ModelFile, Provenance};
+
+/// What a header says of its origin.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Origin {
+    /// SHA-256 of the model file; that of the file as this program writes it where none was read.
+    pub model_sha256: String,
+    /// Day of the export; `None` is left out, and the source is the same on every day.
+    pub date: Option<String>,
+    provenance: Option<Provenance>,
+}
+
+impl Origin {
+    /// Of a model's data, without a date.
+    pub(crate) fn of(file: &ModelFile) -> Self {
+        let model_sha256 = file.to_json().map(|text| sha256(text.as_bytes())).unwrap_or_default();
+        Self { model_sha256, date: None, provenance: file.provenance.clone() }
+    }
+
+    /// Lines of a header.
+    pub(crate) fn lines(&self) -> Vec<String> {
+        let program = format!("Written by hysteron export {}", env!("CARGO_PKG_VERSION"));
+        let on = |date: &Option<String>| date.as_ref().map(|date| format!(", {date}")).unwrap_or_default();
+        let mut lines = vec![format!("{program}{}.", on(&self.date))];
+        if !self.model_sha256.is_empty() {
+            lines.push(format!("Model file: SHA-256 {}.", self.model_sha256));
+        }
+        if let Some(provenance) = &self.provenance {
+            lines.push(format!("Identified by {}{}, from", provenance.program, on(&provenance.created)));
+            for record in &provenance.records {
+                let path = Path::new(&record.path);
+                let name =
+                    path.file_name().map_or(record.path.as_str().into(), |name| name.to_string_lossy());
+                let hash = record.sha256.as_ref().map_or("no file".into(), |hash| format!("SHA-256 {hash}"));
+                lines.push(format!("  {name} ({hash})"));
+            }
+        }
+        lines
+    }
+}
