@@ -84,6 +84,7 @@ use engine::Engine;
 use facts::RecordFacts;
 use hysteron_model::dynamics::{Creep, ParameterKind};
 use hysteron_model::hysteresis::HysteresisForm;
+pub use hysteron_numeric::Listener;
 use hysteron_optimize::Settings;
 pub use hysteron_optimize::Stop;
 use static_step::OFFSET;

@@ -122,6 +122,12 @@ impl<'a> Watch<'a> {
         Watch { unlimited: self.unlimited.clone(), ..Watch::new(told).stopped_by(&self.stop) }
     }
 
+    /// This watch as the listener of a computation that has no costs or models to report
+    /// ([`hysteron_numeric::Listener::new`]).
+    pub fn teller(&self) -> impl Fn(&str, f64) -> ControlFlow<()> + Sync + use<'_, 'a> {
+        |stage, fraction| self.tell(Event::new(stage, fraction, None))
+    }
+
     /// True if a stop is requested, other than by a time limit ([`Self::within`]).
     pub fn is_interrupted(&self) -> bool {
         self.unlimited.as_ref().unwrap_or(&self.stop).is_requested()

@@ -3,6 +3,7 @@
 use std::io::{Cursor, Write};
 
 use hysteron_export::{Form, Inverse, Means, NamedFile, Precision, Runtime, Subject};
+use hysteron_identify::Listener;
 use hysteron_model::compensator::Compensation;
 use hysteron_model::compensator::CompensatorOptions;
 use hysteron_model::model::{Capability, Hammerstein};
@@ -34,7 +35,12 @@ struct Exported {
     error: f64,
 }
 
-fn exported(workspace: &Workspace, id: &str, query: &DownloadQuery) -> Answer<Exported> {
+fn exported(
+    workspace: &Workspace,
+    id: &str,
+    query: &DownloadQuery,
+    listener: Listener<'_>,
+) -> Answer<Exported> {
     let form = source(query)?;
     let model = workspace.model(id)?;
     let body = model.hammerstein(Capability::Export).map_err(Refused::cannot)?;
@@ -49,7 +55,7 @@ fn exported(workspace: &Workspace, id: &str, query: &DownloadQuery) -> Answer<Ex
     let subject = subject.map_err(Refused::cannot)?;
     let inverse = if query.inverse { Some(inverted(body, &subject, rate, query)?) } else { None };
     let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-    let means = Means { runtime: Runtime::Registry, compiler: &compiler };
+    let means = Means { runtime: Runtime::Registry, compiler: &compiler, listener };
     let files = form.files(&subject, inverse.as_ref(), means).map_err(Refused::cannot)?;
     Ok(Exported { name, files, states, error })
 }
@@ -83,8 +89,13 @@ fn inverted(body: &Hammerstein, subject: &Subject, rate: f64, query: &DownloadQu
 ///
 /// # Errors
 /// If the model cannot be exported so.
-pub(crate) fn preview(workspace: &Workspace, id: &str, query: &DownloadQuery) -> Answer<Preview> {
-    let Exported { name, files, states, error } = exported(workspace, id, query)?;
+pub(crate) fn preview(
+    workspace: &Workspace,
+    id: &str,
+    query: &DownloadQuery,
+    listener: Listener<'_>,
+) -> Answer<Preview> {
+    let Exported { name, files, states, error } = exported(workspace, id, query, listener)?;
     let shown = |file: NamedFile| ExportFile {
         name: file.name,
         bytes: file.bytes.len(),
@@ -102,8 +113,13 @@ pub(crate) fn preview(workspace: &Workspace, id: &str, query: &DownloadQuery) ->
 ///
 /// # Errors
 /// If the model cannot be exported so.
-pub(crate) fn archive(workspace: &Workspace, id: &str, query: &DownloadQuery) -> Answer<(String, Vec<u8>)> {
-    let Exported { name, files, .. } = exported(workspace, id, query)?;
+pub(crate) fn archive(
+    workspace: &Workspace,
+    id: &str,
+    query: &DownloadQuery,
+    listener: Listener<'_>,
+) -> Answer<(String, Vec<u8>)> {
+    let Exported { name, files, .. } = exported(workspace, id, query, listener)?;
     workspace.history.add_action(&command::export(id, &name, query))?;
     let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
     for file in &files {

@@ -7,6 +7,7 @@ mod openapi;
 mod operation;
 mod page;
 mod routes;
+mod told;
 
 use std::future::IntoFuture;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket};

@@ -4,6 +4,7 @@ use crate::dynamics::DynamicsError;
 use crate::hammerstein::SimulationError;
 use crate::hysteresis::{HysteresisError, Invertibility};
 use crate::realise::RealiseError;
+use hysteron_numeric::Stopped;
 use hysteron_numeric::display::short;
 
 /// Error of an inversion.
@@ -57,6 +58,9 @@ pub enum InversionError {
         /// Output at rest at the largest voltage \[µm\].
         to: f64,
     },
+    /// The computation was stopped by its listener.
+    #[error("it was stopped")]
+    Stopped,
     /// No voltage gives the first value of the reference, and the output falls somewhere in the range.
     #[error(
         "the hysteresis has no inverse over the range from {} to {}: near the input {} its output at rest \
@@ -104,7 +108,7 @@ pub enum InversionError {
     Dynamics(#[from] DynamicsError),
     /// The hysteresis has no inverse.
     #[error("the hysteresis cannot be inverted: {0}")]
-    Hysteresis(#[from] HysteresisError),
+    Hysteresis(HysteresisError),
     /// An option of a compensator is out of range.
     #[error("{name} must be {allowed}, but it is {value}")]
     Option {
@@ -124,4 +128,19 @@ pub enum InversionError {
     /// The equations of the regulator have no solution in double precision.
     #[error("no stable regulator was found; ask for a lower bandwidth")]
     NoRegulator,
+}
+
+impl From<HysteresisError> for InversionError {
+    fn from(error: HysteresisError) -> Self {
+        match error {
+            HysteresisError::Stopped => Self::Stopped,
+            error => Self::Hysteresis(error),
+        }
+    }
+}
+
+impl From<Stopped> for InversionError {
+    fn from(_: Stopped) -> Self {
+        Self::Stopped
+    }
 }
