@@ -8,7 +8,6 @@ use hysteron_io::write_record;
 use hysteron_model::compensator::{Compensation, CompensatorOptions, Prediction};
 use hysteron_model::dynamics::DynamicsError;
 use hysteron_model::hammerstein::SimulationError;
-use hysteron_model::hysteresis::HysteresisError;
 use hysteron_model::invert::{
     BANDWIDTH_SHARE, ERROR_AT_BANDWIDTH, InverseDrive, InverseOptions, InversionError, LastRun,
 };
@@ -194,43 +193,24 @@ impl Invert {
             if e == InversionError::Stopped {
                 return interrupted();
             }
-            let failure = failure().because(&e);
-            let input = Unit::new(&model.body().data().units.input).spaced();
+            let input = Unit::new(&model.body().data().units.input);
+            let failure = failure().because(e.in_units(&input, &unit));
             match e {
-                InversionError::Hysteresis(HysteresisError::RestOutside { rest, low, high }) => {
-                    failure.because(format!(
-                        "the device rests at {}{input}, outside of the range of its drive, {}{input} to \
-                         {}{input}",
-                        short(rest),
-                        short(low),
-                        short(high)
-                    ))
-                }
-                InversionError::Falls { low, high, near, .. } => failure.because(format!(
-                    "the hysteresis has no inverse over the range from {}{input} to {}{input}: near \
-                     {}{input} its output at rest falls as the drive rises; give a smaller range",
-                    short(low),
-                    short(high),
-                    short(near)
-                )),
-                InversionError::Begins { reference, low, high, from, to } => failure.because(format!(
-                    "the reference begins at {} {unit}, which no voltage from {} to {}{input} holds: at rest \
-                     these give {} to {} {unit}",
-                    short(reference),
-                    short(low),
-                    short(high),
-                    short(from),
-                    short(to),
-                )).hint(
+                InversionError::Begins { .. } => failure.hint(
                     "change the reference's offset, widen --range, or say where the device rests with \
                      --rest-voltage VOLTS",
                 ),
-                InversionError::Simulation(SimulationError::SampleRate { model_hz, .. }) => failure
-                    .hint(format!("sample the reference at {model_hz} Hz, or identify the model without \
-                        --scheme grunwald-letnikov and ARX")),
+                InversionError::Simulation(SimulationError::SampleRate { model_hz, .. }) => {
+                    failure.hint(format!(
+                        "sample the reference at {model_hz} Hz, or identify the model without \
+                        --scheme grunwald-letnikov and ARX"
+                    ))
+                }
                 InversionError::Dynamics(DynamicsError::InfiniteDcGain { .. }) => failure
-                    .because("the model's creep is unbounded: under a periodic drive its output drifts, so \
-                        there is no periodic steady state")
+                    .because(
+                        "the model's creep is unbounded: under a periodic drive its output drifts, so \
+                        there is no periodic steady state",
+                    )
                     .hint(
                         "leave --periodic out and give several periods of the reference, or identify the \
                          model with bounded creep (--creep kelvin-voigt, or --dynamics integer)",

@@ -11,7 +11,7 @@ use hysteron_model::control::{ControlError, Plant, RequiredMargins, slew_of_curr
 use hysteron_model::invert::InversionError;
 use hysteron_model::model::{Capability, SignalRole};
 use hysteron_model::realise::{RealiseError, RealiseOptions};
-use hysteron_model::record::{Channel, Record, Signal, TimeBase};
+use hysteron_model::record::{Channel, Record, Signal, TimeBase, Unit};
 use hysteron_model::tracking::{Controller, PlantDescription, TrackOptions, Tracking, track_told};
 use hysteron_numeric::display::short;
 use hysteron_report::tracking as report;
@@ -196,7 +196,9 @@ impl Track {
         drop(watch);
         let found = found.map_err(|e| match e {
             ControlError::Stopped => interrupt.told(Failure::new("the simulation was interrupted")),
-            e => self.explained(&e),
+            e => {
+                self.explained(&e, &e.in_units(&Unit::new(&model.body().data().units.input), &reference.unit))
+            }
         })?;
         for (controller, error) in &found.left_out {
             console::note(&format!("{} is left out: {error}", controller.name()));
@@ -231,8 +233,8 @@ impl Track {
         }
     }
 
-    fn explained(&self, error: &ControlError) -> Failure {
-        let because = |failure: Failure| failure.because(error);
+    fn explained(&self, error: &ControlError, words: &str) -> Failure {
+        let because = |failure: Failure| failure.because(words);
         let failure = because(Failure::new(format!(
             "cannot follow {} with {}",
             self.reference_file.display(),

@@ -119,7 +119,7 @@ pub(crate) fn follow(
         body.law().invert_told(&wanted.samples, wanted.rate, &options, listener.part(0.0, SHARE_OF_DRIVE));
     let found = found.map_err(|e| {
         let (output, input) = (Unit::new(&units.output), Unit::new(&units.input));
-        Refused::cannot(e).hint(format!("The reference is in {output}, the drive in {input}."))
+        Refused::cannot(Problem::new(e.in_units(&input, &output), None))
     })?;
     let (band, band_of_measurement) = band(body, &found, wanted.rate, listener.part(SHARE_OF_DRIVE, 1.0))?;
     let findings = body.findings_on_drive(&found, range_v);
@@ -252,7 +252,9 @@ pub(crate) fn track(
         let words = format!("the simulated bench ({})", truth.describe());
         (Plant::Stage(&bench), PlantDescription { name: "rig", words })
     };
-    let found = play(body, &reference, &request.options, plant, listener).map_err(Refused::cannot)?;
+    let input = Unit::new(&body.data().units.input);
+    let found = play(body, &reference, &request.options, plant, listener)
+        .map_err(|e| Refused::cannot(Problem::new(e.in_units(&input, &reference.unit), None)))?;
     let summary = found.summary();
     let pixels = request.pixels.unwrap_or(PIXELS);
     let draw = |name: &str, unit: &Unit, samples: &[f64]| {

@@ -1,6 +1,7 @@
 //! The server: listens, answers, ends.
 
 mod answer;
+mod arriving;
 mod events;
 mod guard;
 mod openapi;

@@ -6,6 +6,7 @@ use crate::dynamics::DynamicsError;
 use crate::hysteresis::HysteresisError;
 use crate::invert::InversionError;
 use crate::realise::RealiseError;
+use crate::record::Unit;
 use hysteron_numeric::Stopped;
 use hysteron_numeric::display::short;
 
@@ -104,6 +105,16 @@ pub enum ControlError {
         /// The lowest possible \[Hz\].
         lowest_hz: f64,
     },
+}
+
+impl ControlError {
+    /// The message with the units of the drive and the output.
+    pub fn in_units(&self, input: &Unit, output: &Unit) -> String {
+        match self {
+            Self::Inversion(error) => error.in_units(input, output),
+            error => error.to_string(),
+        }
+    }
 }
 
 impl From<Stopped> for ControlError {

@@ -4,6 +4,7 @@ use crate::dynamics::DynamicsError;
 use crate::hammerstein::SimulationError;
 use crate::hysteresis::{HysteresisError, Invertibility};
 use crate::realise::RealiseError;
+use crate::record::Unit;
 use hysteron_numeric::Stopped;
 use hysteron_numeric::display::short;
 
@@ -128,6 +129,38 @@ pub enum InversionError {
     /// The equations of the regulator have no solution in double precision.
     #[error("no stable regulator was found; ask for a lower bandwidth")]
     NoRegulator,
+}
+
+impl InversionError {
+    /// The message with the units of the drive and the output.
+    pub fn in_units(&self, input: &Unit, output: &Unit) -> String {
+        let (input, output) = (input.spaced(), output.spaced());
+        match self {
+            Self::Hysteresis(HysteresisError::RestOutside { rest, low, high }) => format!(
+                "the device rests at {}{input}, outside of the range of its drive, {}{input} to {}{input}",
+                short(*rest),
+                short(*low),
+                short(*high)
+            ),
+            Self::Falls { low, high, near } => format!(
+                "the hysteresis has no inverse over the range from {}{input} to {}{input}: near {}{input} its \
+                 output at rest falls as the drive rises; give a smaller range",
+                short(*low),
+                short(*high),
+                short(*near)
+            ),
+            Self::Begins { reference, low, high, from, to } => format!(
+                "the reference begins at {}{output}, which no drive from {} to {}{input} holds: at rest these \
+                 give {} to {}{output}",
+                short(*reference),
+                short(*low),
+                short(*high),
+                short(*from),
+                short(*to)
+            ),
+            error => error.to_string(),
+        }
+    }
 }
 
 impl From<HysteresisError> for InversionError {
