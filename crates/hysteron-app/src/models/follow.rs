@@ -110,6 +110,8 @@ pub(crate) fn follow(
             Some(voltage_v) => Start::Rest { voltage_v },
             None => Start::AsIdentified,
         },
+        // As the command, whose drive this is to be.
+        virgin_v: InverseOptions::switched_on(range_v),
         ..InverseOptions::within(range_v)
     };
     let told = body.remarks_on_reference(&wanted.samples, wanted.rate);

@@ -134,6 +134,13 @@ mod tests {
     }
 
     #[test]
+    fn a_range_far_beyond_the_records_is_named() {
+        let far = |range| reaches_far_beyond(range, [0.0, 10.0]);
+        assert!(far([-1000.0, 10.0]) && far([0.0, 21.0]));
+        assert!(!far([-10.0, 20.0]) && !far([2.0, 5.0]));
+    }
+
+    #[test]
     fn causes_are_named_with_what_to_do() {
         // 1/(1 + T s), T = 1 s: at 1 Hz its gain is 1/6.4 of that at rest.
         let slow = told(vec![Term::new(1.0, 0.0), Term::new(1.0, 1.0)], 2);
