@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use tokio::sync::broadcast;
 
-use crate::api::{Changed, Job, LiveUpdate};
+use crate::api::{Changed, Job, LiveUpdate, RequestProgress};
 
 /// Events that a slow page may lag behind; beyond it, it misses some and asks again.
 const BACKLOG: usize = 64;
@@ -29,6 +29,8 @@ pub(crate) enum Notice {
     Job(Box<Job>),
     /// A running fit.
     Live(Box<LiveUpdate>),
+    /// A computation that answers a request.
+    Progress(RequestProgress),
 }
 
 /// Sender of events and the number of the last change.

@@ -9,7 +9,7 @@
 
 mod common;
 
-use common::{Server, loops};
+use common::{Server, events, loops};
 use serde_json::{Value, json};
 
 /// The loop record with its output scaled.
@@ -166,4 +166,41 @@ fn structures_are_fitted_to_a_frequency_response() {
     assert_eq!(listed[0]["id"], "lag.json");
     let unknown = json!({"files": ["response.csv"], "options": {"structures": ["none"]}});
     server.post("/api/v1/frequency-response", &unknown).refused(400);
+}
+
+#[test]
+fn a_long_request_tells_how_far_it_is_and_ends_with_its_connection() {
+    let server = Server::start();
+    server.upload("loop.csv", loops(1200).as_bytes()).done();
+    server.identified("loop.csv", "stage.json");
+    let waveform = |periods: f64| {
+        json!({"from": "waveform", "specification": {"sample_rate_hz": 200.0, "low_v": 20.0, "high_v": 25.0,
+            "waveform": {"kind": "triangle", "frequency_hz": 1.0, "periods": periods}}})
+    };
+    let ask = |name: &str, periods: f64| {
+        let body = json!({"reference": waveform(periods)}).to_string();
+        let mut stream = std::net::TcpStream::connect(server.address).unwrap();
+        let head = format!(
+            "POST /api/v1/models/stage.json/track HTTP/1.1\r\nhost: {}\r\nx-request: {name}\r\n\
+             content-type: application/json\r\ncontent-length: {}\r\n\r\n{body}",
+            server.address,
+            body.len()
+        );
+        std::io::Write::write_all(&mut stream, head.as_bytes()).unwrap();
+        stream
+    };
+    let progress = |found: (String, Value)| (found.0 == "progress").then_some(found.1);
+    let mut told = events(server.address).filter_map(progress);
+    let long = ask("long", 20_000.0);
+    let first = told.next().unwrap();
+    assert_eq!(first["request"], "long");
+    let later = told.find(|event| event["left_s"].as_f64().is_some_and(|left| left > 0.0)).unwrap();
+    assert!(later["fraction"].as_f64().unwrap() <= 1.0 && later["stage"].is_string(), "{later}");
+    drop(long);
+    // A request that is asked after the computation has ended is the only one that reports.
+    std::thread::sleep(std::time::Duration::from_secs(3));
+    let mut told = events(server.address).filter_map(progress);
+    let _next = ask("next", 20.0);
+    let names: Vec<Value> = told.by_ref().take(3).map(|event| event["request"].clone()).collect();
+    assert_eq!(names, ["next", "next", "next"]);
 }

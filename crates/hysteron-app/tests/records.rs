@@ -8,6 +8,8 @@
 
 mod common;
 
+use std::io::{Read, Write};
+
 use common::{Server, encoded, loops, request};
 use serde_json::json;
 
@@ -250,4 +252,52 @@ fn an_example_is_one_request_away() {
     assert!(second["segments"].as_u64().unwrap() > 3, "{}", second["segments"]);
     assert_eq!(second["simulated"], false);
     server.post("/api/v1/examples/nothing", &json!({})).refused(404);
+}
+
+#[test]
+fn an_upload_in_chunks_that_is_too_large_gets_a_readable_answer() {
+    let server = Server::with_limit(1000);
+    let mut stream = std::net::TcpStream::connect(server.address).unwrap();
+    let head = format!(
+        "POST /api/v1/records?name=a.csv HTTP/1.1\r\nhost: {}\r\nconnection: close\r\n\
+         content-type: application/octet-stream\r\ntransfer-encoding: chunked\r\n\r\n",
+        server.address
+    );
+    stream.write_all(head.as_bytes()).unwrap();
+    // Far more than any buffer on the way holds: the server reads it to the end.
+    let chunk = vec![b'1'; 0x10000];
+    for _ in 0..200 {
+        stream.write_all(b"10000\r\n").unwrap();
+        stream.write_all(&chunk).unwrap();
+        stream.write_all(b"\r\n").unwrap();
+    }
+    stream.write_all(b"0\r\n\r\n").unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).unwrap();
+    assert!(answer.starts_with("HTTP/1.1 413") && answer.contains("larger than 1000 bytes"), "{answer}");
+    assert_eq!(server.files(), Vec::<String>::new());
+}
+
+#[test]
+fn files_as_spreadsheets_and_old_machines_write_them_are_read() {
+    let server = Server::start();
+    let rows: String = (0..60).map(|k| format!("{},{},{}\n", k, k % 7, k % 5)).collect();
+    let units = format!("time,voltage,displacement\n[s],[V],[um]\n{rows}");
+    server.upload("units.csv", units.as_bytes()).done();
+    server.upload("mac.csv", format!("t_s,u_V,y_um\n{rows}").replace('\n', "\r").as_bytes()).done();
+    for id in ["units.csv", "mac.csv"] {
+        let detail = server.get(&format!("/api/v1/records/{id}")).done();
+        assert_eq!(detail["entry"]["samples"], 60, "{detail}");
+    }
+}
+
+#[test]
+fn a_name_that_no_system_takes_is_refused_with_the_reason() {
+    let server = Server::start();
+    server.upload("loop.csv", loops(400).as_bytes()).done();
+    server.identified("loop.csv", "stage.json");
+    let long = "x".repeat(300);
+    let refused = server.send("PATCH", "/api/v1/models/stage.json", &json!({ "name": long })).refused(400);
+    assert!(refused.contains("200 bytes"), "{refused}");
+    assert!(server.upload(&format!("{long}.csv"), b"t_s,u_V\n").refused(400).contains("200 bytes"));
 }

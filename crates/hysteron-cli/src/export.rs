@@ -9,6 +9,7 @@ use hysteron_export::{
     ExportError, ExportSummary, Form, Inverse, Means, NamedFile, Precision, RUNTIME, Rounding, Subject,
     write_folder,
 };
+use hysteron_identify::Listener;
 use hysteron_model::compensator::{Compensation, CompensatorOptions, Prediction};
 use hysteron_model::model::Capability;
 use hysteron_model::realise::RealiseOptions;
@@ -17,11 +18,13 @@ use hysteron_report::number::significant;
 use crate::choices::one_of;
 use crate::console;
 use crate::failure::Failure;
+use crate::interrupt::Interrupt;
 use crate::invert::range;
 use crate::maker;
 use crate::model::LoadedModel;
 use crate::numbers::{positive, share, whole};
 use crate::output;
+use crate::progress;
 use crate::realise::{along_sweep, realised, where_creep_stops};
 
 /// Write a model as C99 source, a Rust crate, an FMU, or for MATLAB and Simulink.
@@ -146,7 +149,16 @@ impl Export {
         remark_rounding("displacement", &subject.output_unit, subject.rounding);
         subject.along_sweep = Some(along_sweep(&self.model, &loaded, &subject.realisation, self.accuracy)?);
         let inverse = if self.inverse { Some(self.inverted(&loaded, &subject, &options)?) } else { None };
-        let files = self.files(&subject, inverse.as_ref()).map_err(|e| self.cannot(&e))?;
+        let interrupt = Interrupt::listen("no file is written")?;
+        let watch = progress::watch(&interrupt);
+        let teller = watch.teller();
+        let files = self.files(&subject, inverse.as_ref(), Listener::new(&teller));
+        drop(teller);
+        drop(watch);
+        let files = files.map_err(|e| match e {
+            ExportError::Stopped => interrupt.told(Failure::new("the export was interrupted")),
+            e => self.cannot(&e),
+        })?;
         write_folder(&self.out_dir, &files).map_err(|e| self.cannot(&e))?;
         if let Some(range) = loaded.model().valid_range() {
             console::note(&range.in_words());
@@ -167,9 +179,14 @@ impl Export {
         console::result(&lines.concat())
     }
 
-    fn files(&self, subject: &Subject, inverse: Option<&Inverse>) -> Result<Vec<NamedFile>, ExportError> {
+    fn files(
+        &self,
+        subject: &Subject,
+        inverse: Option<&Inverse>,
+        listener: Listener<'_>,
+    ) -> Result<Vec<NamedFile>, ExportError> {
         let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-        self.to.files(subject, inverse, Means { compiler: &compiler })
+        self.to.files(subject, inverse, Means { compiler: &compiler, listener })
     }
 
     /// The inverse of the model within its limits.

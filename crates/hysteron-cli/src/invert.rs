@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use hysteron_identify::{Listener, PredictionBand};
 use hysteron_io::write_record;
 use hysteron_model::compensator::{Compensation, CompensatorOptions, Prediction};
 use hysteron_model::dynamics::DynamicsError;
 use hysteron_model::hammerstein::SimulationError;
-use hysteron_model::hysteresis::HysteresisError;
 use hysteron_model::invert::{
     BANDWIDTH_SHARE, ERROR_AT_BANDWIDTH, InverseDrive, InverseOptions, InversionError, LastRun,
 };
@@ -23,11 +23,16 @@ use crate::advice;
 use crate::columns::ReferenceFlags;
 use crate::console;
 use crate::failure::Failure;
+use crate::interrupt::Interrupt;
 use crate::model::LoadedModel;
 use crate::numbers::{number, positive, whole};
 use crate::output::{self, OutFile};
+use crate::progress;
 use crate::realise::where_creep_stops;
 use crate::remarks;
+
+/// Share of the time that the drive takes; the rest is its uncertainty.
+const SHARE_OF_DRIVE: f64 = 0.5;
 
 /// Compute the drive that makes a model's output follow a reference
 #[derive(Args)]
@@ -165,55 +170,47 @@ impl Invert {
         };
         let remarks = model.body().remarks_on_reference(&reference.samples, sample_rate_hz);
         remarks::tell(&self.reference_file, model.model(), &remarks);
+        let interrupt = Interrupt::listen("no drive is written")?;
+        let watch = progress::watch(&interrupt);
+        let teller = watch.teller();
+        let listener = Listener::new(&teller);
         let found = match &self.learn_from {
             None if self.preview.is_some() || self.predict_to.is_some() => {
                 self.sample_by_sample(&model, &reference.samples, sample_rate_hz, &options)
             }
-            None => model.law().invert(&reference.samples, sample_rate_hz, &options),
+            None => {
+                let listener = listener.part(0.0, SHARE_OF_DRIVE);
+                model.law().invert_told(&reference.samples, sample_rate_hz, &options, listener)
+            }
             Some(path) => {
                 let run = self.columns.read_run(path)?;
                 let last = LastRun { drive: &run.u, measured: &run.y };
                 model.law().learn(&reference.samples, last, sample_rate_hz, &options)
             }
         };
+        let interrupted = || interrupt.told(Failure::new("the computation was interrupted"));
         let found = found.map_err(|e| {
-            let failure = failure().because(&e);
-            let input = Unit::new(&model.body().data().units.input).spaced();
+            if e == InversionError::Stopped {
+                return interrupted();
+            }
+            let input = Unit::new(&model.body().data().units.input);
+            let failure = failure().because(e.in_units(&input, &unit));
             match e {
-                InversionError::Hysteresis(HysteresisError::RestOutside { rest, low, high }) => {
-                    failure.because(format!(
-                        "the device rests at {}{input}, outside of the range of its drive, {}{input} to \
-                         {}{input}",
-                        short(rest),
-                        short(low),
-                        short(high)
-                    ))
-                }
-                InversionError::Falls { low, high, near, .. } => failure.because(format!(
-                    "the hysteresis has no inverse over the range from {}{input} to {}{input}: near \
-                     {}{input} its output at rest falls as the drive rises; give a smaller range",
-                    short(low),
-                    short(high),
-                    short(near)
-                )),
-                InversionError::Begins { reference, low, high, from, to } => failure.because(format!(
-                    "the reference begins at {} {unit}, which no voltage from {} to {}{input} holds: at rest \
-                     these give {} to {} {unit}",
-                    short(reference),
-                    short(low),
-                    short(high),
-                    short(from),
-                    short(to),
-                )).hint(
+                InversionError::Begins { .. } => failure.hint(
                     "change the reference's offset, widen --range, or say where the device rests with \
                      --rest-voltage VOLTS",
                 ),
-                InversionError::Simulation(SimulationError::SampleRate { model_hz, .. }) => failure
-                    .hint(format!("sample the reference at {model_hz} Hz, or identify the model without \
-                        --scheme grunwald-letnikov and ARX")),
+                InversionError::Simulation(SimulationError::SampleRate { model_hz, .. }) => {
+                    failure.hint(format!(
+                        "sample the reference at {model_hz} Hz, or identify the model without \
+                        --scheme grunwald-letnikov and ARX"
+                    ))
+                }
                 InversionError::Dynamics(DynamicsError::InfiniteDcGain { .. }) => failure
-                    .because("the model's creep is unbounded: under a periodic drive its output drifts, so \
-                        there is no periodic steady state")
+                    .because(
+                        "the model's creep is unbounded: under a periodic drive its output drifts, so \
+                        there is no periodic steady state",
+                    )
                     .hint(
                         "leave --periodic out and give several periods of the reference, or identify the \
                          model with bounded creep (--creep kelvin-voigt, or --dynamics integer)",
@@ -225,7 +222,12 @@ impl Invert {
                 _ => failure,
             }
         })?;
-        let band = self.band(&model, &found, sample_rate_hz);
+        let band = self.band(&model, &found, sample_rate_hz, listener.part(SHARE_OF_DRIVE, 1.0));
+        if watch.is_stopped() {
+            return Err(interrupted());
+        }
+        drop(teller);
+        drop(watch);
         let units = &model.body().data().units;
         let findings = model.body().findings_on_drive(&found, range_v);
         let summary = InverseSummary::new(&reference.samples, &found, sample_rate_hz, band, findings, units);
@@ -263,10 +265,18 @@ impl Invert {
     }
 
     /// Largest half-width of the 95 % band; `None` if the file has no covariance.
-    fn band(&self, model: &LoadedModel, found: &InverseDrive, sample_rate_hz: f64) -> Option<f64> {
+    fn band(
+        &self,
+        model: &LoadedModel,
+        found: &InverseDrive,
+        sample_rate_hz: f64,
+        listener: Listener<'_>,
+    ) -> Option<f64> {
         let start = found.rest.unwrap_or(Start::settled(found.drive.len()));
-        model.body().data().correlation.as_ref()?;
-        let band = model.band(&self.reference_file, &found.drive, Some(sample_rate_hz), &start).ok()?;
+        let file = model.body().data();
+        file.correlation.as_ref()?;
+        let band =
+            PredictionBand::of_file_told(file, &found.drive, Some(sample_rate_hz), &start, listener).ok()?;
         Some(band.of_output().into_iter().fold(0.0, f64::max))
     }
 

@@ -26,6 +26,7 @@ mod identify;
 mod inspect;
 mod interrupt;
 mod invert;
+mod kept;
 mod maker;
 mod model;
 mod numbers;

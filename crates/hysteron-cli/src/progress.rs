@@ -19,12 +19,18 @@ const STEPS: f64 = 1000.0;
 
 /// Shows the progress of a computation; the first Ctrl-C stops it.
 pub fn watch(interrupt: &Interrupt) -> Watch<'static> {
-    let mut shown: Option<Progress> = None;
-    let show = move |event: &Event<'_>| {
-        shown.get_or_insert_with(Progress::new).tell(event);
+    let mut show = show();
+    let told = move |event: &Event<'_>| {
+        show(event);
         ControlFlow::Continue(())
     };
-    Watch::new(show).stopped_by(interrupt.stop())
+    Watch::new(told).stopped_by(interrupt.stop())
+}
+
+/// Shows the progress of one computation, from its first event on.
+pub fn show() -> impl FnMut(&Event<'_>) + Send {
+    let mut shown: Option<Progress> = None;
+    move |event| shown.get_or_insert_with(Progress::new).tell(event)
 }
 
 /// Progress display of one computation; the bar is cleared on drop.

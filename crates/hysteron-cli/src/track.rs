@@ -4,14 +4,15 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use hysteron_identify::Listener;
 use hysteron_io::write_record;
 use hysteron_model::Advice;
 use hysteron_model::control::{ControlError, Plant, RequiredMargins, slew_of_current};
 use hysteron_model::invert::InversionError;
 use hysteron_model::model::{Capability, SignalRole};
 use hysteron_model::realise::{RealiseError, RealiseOptions};
-use hysteron_model::record::{Channel, Record, Signal, TimeBase};
-use hysteron_model::tracking::{Controller, PlantDescription, TrackOptions, Tracking, track};
+use hysteron_model::record::{Channel, Record, Signal, TimeBase, Unit};
+use hysteron_model::tracking::{Controller, PlantDescription, TrackOptions, Tracking, track_told};
 use hysteron_numeric::display::short;
 use hysteron_report::tracking as report;
 use hysteron_rig::{Dac, RigStage, Truth};
@@ -20,11 +21,13 @@ use crate::choices::one_of;
 use crate::columns::ReferenceFlags;
 use crate::console;
 use crate::failure::Failure;
+use crate::interrupt::Interrupt;
 use crate::invert::range;
 use crate::maker::maker;
 use crate::model::LoadedModel;
 use crate::numbers::{not_negative, number, positive, whole};
 use crate::output::{self, OutFile};
+use crate::progress;
 use crate::remarks;
 use crate::result_flags::ResultFlags;
 use crate::rig::read_or_default;
@@ -186,8 +189,17 @@ impl Track {
                 (Plant::Model, PlantDescription { name: "model", words })
             }
         };
+        let interrupt = Interrupt::listen("nothing is written")?;
+        let watch = progress::watch(&interrupt);
         let found =
-            track(model.body(), &reference, &self.options(), plant).map_err(|e| self.explained(&e))?;
+            track_told(model.body(), &reference, &self.options(), plant, Listener::new(&watch.teller()));
+        drop(watch);
+        let found = found.map_err(|e| match e {
+            ControlError::Stopped => interrupt.told(Failure::new("the simulation was interrupted")),
+            e => {
+                self.explained(&e, &e.in_units(&Unit::new(&model.body().data().units.input), &reference.unit))
+            }
+        })?;
         for (controller, error) in &found.left_out {
             console::note(&format!("{} is left out: {error}", controller.name()));
         }
@@ -221,8 +233,8 @@ impl Track {
         }
     }
 
-    fn explained(&self, error: &ControlError) -> Failure {
-        let because = |failure: Failure| failure.because(error);
+    fn explained(&self, error: &ControlError, words: &str) -> Failure {
+        let because = |failure: Failure| failure.because(words);
         let failure = because(Failure::new(format!(
             "cannot follow {} with {}",
             self.reference_file.display(),

@@ -8,6 +8,9 @@ use hysteron_model::realise::RealiseError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExportError {
+    /// The export was stopped by its listener.
+    #[error("it was stopped")]
+    Stopped,
     /// The name is no identifier of C and Rust.
     #[error(
         "`{name}` is not a valid name prefix in C and Rust: expected 1 to 48 of the letters a to z, digits \

@@ -3,11 +3,12 @@
 use std::str::FromStr;
 
 use hysteron_io::NamedFile;
+use hysteron_numeric::Listener;
 use serde::{Deserialize, Serialize};
 
 use crate::c::c_files;
 use crate::error::ExportError;
-use crate::fmu::{fmu_files, inverse_fmu_files};
+use crate::fmu;
 use crate::inverse::{Inverse, inverse_files};
 use crate::matlab::{matlab_files, matlab_inverse_files};
 use crate::rust_crate::rust_files;
@@ -35,6 +36,8 @@ pub enum Form {
 pub struct Means<'a> {
     /// C compiler that makes the binaries of [`Form::Fmu`].
     pub compiler: &'a str,
+    /// Hears of a compilation, and may stop it.
+    pub listener: Listener<'a>,
 }
 
 impl Form {
@@ -98,11 +101,13 @@ impl Form {
         inverse: Option<&Inverse>,
         means: Means<'_>,
     ) -> Result<Vec<NamedFile>, ExportError> {
-        let compiler = means.compiler;
+        let Means { compiler, listener } = means;
+        let of_model = if inverse.is_some() { 0.5 } else { 1.0 };
+        listener.tell("sources", 0.0).map_err(|_| ExportError::Stopped)?;
         let mut files = match self {
             Self::C => c_files(subject)?,
             Self::Rust => rust_files(subject, inverse)?,
-            Self::Fmu => fmu_files(subject, compiler)?,
+            Self::Fmu => fmu::files(subject, None, (compiler, listener.part(0.0, of_model)))?,
             Self::Matlab => matlab_files(subject)?,
             Self::Simulink => simulink_files(subject)?,
         };
@@ -110,7 +115,9 @@ impl Form {
             files.extend(match self {
                 Self::C => inverse_files(inverse)?,
                 Self::Rust => Vec::new(),
-                Self::Fmu => inverse_fmu_files(inverse, compiler)?,
+                Self::Fmu => {
+                    fmu::files(&inverse.subject, Some(inverse), (compiler, listener.part(of_model, 1.0)))?
+                }
                 Self::Matlab => matlab_inverse_files(inverse)?,
                 Self::Simulink => simulink_inverse_files(inverse)?,
             });

@@ -142,8 +142,10 @@ impl Subject {
         }
         match &self.range {
             Some(range) => {
-                let frequency =
-                    range.frequency.as_ref().map(|f| format!(", {} to {} Hz", number(f.low), number(f.high)));
+                let frequency = range.frequency.as_ref().map(|f| match f.low == f.high {
+                    true => format!(", at {} Hz", number(f.low)),
+                    false => format!(", {} to {} Hz", number(f.low), number(f.high)),
+                });
                 lines.push(format!(
                     "Identified from {} to {} {input}{}; it extrapolates beyond.",
                     number(range.input.low),
@@ -154,8 +156,9 @@ impl Subject {
             None => lines.push("The model file does not say which range it was identified in.".into()),
         }
         lines.push(format!(
-            "Any {input} up to the range of the number type is taken, and its creep decays only as slowly as \
-             the model's: limit it to what the amplifier can do before it is handed in."
+            "The code does not limit its {input}: limit it to what the amplifier can deliver before it is \
+             passed in. After a value far outside, the output comes back only as fast as the model's creep \
+             decays."
         ));
         for score in &self.scores {
             let of = match score.role {

@@ -19,8 +19,8 @@ use crate::modes::{self, ModesIdentification};
 use crate::oscillator;
 use crate::structure::{Neighbours, neighbours};
 use crate::{
-    CampaignRecord, Finding, Identification, IdentifyError, Interval, Options, RecordFit, Searches, Watch,
-    identify,
+    CampaignRecord, FamilyChoice, Finding, Identification, IdentifyError, Interval, Options, RecordFit,
+    Searches, Watch, identify,
 };
 
 /// A kind of model and what is asked of its identification.
@@ -84,7 +84,10 @@ impl Task {
     /// modes.
     pub fn stages(&self) -> Vec<&'static str> {
         match self {
-            Self::Hammerstein(options) => crate::plan(options).names().collect(),
+            Self::Hammerstein(options) => {
+                let families = (options.hysteresis == FamilyChoice::Auto).then_some(crate::FAMILIES);
+                families.into_iter().chain(crate::plan(options).names()).collect()
+            }
             Self::Oscillator(_) => oscillator::PLAN.names().collect(),
             Self::Force(_) => force::PLAN.names().collect(),
             Self::Modes(_) => Vec::new(),

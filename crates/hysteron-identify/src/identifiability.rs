@@ -117,8 +117,8 @@ pub(super) fn verdict(
             topic: "identifiability".into(),
             advice: None,
             text: format!(
-                "Every parameter is determined by these records (condition number {:.0}; largest correlation \
-                 {}).",
+                "These records distinguish the parameters from one another (condition number {:.0}; largest \
+                 correlation {}).",
                 covariance.condition_number,
                 most_correlated(covariance)
             ),

@@ -77,17 +77,23 @@ pub use searches::{ModesCheckpoint, Searches, SearchesFormat};
 pub use sines::{GainPhase, RecordSines, SineResponse};
 pub use static_fit::StaticFit;
 pub use static_step::BIC_FALL;
+pub use structure::ComparisonCheckpoint;
 pub(crate) use uncertainty::correlation_time;
 pub use watch::{Event, Watch};
+
+use std::sync::{Mutex, PoisonError};
 
 use engine::Engine;
 use facts::RecordFacts;
 use hysteron_model::dynamics::{Creep, ParameterKind};
 use hysteron_model::hysteresis::HysteresisForm;
+pub use hysteron_numeric::Listener;
 use hysteron_optimize::Settings;
 pub use hysteron_optimize::Stop;
 use static_step::OFFSET;
 
+/// Stage of the choice of the family.
+const FAMILIES: &str = "families";
 /// Share of the progress of an identification that the choice of the family takes.
 const OF_FAMILIES: f64 = 0.6;
 
@@ -105,9 +111,17 @@ pub fn identify(
 ) -> Result<Identification, IdentifyError> {
     if options.hysteresis == FamilyChoice::Auto {
         options.validate()?;
-        let selection = structure::choose_family(records, options, &watch.part(0.0, OF_FAMILIES))?;
-        let rest = watch.part(OF_FAMILIES, 1.0);
-        let mut found = identify(records, &selection.applied(options), &rest, resume)?;
+        // What the families need to go on from is kept with the searches that follow.
+        let families = Mutex::new(resume.as_ref().and_then(|searches| searches.comparison.clone()));
+        let of_families = watch.keeping_comparison(FAMILIES, &families);
+        let selection =
+            structure::choose_family(records, options, &of_families.part(0.0, OF_FAMILIES), resume.clone())?;
+        drop(of_families);
+        let families = families.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let rest = watch.with_comparison(families.as_deref());
+        let mut found = identify(records, &selection.applied(options), &rest.part(OF_FAMILIES, 1.0), resume)?;
+        drop(rest);
+        found.resume.comparison = families;
         let finding = Finding::new(FindingKind::Verdict, "hysteresis", selection.verdict.clone());
         found.findings.insert(0, finding);
         found.structure.family = Some(selection);

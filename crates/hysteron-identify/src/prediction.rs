@@ -15,6 +15,7 @@ use hysteron_model::dynamics::Dynamics;
 use hysteron_model::hammerstein::{Model, SimulationError};
 use hysteron_model::model_file::{ModelFile, number_mut};
 use hysteron_model::record::Timing;
+use hysteron_numeric::Listener;
 
 /// Step of the differences, in standard deviations along d_k: the truncation error is a millionth of the
 /// nonlinear part.
@@ -32,6 +33,20 @@ impl PredictionBand {
         timing: impl Into<Timing<'a>>,
         start: &Start,
     ) -> Result<Self, IdentifyError> {
+        Self::of_file_told(file, drive, timing, start, Listener::silent())
+    }
+
+    /// [`Self::of_file`], with its progress told to `listener`.
+    ///
+    /// # Errors
+    /// Those of [`Self::of_file`]; [`IdentifyError::Stopped`] where the listener ends it.
+    pub fn of_file_told<'a>(
+        file: &ModelFile,
+        drive: &[f64],
+        timing: impl Into<Timing<'a>>,
+        start: &Start,
+        listener: Listener<'_>,
+    ) -> Result<Self, IdentifyError> {
         let timing = timing.into();
         let model = file.to_model()?;
         let (names, covariance) = file.covariance().ok_or(IdentifyError::NoCorrelation)?;
@@ -46,14 +61,16 @@ impl PredictionBand {
         let simulated = |step: f64, direction: &DVector<f64>| -> Result<Vec<f64>, SimulationError> {
             moved(&model, &names, direction, step).simulate(drive, timing, start)
         };
+        let meter = listener.meter("uncertainty", directions.len());
         let derivatives = directions
             .par_iter()
             .map(|direction| {
                 let (up, down) = (simulated(STEP, direction)?, simulated(-STEP, direction)?);
+                meter.add(1).map_err(|_| IdentifyError::Stopped)?;
                 Ok(about_mean(up.iter().zip(&down).map(|(u, d)| (u - d) / (2.0 * STEP)).collect()))
             })
             // In order, independently of the threads.
-            .collect::<Result<Vec<_>, SimulationError>>()?;
+            .collect::<Result<Vec<_>, IdentifyError>>()?;
         let mut variance = vec![0.0; drive.len()];
         for derivative in derivatives {
             variance.iter_mut().zip(derivative).for_each(|(v, d)| *v += d * d);

@@ -6,6 +6,8 @@ use hysteron_model::model_file::ModesFile;
 use hysteron_optimize::Checkpoint;
 use serde::{Deserialize, Serialize};
 
+use crate::structure::ComparisonCheckpoint;
+
 /// State of an identification: the searches done and the current one. Serialised, it resumes an interrupted
 /// identification with a bit-identical result.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -18,6 +20,9 @@ pub struct Searches {
     /// The search for modes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub modes: Option<Box<ModesCheckpoint>>,
+    /// The candidates of a comparison, or of the choice of the family of hysteresis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub comparison: Option<Box<ComparisonCheckpoint>>,
 }
 
 /// State of the search for modes.

@@ -9,8 +9,10 @@ use hysteron_optimize::Stop;
 
 use crate::compared::CandidateSummary;
 use crate::searches::Searches;
+use crate::structure::ComparisonCheckpoint;
 
 /// Progress report of running work.
+#[derive(Clone, Copy)]
 pub struct Event<'a> {
     /// Current stage.
     pub stage: &'a str,
@@ -113,6 +115,37 @@ impl<'a> Watch<'a> {
         Watch { unlimited, ..Watch::new(told).stopped_by(&stop) }
     }
 
+    /// A watch that reports the candidates of a comparison to this one as stages named after `stage`, and keeps
+    /// the state at the end of each.
+    pub(crate) fn keeping_comparison<'s>(
+        &'s self,
+        stage: &'s str,
+        kept: &'s Mutex<Option<Box<ComparisonCheckpoint>>>,
+    ) -> Watch<'s> {
+        let told = move |event: &Event<'_>| {
+            if event.state.candidates.is_some()
+                && let Some(comparison) = event.searches().and_then(|searches| searches.comparison)
+            {
+                *kept.lock().unwrap_or_else(PoisonError::into_inner) = Some(comparison);
+            }
+            self.tell(Event { stage: &format!("{stage}: {}", event.stage), ..*event })
+        };
+        Watch { unlimited: self.unlimited.clone(), ..Watch::new(told).stopped_by(&self.stop) }
+    }
+
+    /// A watch that reports to this one, with a finished comparison in every state to resume from.
+    pub(crate) fn with_comparison<'s>(&'s self, comparison: Option<&'s ComparisonCheckpoint>) -> Watch<'s> {
+        let told = move |event: &Event<'_>| {
+            let comparison = || comparison.map(|comparison| Box::new(comparison.clone()));
+            let searches = || Searches { comparison: comparison(), ..event.searches().unwrap_or_default() };
+            let searches: Option<&dyn Fn() -> Searches> = Some(&searches);
+            let state =
+                State { searches: searches.filter(|_| event.state.searches.is_some()), ..event.state };
+            self.tell(Event { state, ..*event })
+        };
+        Watch { unlimited: self.unlimited.clone(), ..Watch::new(told).stopped_by(&self.stop) }
+    }
+
     /// A watch that reports to this one, as the part of the whole work from share `from` to share `to`, and is
     /// stopped with it.
     pub(crate) fn part(&self, from: f64, to: f64) -> Watch<'_> {
@@ -120,6 +153,12 @@ impl<'a> Watch<'a> {
             self.tell(Event { fraction: from + (to - from) * event.fraction, ..*event })
         };
         Watch { unlimited: self.unlimited.clone(), ..Watch::new(told).stopped_by(&self.stop) }
+    }
+
+    /// This watch as the listener of a computation that has no costs or models to report
+    /// ([`hysteron_numeric::Listener::new`]).
+    pub fn teller(&self) -> impl Fn(&str, f64) -> ControlFlow<()> + Sync + use<'_, 'a> {
+        |stage, fraction| self.tell(Event::new(stage, fraction, None))
     }
 
     /// True if a stop is requested, other than by a time limit ([`Self::within`]).

@@ -66,7 +66,7 @@ fn text_in_a_number_column() {
         "t_s,u_V,y_um\n0,1,2\n1,2,overload\n",
         &["line 3, column 3 (`y_um`)", "found `overload`", "expected a number"],
     );
-    refused("t_s,u_V,y_um\ns,V,um\n0,1,2\n", &["line 2, column 1 (`t_s`)", "second header line"]);
+    refused("t_s,u_V,y_um\ns,V,mm\n0,1,2\n", &["line 2, column 1 (`t_s`)", "second header line"]);
     refused("t_s,u_V,y_um\n0,1,2\n#NUM!,2,3\n", &["line 3, column 1 (`t_s`)", "#NUM!", "spreadsheet"]);
     refused("t_s;u_V\n0;1\n1;1.234,5\n", &["line 3, column 2 (`u_V`)", "1.234,5", "thousands separators"]);
     refused("t_s,u_V,y_um\n0,1,2\n1,,3\n", &["line 3, column 2 (`u_V`)", "empty"]);
@@ -84,6 +84,11 @@ fn decimal_commas_in_a_comma_separated_file() {
     refused(
         "t_s,u_V,y_um\n0,1,5,2,5\n1,2,5,3,5\n",
         &["line 2", "5 fields where the header has 3", "decimal commas", "semicolons"],
+    );
+    // A cell too many beside decimal points is no decimal comma.
+    refused(
+        "t_s,u_V,y_um\n0,1.5,2.5\n1,2,3,4\n",
+        &["line 3: 4 fields where the header (line 1) has 3", "remove the surplus"],
     );
 }
 
@@ -217,7 +222,7 @@ fn bytes_that_are_not_text() {
     assert!(message.contains("line 3, column 2") && message.contains("0xFF"), "{message}");
     let message = refused_with(b"\xFF\xFEt\0_\0s\0\n\0", &default);
     assert!(message.contains("UTF-16"), "{message}");
-    let message = refused_with(b"t_s,u_V\r0,1\r1,2\r", &default);
+    let message = refused_with(b"t_s,u\rV\n0,1\n1,2\n", &default);
     assert!(message.contains("carriage return"), "{message}");
 }
 

@@ -15,6 +15,7 @@ pub use error::InversionError;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
+use hysteron_numeric::Listener;
 use hysteron_rt::Limited;
 
 use crate::compensator::{Compensation, CompensatorParts};
@@ -36,6 +37,12 @@ pub const BANDWIDTH_SHARE: f64 = 0.05;
 const ERROR_OF_A_LAW: f64 = 0.01;
 /// Cycles of the bandwidth over which learning fades in at the beginning of a record.
 const FIRST_CYCLES: f64 = 2.0;
+/// Stages of an inversion, and the shares of its time that the first and, of the rest, the second take.
+const OF_DYNAMICS: &str = "inverse of the dynamics";
+const OF_HYSTERESIS: &str = "inverse of the hysteresis";
+const OF_MODEL: &str = "predicted output";
+const SHARE_OF_DYNAMICS: f64 = 0.4;
+const SHARE_OF_DRIVE: f64 = 0.8;
 /// Intervals of the range searched for a falling output.
 const LOOKED_AT: usize = 256;
 
@@ -130,12 +137,27 @@ impl Model {
         sample_rate_hz: f64,
         options: &InverseOptions,
     ) -> Result<InverseDrive, InversionError> {
+        self.invert_told(reference, sample_rate_hz, options, Listener::silent())
+    }
+
+    /// [`Self::invert`], with its progress told to `listener`.
+    ///
+    /// # Errors
+    /// [`InversionError`]; [`InversionError::Stopped`] where the listener ends it.
+    pub fn invert_told(
+        &self,
+        reference: &[f64],
+        sample_rate_hz: f64,
+        options: &InverseOptions,
+        listener: Listener<'_>,
+    ) -> Result<InverseDrive, InversionError> {
+        listener.tell(OF_DYNAMICS, 0.0)?;
         let task = Task::new(self, reference, sample_rate_hz, options)?;
         let moved: Vec<f64> = reference.iter().map(|r| r - task.output_at_rest).collect();
         let mut wanted = vec![0.0; moved.len()];
         task.linear.backwards(&moved, &mut wanted)?;
         wanted.iter_mut().for_each(|v| *v += task.level);
-        task.drive(&wanted)
+        task.drive(&wanted, listener.part(SHARE_OF_DYNAMICS, 1.0))
     }
 
     /// Iterative learning control: the drive of the next run from the tracking error of the `last` (S.
@@ -188,7 +210,7 @@ impl Model {
         let mut correction = vec![0.0; samples];
         task.linear.backwards(&left, &mut correction)?;
         wanted.iter_mut().zip(&correction).for_each(|(v, c)| *v += c);
-        task.drive(&wanted)
+        task.drive(&wanted, Listener::silent())
     }
 
     /// Rest voltage for this output, reached monotonically from the virgin state.
@@ -339,7 +361,7 @@ impl<'a> Task<'a> {
     }
 
     /// The drive for the hysteresis output `wanted`, and the model's response to it.
-    fn drive(&self, wanted: &[f64]) -> Result<InverseDrive, InversionError> {
+    fn drive(&self, wanted: &[f64], listener: Listener<'_>) -> Result<InverseDrive, InversionError> {
         let Self { options, rest_v, .. } = *self;
         let limits = DriveLimits {
             range: options.range_v,
@@ -347,17 +369,21 @@ impl<'a> Task<'a> {
             interval_s: Some(1.0 / self.sample_rate_hz),
         };
         let hysteresis = &self.model.hysteresis;
-        self.answer(if self.periodic {
+        let periods = if self.periodic { SETTLING_PERIODS + 1 } else { 1 };
+        let meter = listener.part(0.0, SHARE_OF_DRIVE).meter(OF_HYSTERESIS, periods * wanted.len());
+        let followed = if self.periodic {
             let settled = SETTLING_PERIODS * wanted.len();
-            let mut followed =
-                hysteresis.follow(&wanted.repeat(SETTLING_PERIODS + 1), rest_v, None, &limits)?;
+            let wanted = wanted.repeat(periods);
+            let mut followed = hysteresis.follow_metered(&wanted, rest_v, None, &limits, &meter)?;
             followed.drive.drain(..settled);
             followed.output.drain(..settled);
             followed.limited.drain(..settled);
             followed
         } else {
-            hysteresis.follow(wanted, rest_v, self.memory, &limits)?
-        })
+            hysteresis.follow_metered(wanted, rest_v, self.memory, &limits, &meter)?
+        };
+        listener.tell(OF_MODEL, SHARE_OF_DRIVE)?;
+        self.answer(followed)
     }
 
     /// The drive with its predicted output and its limited samples counted.

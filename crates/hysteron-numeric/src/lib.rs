@@ -17,6 +17,7 @@ mod least_squares;
 mod non_negative;
 pub mod normal;
 pub mod number;
+mod progress;
 mod relaxation;
 mod relaxation_bank;
 mod resonance_bank;
@@ -34,6 +35,7 @@ pub use feedback_tangent::{FeedbackTangent, Forcing, LANES, Lanes, TangentState,
 pub use inner_product::{dot, project_out, root_mean_square, subtract};
 pub use least_squares::{LeastSquares, least_squares};
 pub use non_negative::non_negative_least_squares;
+pub use progress::{Listener, Meter, Stopped, Tell};
 pub use relaxation::Relaxations;
 pub use relaxation_bank::{
     ABREAST, Abreast, BankWeights, PER_OCTAVE, Parabolas, RelaxationBank, relaxation_rate,

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use hysteron_export::{Form, Inverse, Means, Precision, Subject, write_folder};
+use hysteron_identify::Listener;
 use hysteron_model::compensator::Compensation;
 use hysteron_model::model::{Capability, CheckedRealisation};
 use hysteron_model::realise::{RealiseOptions, realise};
@@ -87,7 +88,7 @@ impl Model {
             });
             let inverse = inverse.transpose()?;
             let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-            let means = Means { compiler: &compiler };
+            let means = Means { compiler: &compiler, listener: Listener::silent() };
             let files = asked.to.files(&subject, inverse.as_ref(), means)?;
             write_folder(&folder, &files)?;
             Ok::<_, hysteron_export::ExportError>(files)

@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use hysteron_identify::structure::{Candidate, Selection, compare};
-use hysteron_identify::{CampaignRecord, Compared, Event, IdentifyError, Options, Stop, Watch};
+use hysteron_identify::structure::{Candidate, Selection, compare_from};
+use hysteron_identify::{CampaignRecord, Compared, Event, IdentifyError, Options, Searches, Stop, Watch};
 use hysteron_model::record::{ChannelChoice, Record};
 use serde::{Serialize, Serializer};
 
@@ -22,6 +22,7 @@ pub struct Compare<'a> {
     options: Options,
     watch: Watch<'a>,
     stop: Stop,
+    resume: Option<Searches>,
 }
 
 impl<'a> Compare<'a> {
@@ -36,6 +37,7 @@ impl<'a> Compare<'a> {
             options: Options::default(),
             watch: Watch::silent(),
             stop: Stop::new(),
+            resume: None,
         }
     }
 
@@ -88,6 +90,14 @@ impl<'a> Compare<'a> {
         self
     }
 
+    /// Goes on with the candidates that an interrupted comparison of the same records and options finished
+    /// ([`Event::searches`]); the result is the same.
+    #[must_use]
+    pub fn resume(mut self, searches: Searches) -> Self {
+        self.resume = Some(searches);
+        self
+    }
+
     /// Runs the comparison.
     ///
     /// # Errors
@@ -101,10 +111,10 @@ impl<'a> Compare<'a> {
         let selection = Selection::of(&self.candidates, self.quick);
         let watch = self.watch.stopped_by(&self.stop);
         let found = match self.limit {
-            None => compare(&campaign, selection, &self.options, &watch)?,
+            None => compare_from(&campaign, selection, &self.options, &watch, self.resume)?,
             Some(limit) => {
                 let watch = watch.within(limit, move || begun.elapsed());
-                compare(&campaign, selection, &self.options, &watch)?
+                compare_from(&campaign, selection, &self.options, &watch, self.resume)?
             }
         };
         let found = Compared::new(found, &campaign, Vec::new(), &move || begun.elapsed());

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 use hysteron_export::{Form, Means, NamedFile, Precision, Subject, write_folder};
+use hysteron_identify::Listener;
 use hysteron_model::model::{Body, Capability};
 use hysteron_model::realise::{RealiseOptions, realise};
 
@@ -78,7 +79,7 @@ impl Model {
         let realisation = realise(body.law(), sample_rate_hz, &options)?;
         let (form, float) = target.form();
         let subject = Subject::new("model", float, body.data(), realisation, options.accuracy)?;
-        let means = Means { compiler: "cc" };
+        let means = Means { compiler: "cc", listener: Listener::silent() };
         let files = form.files(&subject, None, means)?;
         Ok(Export { files })
     }

@@ -1,7 +1,17 @@
 // What the server tells without being asked: jobs, running fits, lists that changed.
 import { changed, listsChanged } from './api/resource';
 import { get, path } from './api/client';
-import type { CostPoint, Curve, Job, Live, LiveLoop, LiveUpdate, Stage } from './api/types';
+import { progressed } from './api/requests';
+import type {
+  CostPoint,
+  Curve,
+  Job,
+  Live,
+  LiveLoop,
+  LiveUpdate,
+  RequestProgress,
+  Stage,
+} from './api/types';
 import { Signal } from './signal';
 
 /** Jobs, newest first. */
@@ -44,6 +54,7 @@ export function follow(): void {
       source.addEventListener(name, (event) => act(JSON.parse((event as MessageEvent<string>).data) as T));
     listen<Job>('job', took);
     listen<LiveUpdate>('live', moved);
+    listen<RequestProgress>('progress', progressed);
     listen('jobs', () => void refresh());
     for (const list of ['records', 'models', 'reports']) {
       listen(list, () => {

@@ -11,7 +11,7 @@ import { fileURLToPath } from 'node:url';
 export const ROOT = fileURLToPath(new URL('../../../..', import.meta.url));
 export const OUT = process.env.OUT ?? join(ROOT, 'out', 'browser');
 export const EXAMPLES = join(ROOT, 'examples');
-const HYSTERON = process.env.HYSTERON ?? join(ROOT, 'target', 'debug', 'hysteron');
+export const COMMAND = process.env.HYSTERON ?? join(ROOT, 'target', 'debug', 'hysteron');
 const CHROMIUM = process.env.CHROMIUM ?? '/usr/bin/chromium';
 
 export const P885 = join(EXAMPLES, 'piezo-p885-200hz', 'identification_1hz.csv');
@@ -56,7 +56,7 @@ export async function serve(files = [], device = {}) {
 }
 
 async function start(folder, port) {
-  const server = spawn(HYSTERON, ['app', folder, '--port', String(port)], {
+  const server = spawn(COMMAND, ['app', folder, '--port', String(port)], {
     stdio: ['ignore', 'pipe', 'pipe'],
   });
   let said = '';

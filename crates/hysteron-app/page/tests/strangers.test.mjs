@@ -114,3 +114,24 @@ test('a fit that fails at once is not said to wait', async () => {
     await server.close();
   }
 });
+
+test('the device is chosen where there are several', async () => {
+  const server = await serve([], { one: P885, two: P885 });
+  const page = await open(`${server.url}#/identify`);
+  try {
+    await page.waitForSelector('select[aria-label="Device"]', { timeout: 20_000 });
+    await page.selectOption('select[aria-label="Device"]', 'two');
+    await page.waitForFunction(() => location.hash.includes('device=two'));
+    await page.click('button.primary:has-text("Identify from 1 record")');
+    await identified(page);
+    const models = await (await fetch(`${server.url}api/v1/models`)).json();
+    assert.deepEqual(
+      models.map((model) => model.device),
+      ['two'],
+    );
+    assert.deepEqual(page.faults, []);
+  } finally {
+    await done(page);
+    await server.close();
+  }
+});

@@ -46,6 +46,20 @@ pub struct LiveUpdate {
     pub latest: Option<LiveLoop>,
 }
 
+/// Event `progress`: how far the computation of a request is that named itself by the header `x-request`. It
+/// ends where the client closes the connection.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RequestProgress {
+    /// Name of the request.
+    pub request: String,
+    /// Name of the stage.
+    pub stage: String,
+    /// Share done.
+    pub fraction: f64,
+    /// Estimated time left \[s\].
+    pub left_s: Option<f64>,
+}
+
 /// The best model so far on one record.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LiveLoop {

@@ -23,7 +23,7 @@ pub use follow::{
     FollowRequest, Followed, Reference, TrackRequest, Tracked, TrackedController, TrackedCurve,
 };
 pub use job::{Command, Job, JobRequest, JobResult, JobState, Stage};
-pub use live::{CostPoint, Live, LiveLoop, LiveUpdate};
+pub use live::{CostPoint, Live, LiveLoop, LiveUpdate, RequestProgress};
 pub use model::{
     DownloadQuery, ExportFile, Form, Judged, ModelCurves, ModelCurvesQuery, ModelDetail, ModelEntry,
     ModelPatch, ParameterRow, Preview, ResponseQuery, ResponseRow, Responses, Score, ScoreDefinition, Scored,

@@ -2,14 +2,14 @@
 
 use std::time::{Duration, Instant};
 
-use hysteron_identify::structure::{Candidate, Selection, compare};
+use hysteron_identify::structure::{Candidate, Selection, compare_from};
 use hysteron_identify::{CampaignRecord, Compared, Options, Stop};
 use hysteron_report::{comparison, write_page};
 
 use super::identify::campaign_record;
-use super::plan::candidate;
+use super::plan::{self, candidate};
 use super::{Ended, Jobs};
-use crate::api::{Job, JobRequest, JobResult};
+use crate::api::{Job, JobRequest, JobResult, Problem};
 use crate::clock::maker;
 use crate::refused::{Answer, Refused};
 
@@ -29,16 +29,27 @@ pub(super) fn run(jobs: &Jobs, job: &Job, stop: &Stop) -> Answer<Ended> {
     let selection = Selection::of(&candidates, *quick);
     let options = Options { continued: *continued, ..Options::default() };
     let begun = Instant::now();
-    let watch = jobs.plain_watch(job.id, stop);
+    let resume = plan::resumed(workspace, job)?;
+    let kept = workspace.path(&plan::kept_beside(job))?;
+    let watch = jobs.watch_of_race(job.id, stop, &kept);
     let found = match time_limit_s.and_then(|limit| Duration::try_from_secs_f64(limit).ok()) {
-        None => compare(&campaign, selection, &options, &watch),
+        None => compare_from(&campaign, selection, &options, &watch, resume),
         Some(limit) => {
             let watch = watch.within(limit, move || begun.elapsed());
-            compare(&campaign, selection, &options, &watch)
+            compare_from(&campaign, selection, &options, &watch, resume)
         }
     };
     drop(watch);
-    let found = found.map_err(Refused::cannot)?;
+    let found = match found {
+        Ok(found) => found,
+        // What a stop leaves unfinished may fail in any way.
+        Err(_) if stop.is_requested() => {
+            let error = Some(Problem::new("it was stopped before a first structure was fitted", None));
+            let resumable = kept.is_file();
+            return Ok(Ended { result: job.result.clone(), error, stopped: true, resumable });
+        }
+        Err(e) => return Err(Refused::cannot(e)),
+    };
     let found = Compared::new(found, &campaign, Vec::new(), &move || begun.elapsed());
     let mut result = JobResult { comparison: Some(found.summary()), ..JobResult::default() };
     if let Some(id) = report {
@@ -46,6 +57,10 @@ pub(super) fn run(jobs: &Jobs, job: &Job, stop: &Stop) -> Answer<Ended> {
         write_page(&workspace.path(id)?, &page).map_err(Refused::failed)?;
         result.reports.push(id.clone());
     }
-    // What is finished is kept; a comparison has no searches to go on from.
-    Ok(Ended { result, error: None, stopped: found.comparison.interrupted, resumable: false })
+    let stopped = found.comparison.interrupted;
+    if !stopped {
+        let _ = std::fs::remove_file(&kept);
+    }
+    // What is finished is kept; the candidate that ran begins anew.
+    Ok(Ended { result, error: None, stopped, resumable: stopped && kept.is_file() })
 }

@@ -18,12 +18,12 @@ use crate::api::{Axis, CostPoint, Curve, LiveLoop, LiveUpdate};
 use crate::draw::{Along, over, over_time};
 use crate::notice::Notice;
 
-/// Samples that are simulated for a drawing: a few milliseconds.
-const MOST_SAMPLES: usize = 10_000;
+/// Samples that are simulated for a drawing: a millisecond or two.
+const MOST_SAMPLES: usize = 4_000;
 /// Width of the drawings \[pixels\].
 const PIXELS: usize = 400;
 /// Time between two drawings, in times of the work for one: the fit has the processors for the rest.
-const REST: u32 = 40;
+const REST: u32 = 30;
 /// Time after which the pages hear from a fit that reports nothing.
 const SILENCE: Duration = Duration::from_millis(180);
 
@@ -109,7 +109,8 @@ fn run(
     // Until when the fit has the processors for itself.
     let mut rests_until = None;
     loop {
-        let work = match coming.recv_timeout(SILENCE) {
+        let rest = rests_until.map(|until: Instant| until.saturating_duration_since(Instant::now()));
+        let work = match coming.recv_timeout(rest.map_or(SILENCE, |rest| rest.min(SILENCE))) {
             Ok(work) => Some(work),
             Err(RecvTimeoutError::Timeout) => None,
             Err(RecvTimeoutError::Disconnected) => return,
@@ -134,7 +135,8 @@ fn run(
                 jobs.keep_time(id);
                 jobs.warned(id, kept.err().map(|e| format!("the best so far cannot be kept: {e}")));
             }
-            None => jobs.still_running(id),
+            None if rest.is_none() => jobs.still_running(id),
+            None => {}
         }
         if rests_until.is_some_and(|until| until <= Instant::now()) {
             rests_until = None;

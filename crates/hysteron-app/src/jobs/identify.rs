@@ -1,10 +1,10 @@
 //! Runs an identification.
 
 use hysteron_identify::{
-    CampaignRecord, Finding, Fit, FitParameter, FitRecords, IdentifyError, RecordRole, Searches, Stop, Task,
-    fit, fit_on,
+    CampaignRecord, Finding, Fit, FitParameter, FitRecords, IdentifyError, RecordRole, Stop, Task, fit,
+    fit_on,
 };
-use hysteron_io::{load_json, save_json, save_model, sha256};
+use hysteron_io::{save_json, save_model, sha256};
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::record::InputOutput;
 use hysteron_report::write_page;
@@ -17,9 +17,6 @@ use crate::api::{Job, JobRequest, JobResult, Problem, Role};
 use crate::clock::maker;
 use crate::refused::{Answer, Refused};
 use crate::workspace::{Workspace, stem_of};
-
-/// Largest file of searches that is read \[bytes\].
-const MOST_SEARCHES: u64 = 256 << 20;
 
 /// What a fit found beside its model.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -65,10 +62,7 @@ pub(super) fn run(jobs: &Jobs, job: &Job, stop: &Stop) -> Answer<Ended> {
     } else {
         FitRecords::Single(ids.iter().map(|id| campaign_record(workspace, id)).collect::<Answer<_>>()?)
     };
-    let resume = match plan::searches_of(workspace, job).filter(|_| job.resumable) {
-        Some(path) => Some(load_json::<Searches>(&path, MOST_SEARCHES).map_err(Refused::bad)?),
-        None => None,
-    };
+    let resume = plan::resumed(workspace, job)?;
     let drawn: Option<(String, InputOutput)> = match &records {
         FitRecords::Single(records) => {
             ids.first().cloned().zip(records.first().map(|record| record.data.clone()))

@@ -236,9 +236,15 @@ impl Jobs {
         if job.state == JobState::Running {
             return Err(Refused::conflict("the job runs").hint("Stop it first."));
         }
+        let job = job.clone();
         state.queue.retain(|waiting| *waiting != id);
         state.jobs.remove(&id);
         drop(state);
+        if plan::model_of(&job).is_none()
+            && let Some(kept) = plan::searches_of(&self.workspace, &job)
+        {
+            let _ = std::fs::remove_file(kept);
+        }
         self.workspace.history.delete_job(id)?;
         Ok(())
     }

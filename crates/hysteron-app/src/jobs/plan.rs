@@ -3,12 +3,16 @@
 use std::path::PathBuf;
 
 use hysteron_identify::structure::Candidate;
-use hysteron_identify::{FamilyChoice, Options, Task};
+use hysteron_identify::{FamilyChoice, Options, Searches, Task};
+use hysteron_io::load_json;
 
 use crate::api::{Command, Job, JobRequest, RecordEntry};
 use crate::command;
 use crate::refused::{Answer, Refused};
 use crate::workspace::{Workspace, device_of, stem_of};
+
+/// Largest file of searches that is read \[bytes\].
+const MOST_SEARCHES: u64 = 256 << 20;
 
 /// A job to be queued.
 pub(super) struct Plan {
@@ -178,10 +182,26 @@ pub(super) fn model_of(job: &Job) -> Option<&String> {
     }
 }
 
-/// File of the searches of a fit that did not come to its end.
+/// Identifier of the file with the state of a job that did not come to its end.
+pub(super) fn kept_beside(job: &Job) -> String {
+    match model_of(job) {
+        Some(model) => beside(model, "searches.json"),
+        None => format!("{}-{}.searches.json", job.name, job.id),
+    }
+}
+
+/// File with the state of a job that did not come to its end, where there is one.
 pub(super) fn searches_of(workspace: &Workspace, job: &Job) -> Option<PathBuf> {
-    let path = workspace.path(&beside(model_of(job)?, "searches.json")).ok()?;
-    path.is_file().then_some(path)
+    workspace.path(&kept_beside(job)).ok().filter(|path| path.is_file())
+}
+
+/// State that a job goes on from; none of one that begins.
+///
+/// # Errors
+/// If its file cannot be read.
+pub(super) fn resumed(workspace: &Workspace, job: &Job) -> Answer<Option<Searches>> {
+    let Some(path) = searches_of(workspace, job).filter(|_| job.resumable) else { return Ok(None) };
+    load_json(&path, MOST_SEARCHES).map(Some).map_err(Refused::bad)
 }
 
 /// Identifier of the best model so far of a fit that did not come to its end.

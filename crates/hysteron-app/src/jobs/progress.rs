@@ -1,17 +1,19 @@
 //! The watch of a job: what the library reports becomes the state of the job, drawings and checkpoints.
 
 use std::ops::ControlFlow;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use hysteron_identify::{CandidateSummary, Event, Stop, Watch};
+use hysteron_io::save_json;
 
 use super::Jobs;
 use super::drawing::Drawing;
 use crate::api::{CostPoint, LiveUpdate, Stage};
 use crate::notice::Notice;
 
-/// Time between two updates, somewhat below a fifth of a second.
-const BETWEEN: Duration = Duration::from_millis(150);
+/// Time between two updates: a picture that misses one comes with the next, still within a fifth of a second.
+const BETWEEN: Duration = Duration::from_millis(90);
 /// Part of the time of the fit that its own threads spend on models to be drawn, as a divisor, and the time
 /// that the first one may take.
 const SHARE: u32 = 60;
@@ -163,13 +165,17 @@ impl Jobs {
         self.tell(&job);
     }
 
-    /// A watch without drawings, for work without intermediate models.
-    pub(super) fn plain_watch(&self, id: i64, stop: &Stop) -> Watch<'_> {
+    /// The watch of a comparison, which keeps its state at the end of each candidate in a file.
+    pub(super) fn watch_of_race<'a>(&'a self, id: i64, stop: &Stop, kept: &'a Path) -> Watch<'a> {
         let begun = Instant::now();
         let mut told: Option<Instant> = None;
         let told = move |event: &Event<'_>| {
             if let Some(candidates) = event.candidates() {
+                let saved = event.searches().map(|searches| save_json(kept, &searches, false));
+                let failed = saved.and_then(Result::err);
+                self.warned(id, failed.map(|e| format!("the finished candidates cannot be kept: {e}")));
                 self.raced(id, candidates);
+                self.keep_time(id);
             }
             let is_new_stage = self.is_new_stage(id, event.stage);
             if is_new_stage || told.is_none_or(|told| told.elapsed() >= BETWEEN) {

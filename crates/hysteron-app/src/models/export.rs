@@ -3,6 +3,7 @@
 use std::io::{Cursor, Write};
 
 use hysteron_export::{Form, Inverse, Means, NamedFile, Precision, Subject};
+use hysteron_identify::Listener;
 use hysteron_model::compensator::Compensation;
 use hysteron_model::compensator::CompensatorOptions;
 use hysteron_model::model::{Capability, Hammerstein};
@@ -35,7 +36,12 @@ struct Exported {
     error: f64,
 }
 
-fn exported(workspace: &Workspace, id: &str, query: &DownloadQuery) -> Answer<Exported> {
+fn exported(
+    workspace: &Workspace,
+    id: &str,
+    query: &DownloadQuery,
+    listener: Listener<'_>,
+) -> Answer<Exported> {
     let form = source(query)?;
     let model = workspace.model(id)?;
     let body = model.hammerstein(Capability::Export).map_err(Refused::cannot)?;
@@ -51,7 +57,7 @@ fn exported(workspace: &Workspace, id: &str, query: &DownloadQuery) -> Answer<Ex
     subject.origin.date = Some(now().chars().take("2025-01-31".len()).collect());
     let inverse = if query.inverse { Some(inverted(body, &subject, rate, query)?) } else { None };
     let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-    let means = Means { compiler: &compiler };
+    let means = Means { compiler: &compiler, listener };
     let files = form.files(&subject, inverse.as_ref(), means).map_err(Refused::cannot)?;
     Ok(Exported { name, files, states, error })
 }
@@ -85,8 +91,13 @@ fn inverted(body: &Hammerstein, subject: &Subject, rate: f64, query: &DownloadQu
 ///
 /// # Errors
 /// If the model cannot be exported so.
-pub(crate) fn preview(workspace: &Workspace, id: &str, query: &DownloadQuery) -> Answer<Preview> {
-    let Exported { name, files, states, error } = exported(workspace, id, query)?;
+pub(crate) fn preview(
+    workspace: &Workspace,
+    id: &str,
+    query: &DownloadQuery,
+    listener: Listener<'_>,
+) -> Answer<Preview> {
+    let Exported { name, files, states, error } = exported(workspace, id, query, listener)?;
     let shown = |file: NamedFile| ExportFile {
         name: file.name,
         bytes: file.bytes.len(),
@@ -104,8 +115,13 @@ pub(crate) fn preview(workspace: &Workspace, id: &str, query: &DownloadQuery) ->
 ///
 /// # Errors
 /// If the model cannot be exported so.
-pub(crate) fn archive(workspace: &Workspace, id: &str, query: &DownloadQuery) -> Answer<(String, Vec<u8>)> {
-    let Exported { name, files, .. } = exported(workspace, id, query)?;
+pub(crate) fn archive(
+    workspace: &Workspace,
+    id: &str,
+    query: &DownloadQuery,
+    listener: Listener<'_>,
+) -> Answer<(String, Vec<u8>)> {
+    let Exported { name, files, .. } = exported(workspace, id, query, listener)?;
     workspace.history.add_action(&command::export(id, &name, query))?;
     let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
     for file in &files {

@@ -1,12 +1,12 @@
 //! The drive for a reference, and controllers that follow it on a simulated plant.
 
-use hysteron_identify::PredictionBand;
+use hysteron_identify::{IdentifyError, Listener, PredictionBand};
 use hysteron_io::{ReadOptions, read_reference, write_record};
 use hysteron_model::control::Plant;
 use hysteron_model::invert::{InverseDrive, InverseOptions};
 use hysteron_model::model::{Capability, Hammerstein, InverseSummary, SignalRole};
 use hysteron_model::record::{Channel, Record, Signal, TimeBase, Unit};
-use hysteron_model::tracking::{ControllerRun, PlantDescription, track as play};
+use hysteron_model::tracking::{ControllerRun, PlantDescription, track_told as play};
 use hysteron_model::{Model, Start};
 use hysteron_rig::{Dac, RigStage, Truth};
 
@@ -22,6 +22,8 @@ use crate::workspace::{Kind, Workspace};
 
 /// Width of drawings unless given \[pixels\].
 const PIXELS: usize = 800;
+/// Share of the time of an answer that the drive takes; the rest is its uncertainty.
+const SHARE_OF_DRIVE: f64 = 0.5;
 /// Most samples of a reference.
 const MOST_SAMPLES: usize = 10_000_000;
 
@@ -90,7 +92,12 @@ fn range_of(body: &Hammerstein, given: Option<[f64; 2]>) -> Answer<[f64; 2]> {
 ///
 /// # Errors
 /// If the model has no inverse, or the reference cannot be followed at all.
-pub(crate) fn follow(workspace: &Workspace, id: &str, request: &FollowRequest) -> Answer<Followed> {
+pub(crate) fn follow(
+    workspace: &Workspace,
+    id: &str,
+    request: &FollowRequest,
+    listener: Listener<'_>,
+) -> Answer<Followed> {
     let model = workspace.model(id)?;
     let body = model.hammerstein(Capability::Inversion).map_err(Refused::cannot)?;
     let mut wanted = wanted(workspace, &model, &request.reference)?;
@@ -103,16 +110,20 @@ pub(crate) fn follow(workspace: &Workspace, id: &str, request: &FollowRequest) -
             Some(voltage_v) => Start::Rest { voltage_v },
             None => Start::AsIdentified,
         },
+        // As the command, whose drive this is to be.
+        virgin_v: InverseOptions::switched_on(range_v),
         ..InverseOptions::within(range_v)
     };
     let told = body.remarks_on_reference(&wanted.samples, wanted.rate);
     wanted.remarks.extend(told.iter().map(|remark| remark.in_words(&model).0));
     let units = &body.data().units;
-    let found = body.law().invert(&wanted.samples, wanted.rate, &options).map_err(|e| {
+    let found =
+        body.law().invert_told(&wanted.samples, wanted.rate, &options, listener.part(0.0, SHARE_OF_DRIVE));
+    let found = found.map_err(|e| {
         let (output, input) = (Unit::new(&units.output), Unit::new(&units.input));
-        Refused::cannot(e).hint(format!("The reference is in {output}, the drive in {input}."))
+        Refused::cannot(Problem::new(e.in_units(&input, &output), None))
     })?;
-    let (band, band_of_measurement) = band(body, &found, wanted.rate);
+    let (band, band_of_measurement) = band(body, &found, wanted.rate, listener.part(SHARE_OF_DRIVE, 1.0))?;
     let findings = body.findings_on_drive(&found, range_v);
     let summary = InverseSummary::new(&wanted.samples, &found, wanted.rate, band, findings, units);
     let command = match &request.reference {
@@ -161,16 +172,21 @@ pub(crate) fn follow(workspace: &Workspace, id: &str, request: &FollowRequest) -
 
 /// Largest half-widths of the 95 % bands of the model's output and of a new measurement; `None` if the file
 /// has no covariance, the second if it has no scores.
-fn band(body: &Hammerstein, found: &InverseDrive, rate: f64) -> (Option<f64>, Option<f64>) {
+fn band(
+    body: &Hammerstein,
+    found: &InverseDrive,
+    rate: f64,
+    listener: Listener<'_>,
+) -> Answer<(Option<f64>, Option<f64>)> {
     let start = found.rest.unwrap_or(Start::settled(found.drive.len()));
     let largest = |half: Vec<f64>| half.into_iter().fold(0.0, f64::max);
-    let band = body
-        .data()
-        .correlation
-        .as_ref()
-        .and_then(|_| PredictionBand::of_file(body.data(), &found.drive, Some(rate), &start).ok());
+    let of_file = || PredictionBand::of_file_told(body.data(), &found.drive, Some(rate), &start, listener);
+    let band = match body.data().correlation.as_ref().map(|_| of_file()) {
+        Some(Err(IdentifyError::Stopped)) => return Err(Refused::cannot(IdentifyError::Stopped)),
+        band => band.and_then(Result::ok),
+    };
     let measured = band.as_ref().filter(|band| band.noise > 0.0).map(|band| largest(band.of_measurement()));
-    (band.map(|band| largest(band.of_output())), measured)
+    Ok((band.map(|band| largest(band.of_output())), measured))
 }
 
 /// File of a reference that was drawn, beside its drive.
@@ -217,7 +233,12 @@ fn save(
 ///
 /// # Errors
 /// If the model or the reference leave nothing to simulate.
-pub(crate) fn track(workspace: &Workspace, id: &str, request: &TrackRequest) -> Answer<Tracked> {
+pub(crate) fn track(
+    workspace: &Workspace,
+    id: &str,
+    request: &TrackRequest,
+    listener: Listener<'_>,
+) -> Answer<Tracked> {
     let model = workspace.model(id)?;
     let body = model.hammerstein(Capability::Tracking).map_err(Refused::cannot)?;
     let wanted = wanted(workspace, &model, &request.reference)?;
@@ -233,7 +254,9 @@ pub(crate) fn track(workspace: &Workspace, id: &str, request: &TrackRequest) -> 
         let words = format!("the simulated bench ({})", truth.describe());
         (Plant::Stage(&bench), PlantDescription { name: "rig", words })
     };
-    let found = play(body, &reference, &request.options, plant).map_err(Refused::cannot)?;
+    let input = Unit::new(&body.data().units.input);
+    let found = play(body, &reference, &request.options, plant, listener)
+        .map_err(|e| Refused::cannot(Problem::new(e.in_units(&input, &reference.unit), None)))?;
     let summary = found.summary();
     let pixels = request.pixels.unwrap_or(PIXELS);
     let draw = |name: &str, unit: &Unit, samples: &[f64]| {

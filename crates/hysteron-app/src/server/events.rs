@@ -54,6 +54,7 @@ fn event(notice: &Notice) -> Event {
         }
         Notice::Job(job) => ("job", serde_json::to_string(job)),
         Notice::Live(update) => ("live", serde_json::to_string(update)),
+        Notice::Progress(progress) => ("progress", serde_json::to_string(progress)),
     };
     Event::default().event(name).data(data.unwrap_or_default())
 }

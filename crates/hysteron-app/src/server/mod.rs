@@ -1,12 +1,14 @@
 //! The server: listens, answers, ends.
 
 mod answer;
+mod arriving;
 mod events;
 mod guard;
 mod openapi;
 mod operation;
 mod page;
 mod routes;
+mod told;
 
 use std::future::IntoFuture;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket};

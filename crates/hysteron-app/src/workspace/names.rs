@@ -10,6 +10,9 @@ pub(crate) const TRASH: &str = "trash";
 pub(crate) const HISTORY: &str = "hysteron.sqlite";
 /// Longest identifier \[bytes\].
 const LONGEST: usize = 512;
+/// Longest name of a file or folder \[bytes\]: what is written beside a file has an ending more, and systems
+/// allow 255.
+const LONGEST_PART: usize = 200;
 /// Deepest folder that is looked into.
 pub(super) const DEEPEST: usize = 4;
 
@@ -30,6 +33,9 @@ pub(crate) fn path_of(folder: &Path, id: &str) -> Answer<PathBuf> {
     for part in relative.components() {
         let Component::Normal(name) = part else { return refuse("it must lead into the folder") };
         let name = name.to_string_lossy();
+        if name.len() > LONGEST_PART {
+            return refuse("a name in it is longer than 200 bytes");
+        }
         if name.starts_with('.') {
             return refuse("hidden files are not shown");
         }

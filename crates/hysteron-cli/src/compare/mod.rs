@@ -2,12 +2,12 @@
 
 mod text;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Args;
 use hysteron_identify::baselines::cross_validate_all;
-use hysteron_identify::structure::{Candidate, Comparison, Selection, UnknownCandidate, compare};
+use hysteron_identify::structure::{Candidate, Comparison, Selection, UnknownCandidate, compare_from};
 use hysteron_identify::{CampaignRecord, Compared, IdentifyError, Options, Watch};
 use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_report::comparison;
@@ -16,6 +16,7 @@ use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
 use crate::interrupt::{Interrupt, partial};
+use crate::kept::{self, KeptCandidates};
 use crate::maker::maker;
 use crate::numbers::positive;
 use crate::output::{self, OutFile};
@@ -45,7 +46,9 @@ use crate::result_flags::ResultFlags;
     reliable than times. Its last column says if the hysteresis is invertible: always, on records (the \
     output rose with the drive everywhere along them) or no.\n\n\
     Ctrl-C prints the candidates finished so far and writes the model of the one preferred among them to \
-    MODEL.partial.json.\n\n\
+    MODEL.partial.json. With -o the finished candidates are kept in MODEL.searches.json as they come, also of a \
+    command that is killed: the same command with --resume MODEL.searches.json fits only the others and ends \
+    with the same result.\n\n\
     Example: hysteron compare loop_1hz.csv sweep.csv sine_*.csv --report compare.html\n\
     Example: hysteron compare loop_1hz.csv sweep.csv sine_*.csv --quick --time-limit 30 -o model.json\n\
     Example: hysteron compare loop.csv sweep.csv --candidates none,integer2,fractional,fractional+degree2 -o \
@@ -85,6 +88,11 @@ pub struct Compare {
     #[arg(long)]
     baselines: bool,
 
+    /// Go on with an interrupted comparison of the same records and candidates: those that it finished are
+    /// not fitted again
+    #[arg(long, value_name = "MODEL.searches.json", conflicts_with = "baselines")]
+    resume: Option<PathBuf>,
+
     /// Model file of the preferred structure to write, identified from all samples of all records
     #[arg(short, long = "output-model", value_name = "MODEL.json")]
     out: Option<OutFile>,
@@ -108,15 +116,17 @@ impl Compare {
         self.result.check()?;
         let records = self.columns.read_all(&self.records)?.into_iter();
         let campaign: Vec<_> = records.map(|data| CampaignRecord { data, role: None }).collect();
+        let resume = self.resume.as_deref().map(kept::read).transpose()?;
         let stop = Interrupt::listen("what is finished is printed")?;
-        let watch = progress::watch(&stop);
+        let kept = KeptCandidates::beside(self.out.as_deref());
+        let watch = kept.watch(&stop);
         let selection = Selection::of(&self.candidates, self.quick);
         let options = Options { continued: self.continued, ..Options::default() };
         let comparison = match self.time_limit {
-            None => compare(&campaign, selection, &options, &watch),
+            None => compare_from(&campaign, selection, &options, &watch, resume),
             Some(seconds) => {
                 let limit = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
-                compare(&campaign, selection, &options, &watch.within(limit, console::clock()))
+                compare_from(&campaign, selection, &options, &watch.within(limit, console::clock()), resume)
             }
         };
         drop(watch);
@@ -139,7 +149,7 @@ impl Compare {
         if found.comparison.ranking.is_none() {
             return Err(stop.told(nothing(&found.comparison)));
         }
-        let interrupted = || self.interrupted(&found, &campaign).map_err(|e| stop.told(e));
+        let interrupted = || self.interrupted(&found, &campaign, kept.file()).map_err(|e| stop.told(e));
         if stop.stop().is_requested() {
             return Err(stop.told(interrupted()?));
         }
@@ -154,13 +164,21 @@ impl Compare {
         let failure = || Failure::new(format!("cannot identify {candidate} from all records"));
         crate::model::save(path, &fit.map_err(|e| failure().because(e))?.model)?;
         console::message(&format!("model of {candidate} written to {}", path.display()));
+        kept.forget();
         Ok(())
     }
 
     /// Writes the preferred model so far beside where the model was to be, and says so.
-    fn interrupted(&self, found: &Compared, campaign: &[CampaignRecord]) -> Result<Failure, Failure> {
-        let failure = Failure::new("the comparison was interrupted")
-            .hint("run it again, with --time-limit, or name fewer structures with --candidates");
+    fn interrupted(
+        &self,
+        found: &Compared,
+        campaign: &[CampaignRecord],
+        kept: Option<&Path>,
+    ) -> Result<Failure, Failure> {
+        let failure = Failure::new("the comparison was interrupted").hint(match kept {
+            Some(file) => format!("go on with the same command and --resume {}", file.display()),
+            None => "run it again, with --time-limit, or name fewer structures with --candidates".to_owned(),
+        });
         let (Some(path), Some((candidate, model))) = (&self.out, found.preferred_so_far(campaign)) else {
             return Ok(failure.because("the finished candidates are printed, and no model is written"));
         };
@@ -191,6 +209,9 @@ fn explain(error: &IdentifyError) -> Failure {
                 .because(because)
                 .hint(format!("measure {measure}."))
         }
+        IdentifyError::Resume => Failure::new("the comparison cannot be resumed").because(error).hint(
+            "resume with the records and candidates of the interrupted one; or leave out --resume to start again",
+        ),
         error => Failure::new("structures cannot be compared on these records").because(error),
     }
 }

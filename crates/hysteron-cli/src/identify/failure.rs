@@ -1,5 +1,7 @@
 //! Failures of an identification, with remedies.
 
+use std::path::Path;
+
 use hysteron_identify::IdentifyError;
 use hysteron_identify::force::ForceError;
 use hysteron_model::axes::AxesError;
@@ -10,6 +12,13 @@ use crate::failure::Failure;
 
 const RESUME: &str =
     "resume with the records and options of the interrupted run; or leave out --resume to start again";
+
+/// Failure of an identification that was interrupted while it compared families of hysteresis.
+pub(super) fn interrupted(file: &Path) -> Failure {
+    Failure::new("the fit was interrupted")
+        .because(format!("the families that are fitted so far are in {}", file.display()))
+        .hint(format!("go on with the same command and --resume {}", file.display()))
+}
 
 /// Failure for a library error in a fit of this kind, with a remedy.
 pub(super) fn explain(error: &IdentifyError, kind: Kind) -> Failure {

@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use hysteron_identify::{
-    CampaignRecord, DynamicsChoice, FamilyChoice, FindingKind, Fit, FitRecords, Initial, Method, RecordRole,
-    Task, fit, fit_on,
+    CampaignRecord, DynamicsChoice, FamilyChoice, FindingKind, Fit, FitRecords, IdentifyError, Initial,
+    Method, RecordRole, Task, fit, fit_on,
 };
 use hysteron_io::atomic_file::Batch;
 use hysteron_model::dynamics::{Creep, Scheme};
@@ -25,10 +25,9 @@ use hysteron_report::page::Page;
 use self::arguments::{
     ChoiceArg, OptimizerArg, StructureArg, degree, delay, exponent, inter_sample, name_range, name_value,
 };
-use self::failure::explain;
+use self::failure::{explain, interrupted};
 use self::modes_flags::ModesFlags;
 use self::outcome::Outcome;
-use self::search::read_searches;
 use crate::advice;
 use crate::axes::AxesFlags;
 use crate::choices::one_of;
@@ -36,6 +35,7 @@ use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
 use crate::interrupt::{Interrupt, partial};
+use crate::kept::{self, KeptCandidates};
 use crate::maker::maker;
 use crate::model::{self, Loaded};
 use crate::numbers::{count, number, whole};
@@ -251,12 +251,16 @@ impl Identify {
         let task = self.task()?;
         self.check_outputs()?;
         let records = self.fit_records(&task)?;
-        let resume = self.resume.as_deref().map(read_searches).transpose()?;
+        let resume = self.resume.as_deref().map(kept::read).transpose()?;
         let stop = Interrupt::listen("the best so far is kept")?;
-        let watch = progress::watch(&stop);
+        let families = KeptCandidates::beside(Some(&self.out));
+        let watch = families.watch(&stop);
         let found = fit_on(self.threads, || fit(&records, &task, &watch, resume, &maker()));
         drop(watch);
-        let found = found.map_err(|e| stop.told(explain(&e, task.kind())))?;
+        let found = found.map_err(|e| match (&e, families.file()) {
+            (IdentifyError::Stopped, Some(file)) => stop.told(interrupted(file)),
+            _ => stop.told(explain(&e, task.kind())),
+        })?;
         let written = if found.interrupted { partial(&self.out) } else { self.out.to_path_buf() };
         self.write(&written, &found, || self.page(&records, &task, &found, &stop))?;
         for score in &found.scores {
@@ -278,6 +282,7 @@ impl Identify {
             let resume = format!("go on with the same command and --resume {}", written.display());
             return Err(stop.failure(&written, &resume));
         }
+        families.forget();
         Ok(())
     }
 

@@ -203,7 +203,7 @@ fn what_cannot_be_followed_is_refused_without_a_file() {
         ("stage.json scan.csv --range 0:100 --reference z", "no column `z` to be the reference"),
         (
             "stage.json far.csv --range 0:100",
-            "begins at 8000 µm, which no voltage from 0 to 100 V holds: at rest these give 0.7 to ",
+            "begins at 8000 µm, which no drive from 0 to 100 V holds: at rest these give 0.7 to ",
         ),
         ("falls.json scan.csv --range 0:1e5", "no inverse over the range from 0 V to 100000 V: near "),
         ("stage.json huge.csv --range 0:100", "begins at 1e308 µm, "),

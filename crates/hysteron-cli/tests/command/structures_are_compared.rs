@@ -192,6 +192,60 @@ fn an_interrupted_comparison_keeps_the_model_preferred_so_far() {
     assert_eq!(run.exit_code, 0, "{}", run.stderr);
 }
 
+/// Waits until a file is there.
+#[cfg(unix)]
+fn wait_for(path: &std::path::Path) {
+    let begun = std::time::Instant::now();
+    while !path.exists() {
+        assert!(begun.elapsed() < Duration::from_secs(120), "{} does not come", path.display());
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_killed_comparison_resumes_to_the_same_model() {
+    let bench = measured();
+    let of = |model: &str, more: &str| {
+        format!(
+            "compare {LOOP} {SWEEP} {SINES} --candidates none+degree1,none,integer1 -o {model} --json {more}"
+        )
+    };
+    let mut child = Command::new(env!("CARGO_BIN_EXE_hysteron"))
+        .args(of("cut.json", "").split_whitespace())
+        .current_dir(bench.path("."))
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    wait_for(&bench.path("cut.searches.json"));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(!bench.path("cut.json").exists());
+    let other = bench.run(&of("cut.json", "--resume cut.searches.json").replace("none,", ""));
+    assert_eq!(other.exit_code, 1, "{other:?}");
+    assert!(other.stderr.contains("other records or options"), "{}", other.stderr);
+    let resumed = bench.run(&of("cut.json", "--resume cut.searches.json"));
+    let whole = bench.run(&of("whole.json", ""));
+    assert_eq!((resumed.exit_code, whole.exit_code), (0, 0), "{}", resumed.stderr);
+    // Not the times that were measured.
+    let errors = |text: &str| -> Vec<Value> {
+        let found: Value = serde_json::from_str(text).unwrap();
+        let all = found["candidates"].as_array().unwrap();
+        all.iter().map(|c| serde_json::json!([c["name"], c["error"], c["fold_errors"], c["bic"]])).collect()
+    };
+    assert_eq!(errors(&resumed.stdout), errors(&whole.stdout));
+    let numbers = |name: &str| -> Value {
+        let text = std::fs::read_to_string(bench.path(name)).unwrap();
+        let mut file: Value = serde_json::from_str(&text).unwrap();
+        file.as_object_mut().unwrap().remove("provenance");
+        file
+    };
+    assert_eq!(numbers("cut.json"), numbers("whole.json"));
+    // What a comparison that came to its end kept on the way is gone.
+    assert!(!bench.path("cut.searches.json").exists() && !bench.path("whole.searches.json").exists());
+}
+
 #[test]
 fn a_structure_that_does_not_exist_is_wrong_usage() {
     let run = Bench::new().run("compare run.csv --candidates none,fractal");

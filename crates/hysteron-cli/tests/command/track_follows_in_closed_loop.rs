@@ -210,3 +210,27 @@ fn what_cannot_be_followed_is_refused() {
     refused("stage.json scan.csv --range 0:10 --out missing/track.csv", "mkdir", 1);
     refused("stage.json scan.csv --range 0:10 --truth missing.json", "truth", 1);
 }
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_a_long_simulation_and_writes_nothing() {
+    let bench = bench(20_000);
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_hysteron"))
+        .args(["track", "stage.json", "scan.csv", "--plant", "rig", "--range", "0:10.5", "-o", "out.csv"])
+        .current_dir(bench.path("."))
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Its first line of progress comes after ten seconds: the signal is heard from the first sample on.
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    assert!(child.try_wait().unwrap().is_none(), "fourteen controllers take longer");
+    let signal = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(signal.unwrap().success());
+    let begun = std::time::Instant::now();
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    assert!(begun.elapsed().as_secs() < 20 && said.contains("the simulation was interrupted"), "{said}");
+    assert!(!bench.path("out.csv").exists());
+}

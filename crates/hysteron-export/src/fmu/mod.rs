@@ -1,12 +1,11 @@
 //! Functional mock-up units: FMI 2.0 and 3.0, co-simulation, source and binary.
 
+mod compiler;
 mod variables;
 mod zip;
 
-use std::path::Path;
-use std::process::Command;
-
 use hysteron_model::realise::RuntimeParts;
+use hysteron_numeric::Listener;
 use hysteron_rt::Real;
 
 use crate::c::{Numbers, core_files, filling};
@@ -14,6 +13,7 @@ use crate::error::ExportError;
 use crate::inverse::{Inverse, inverse_core, inverse_filling};
 use crate::number::Precision;
 use crate::subject::Subject;
+use compiler::Compiler;
 use hysteron_io::NamedFile;
 use variables::{Parameter, build_description, cases, description, parameters};
 
@@ -52,7 +52,7 @@ impl FmiVersion {
 /// # Errors
 /// [`ExportError::Compiler`] where the compiler is not there or fails; as [`crate::c_files`].
 pub fn fmu_files(subject: &Subject, compiler: &str) -> Result<Vec<NamedFile>, ExportError> {
-    both(subject, None, compiler)
+    files(subject, None, (compiler, Listener::silent()))
 }
 
 /// The inverse as FMUs of both versions, `NAME_inverse_fmi2.fmu` and `NAME_inverse_fmi3.fmu`; as
@@ -61,17 +61,24 @@ pub fn fmu_files(subject: &Subject, compiler: &str) -> Result<Vec<NamedFile>, Ex
 /// # Errors
 /// Those of [`fmu_files`].
 pub fn inverse_fmu_files(inverse: &Inverse, compiler: &str) -> Result<Vec<NamedFile>, ExportError> {
-    both(&inverse.subject, Some(inverse), compiler)
+    files(&inverse.subject, Some(inverse), (compiler, Listener::silent()))
 }
 
-fn both(subject: &Subject, inverse: Option<&Inverse>, compiler: &str) -> Result<Vec<NamedFile>, ExportError> {
+/// The units of both versions; the listener hears of the compilations and may stop them.
+pub(crate) fn files(
+    subject: &Subject,
+    inverse: Option<&Inverse>,
+    (compiler, listener): (&str, Listener<'_>),
+) -> Result<Vec<NamedFile>, ExportError> {
     let parameters = match subject.precision {
         Precision::F32 => of_type::<f32>(subject)?,
         Precision::F64 => of_type::<f64>(subject)?,
     };
-    [FmiVersion::Two, FmiVersion::Three]
+    let halves = [(FmiVersion::Two, listener.part(0.0, 0.5)), (FmiVersion::Three, listener.part(0.5, 1.0))];
+    halves
         .into_iter()
-        .map(|version| {
+        .map(|(version, listener)| {
+            let compiler = Compiler { command: compiler, listener };
             let content = unit(subject, inverse, &parameters, version, compiler)?;
             let bytes = zip::archive(&content)?;
             Ok(NamedFile::new(format!("{}_fmi{}.fmu", subject.name, version.number()), bytes))
@@ -89,7 +96,7 @@ fn unit(
     inverse: Option<&Inverse>,
     parameters: &[Parameter],
     version: FmiVersion,
-    compiler: &str,
+    compiler: Compiler<'_>,
 ) -> Result<Vec<(String, Vec<u8>)>, ExportError> {
     let (mut filling, mut sources) = match inverse {
         None => {
@@ -127,7 +134,7 @@ fn unit(
     )];
     if let Some((folder, ending)) = version.binary() {
         let main = [format!("{}.c", subject.name), format!("{name}.c")];
-        files.push((format!("{folder}/{}.{ending}", subject.name), binary(&sources, &main, compiler)?));
+        files.push((format!("{folder}/{}.{ending}", subject.name), compiler.library(&sources, &main)?));
     }
     if version == FmiVersion::Three {
         files.push(("sources/buildDescription.xml".into(), build_description(&subject.name).into_bytes()));
@@ -145,34 +152,4 @@ fn token(sources: &[NamedFile], version: FmiVersion) -> String {
             .fold(start, |sum, &b| (sum ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3))
     };
     format!("{{{:016x}{:016x}}}", sum(0xcbf2_9ce4_8422_2325), sum(u64::from(version.number())))
-}
-
-/// Compiles the sources into a shared library.
-fn binary(sources: &[NamedFile], main: &[String], compiler: &str) -> Result<Vec<u8>, ExportError> {
-    let failed = |problem: String| ExportError::Compiler { compiler: compiler.to_owned(), problem };
-    let folder =
-        hysteron_io::temporary_folder().map_err(|e| failed(format!("has no folder to work in: {e}")))?;
-    let at = |name: &str| folder.path().join(name);
-    for file in sources {
-        std::fs::write(at(&file.name), &file.bytes)
-            .map_err(|e| failed(format!("has no folder to work in: {e}")))?;
-    }
-    compile(folder.path(), main, compiler).map_err(&failed)?;
-    std::fs::read(at("unit")).map_err(|e| failed(format!("left nothing behind: {e}")))
-}
-
-fn compile(folder: &Path, main: &[String], compiler: &str) -> Result<(), String> {
-    let flags = ["-std=c99", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-s"];
-    let output = Command::new(compiler)
-        .args(flags)
-        .args(main)
-        .args(["-o", "unit", "-lm"])
-        .current_dir(folder)
-        .output()
-        .map_err(|e| format!("could not be started: {e}"))?;
-    if output.status.success() {
-        return Ok(());
-    }
-    let said = String::from_utf8_lossy(&output.stderr);
-    Err(format!("failed ({}): {}", output.status, said.lines().next().unwrap_or_default()))
 }

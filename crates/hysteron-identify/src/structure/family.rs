@@ -5,11 +5,11 @@ use super::super::defaults::{beside_wide_moves, resolved};
 use super::super::options::{
     CampaignRecord, Choice, DynamicsChoice, FamilyChoice, Method, Options, RecordRole,
 };
-use super::super::{IdentifyError, Watch};
+use super::super::{IdentifyError, Searches, Watch};
 use super::candidate::{Block, Candidate, USUAL_DEGREE};
 use super::content::Content;
 use super::prospect::one_amplitude;
-use super::{Comparison, Entry, Selection, compare, rank};
+use super::{Comparison, Entry, Selection, compare_from, rank};
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_numeric::number::significant;
@@ -37,6 +37,7 @@ pub(crate) fn choose(
     campaign: &[CampaignRecord],
     options: &Options,
     watch: &Watch<'_>,
+    resume: Option<Searches>,
 ) -> Result<FamilySelection, IdentifyError> {
     let not_compared = |why: &str| FamilySelection::usual(options.family(), why);
     let families: Vec<HysteresisForm> =
@@ -64,7 +65,7 @@ pub(crate) fn choose(
     let base = structure(options, is_dynamic);
     let candidates: Vec<Candidate> =
         families.iter().map(|&hysteresis| Candidate { hysteresis, ..base }).collect();
-    match compare(campaign, Selection::Given(&candidates), options, watch) {
+    match compare_from(campaign, Selection::Given(&candidates), options, watch, resume) {
         Ok(_) if watch.is_stopped() => Err(IdentifyError::Stopped),
         Ok(found) => Ok(chosen(&found, &contents, &campaign[0].data.y_unit.to_string())
             .unwrap_or_else(|| not_compared("no fit could be made without a part of the records"))),

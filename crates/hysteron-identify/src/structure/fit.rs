@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use serde::{Deserialize, Serialize};
+
 use super::super::engine::{Engine, rough};
 use super::super::joint::{
     JointMember, JointProblem, JointSetup, assemble, fit_with_its_memory, form, local_fits, memory_name,
@@ -368,7 +370,7 @@ impl Campaign<'_> {
 }
 
 /// Training error on the whole campaign.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Training {
     pub(super) rmse: f64,
     /// Mean square of residual over noise.

@@ -7,6 +7,7 @@
 //! needed. [`prospects`] predicts before any fit what a campaign can determine.
 
 mod candidate;
+mod checkpoint;
 mod content;
 mod family;
 mod fit;
@@ -21,6 +22,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 pub use candidate::{Block, Candidate, StructurePart, UnknownCandidate};
+pub use checkpoint::ComparisonCheckpoint;
 pub use content::Content;
 pub use family::FamilySelection;
 pub(crate) use family::choose as choose_family;
@@ -34,8 +36,10 @@ use super::compared::CandidateSummary;
 use super::engine::Engine;
 use super::joint::JointMember;
 use super::options::{CampaignRecord, DynamicsChoice, Options};
+use super::searches::Searches;
 use super::watch::{Plan, State};
 use super::{Event, IdentifyError, RecordFacts, Watch};
+use checkpoint::FinishedCandidate;
 use fit::{Campaign, Named, NoFit, Training, WholeFit};
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hammerstein::Model;
@@ -142,7 +146,24 @@ pub fn compare(
     options: &Options,
     watch: &Watch<'_>,
 ) -> Result<Comparison, IdentifyError> {
+    compare_from(campaign, selection, options, watch, None)
+}
+
+/// [`compare`], with the candidates of an interrupted comparison ([`Event::searches`]) as they are: the result
+/// is that of a comparison that was not interrupted, to the bit.
+///
+/// # Errors
+/// Those of [`compare`]; [`IdentifyError::Resume`] for a state of other records, options or candidates.
+pub fn compare_from(
+    campaign: &[CampaignRecord],
+    selection: Selection<'_>,
+    options: &Options,
+    watch: &Watch<'_>,
+    resume: Option<Searches>,
+) -> Result<Comparison, IdentifyError> {
     options.validate()?;
+    let problem = checkpoint::problem(campaign, selection, options);
+    let resumed = ComparisonCheckpoint::of(resume, &problem)?;
     let runs = if options.continued { runs(campaign)? } else { Vec::new() };
     let joined = of_runs(campaign, &runs);
     let facts = usable(if options.continued { &joined } else { campaign })?;
@@ -170,6 +191,8 @@ pub fn compare(
         of_best: None,
         is_search: !matches!(selection, Selection::Given(_)),
         has_news: AtomicBool::new(false),
+        problem,
+        resumed,
     };
     match selection {
         Selection::Given(candidates) => run.add(candidates),
@@ -201,6 +224,10 @@ struct RunningComparison<'a, 'w> {
     is_search: bool,
     /// A candidate has finished since the last event.
     has_news: AtomicBool,
+    /// Fingerprint of records, options and candidates.
+    problem: String,
+    /// Candidates that an interrupted comparison finished and this one has not come to yet.
+    resumed: Vec<FinishedCandidate>,
 }
 
 struct Finished {
@@ -254,7 +281,7 @@ impl RunningComparison<'_, '_> {
                 self.step(fits, candidate);
                 continue;
             }
-            match self.fitted(candidate) {
+            match self.restored(candidate).or_else(|| self.fitted(candidate)) {
                 Some(finished) => {
                     self.finished.push(finished);
                     let ranking = self.ranking();
@@ -266,6 +293,7 @@ impl RunningComparison<'_, '_> {
                         (self.finished[ranking.preferred].entry.candidate, error)
                     });
                     self.has_news.store(true, Ordering::Relaxed);
+                    self.step(0, candidate);
                 }
                 None => {
                     self.cut_short = true;
@@ -287,8 +315,25 @@ impl RunningComparison<'_, '_> {
         let so_far = || self.so_far();
         let candidates: Option<&dyn Fn() -> Vec<CandidateSummary>> = Some(&so_far);
         let has_news = self.has_news.swap(false, Ordering::Relaxed);
-        let state = State { candidates: candidates.filter(|_| has_news), ..State::default() };
+        let searches = || self.searches();
+        let searches: Option<&dyn Fn() -> Searches> = Some(&searches);
+        let state = State { candidates: candidates.filter(|_| has_news), searches, ..State::default() };
         let _ = self.watch.tell(Event::new(&stage, fraction, error).with(state));
+    }
+
+    /// The candidate as an interrupted comparison finished it; `None` where it did not.
+    fn restored(&mut self, candidate: Candidate) -> Option<Finished> {
+        let index = self.resumed.iter().position(|finished| finished.is(candidate))?;
+        let finished = self.resumed.remove(index).restored(candidate, self.folds.len())?;
+        self.step(self.folds.len() + 1, candidate);
+        Some(finished)
+    }
+
+    /// State to resume from.
+    fn searches(&self) -> Searches {
+        let finished = self.finished.iter().map(FinishedCandidate::from).chain(self.resumed.iter().cloned());
+        let comparison = ComparisonCheckpoint { problem: self.problem.clone(), finished: finished.collect() };
+        Searches { comparison: Some(Box::new(comparison)), ..Searches::default() }
     }
 
     /// The candidates that are finished, in the order of their error.

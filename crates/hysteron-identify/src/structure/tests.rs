@@ -99,7 +99,8 @@ fn the_structure_that_made_the_records_is_preferred() {
     let bic = |i: usize| found.entries[i].bic.unwrap();
     assert!((0..5).all(|i| i == 3 || bic(i) > bic(3)), "{:?}", (0..5).map(bic).collect::<Vec<_>>());
     told.retain(|fraction| *fraction > 0.0);
-    assert_eq!((told.len(), told.last()), (25, Some(&1.0)));
+    // Of each candidate five fits, and that it is finished.
+    assert_eq!((told.len(), told.last()), (30, Some(&1.0)));
     assert!(!found.interrupted);
 }
 
@@ -119,8 +120,7 @@ fn what_is_finished_is_kept_when_stopped() {
     assert_eq!(found.ranking.unwrap().order.len(), kept);
 }
 
-/// A clock that has run out once the first candidate was told of six times (its fit, and four folds; then the
-/// next one).
+/// A clock that has run out once the first candidate was told of six times: its fit, four folds, its end.
 #[test]
 fn what_is_finished_in_time_is_compared() {
     let list = candidates(&["none", "integer1", "integer2"]);
@@ -352,7 +352,7 @@ fn where_families_cannot_be_compared_the_usual_one_is_kept_with_the_reason() {
         (&records, &free, "its exponent"),
         (&records, &two_steps, "two steps"),
     ] {
-        let selection = choose_family(records, options, &Watch::silent()).unwrap();
+        let selection = choose_family(records, options, &Watch::silent(), None).unwrap();
         assert_eq!((selection.chosen, selection.errors.len()), (HysteresisForm::default(), 0));
         assert!(selection.verdict.contains(why), "{}", selection.verdict);
     }
@@ -363,6 +363,86 @@ fn a_choice_of_family_that_is_stopped_says_so() {
     let watch = Watch::silent();
     watch.stop().request();
     let auto = Options { hysteresis: FamilyChoice::Auto, ..Options::default() };
-    let stopped = choose_family(&slow_loops(truth().hysteresis), &auto, &watch);
+    let stopped = choose_family(&slow_loops(truth().hysteresis), &auto, &watch, None);
     assert!(matches!(stopped, Err(IdentifyError::Stopped)), "{stopped:?}");
+}
+
+/// The state of a comparison at its last news, through its file, when `candidates` have finished.
+fn interrupted_after(candidates: usize, compare: impl FnOnce(&Watch<'_>)) -> Searches {
+    let mut kept = None;
+    let mut finished = 0;
+    let watch = Watch::new(|event: &Event<'_>| {
+        if event.candidates().is_some() {
+            finished += 1;
+            kept = event.searches();
+        }
+        if finished < candidates { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    });
+    compare(&watch);
+    drop(watch);
+    serde_json::from_str(&serde_json::to_string(&kept.unwrap()).unwrap()).unwrap()
+}
+
+#[test]
+fn a_resumed_comparison_fits_the_others_and_ends_with_the_same_bits() {
+    let list = candidates(&["none", "integer1", "integer2", "integer1+degree1"]);
+    let (records, options) = (campaign(), Options::default());
+    let selection = Selection::Given(&list);
+    let whole = compare(&records, selection, &options, &Watch::silent()).unwrap();
+    let state = interrupted_after(2, |watch| {
+        let found = compare(&records, selection, &options, watch).unwrap();
+        assert!(found.interrupted && found.entries.len() == 2);
+    });
+    assert_eq!(state.comparison.as_ref().unwrap().finished(), 2);
+    let mut fits = Vec::new();
+    let watch = Watch::new(|event: &Event<'_>| {
+        fits.push(event.stage.split(',').next().unwrap_or_default().to_owned());
+        ControlFlow::Continue(())
+    });
+    let resumed = compare_from(&records, selection, &options, &watch, Some(state.clone())).unwrap();
+    drop(watch);
+    assert_eq!(format!("{resumed:?}"), format!("{whole:?}"));
+    // One report that it is taken and one that it is finished; five fits and the end of the others.
+    let of = |name: &str| fits.iter().filter(|fit| *fit == name).count();
+    assert_eq!([of("none"), of("integer1"), of("integer2"), of("integer1+degree1")], [2, 2, 6, 6]);
+    let others = Selection::Given(&list[..3]);
+    let refused = compare_from(&records, others, &options, &Watch::silent(), Some(state));
+    assert!(matches!(refused, Err(IdentifyError::Resume)));
+}
+
+#[test]
+fn a_resumed_search_takes_the_same_way() {
+    let (records, options) = (campaign(), Options::default());
+    let run = |watch: &Watch<'_>, resume| {
+        compare_from(&records, Selection::QuickSearch, &options, watch, resume).unwrap()
+    };
+    let whole = run(&Watch::silent(), None);
+    // All but the last: the ways of the search are decided by what was finished at each turn.
+    let state = interrupted_after(whole.entries.len() - 1, |watch| drop(run(watch, None)));
+    assert_eq!(format!("{:?}", run(&Watch::silent(), Some(state))), format!("{whole:?}"));
+}
+
+#[test]
+fn a_resumed_choice_of_the_family_goes_on_from_the_families_that_are_fitted() {
+    let records = slow_loops(truth().hysteresis);
+    let auto = Options { hysteresis: FamilyChoice::Auto, ..Options::default() };
+    let whole = crate::identify(&records, &auto, &Watch::silent(), None).unwrap();
+    let state = interrupted_after(3, |watch| {
+        let stopped = crate::identify(&records, &auto, watch, None);
+        assert!(matches!(stopped, Err(IdentifyError::Stopped)));
+    });
+    let mut news = 0;
+    let mut kept = Vec::new();
+    let watch = Watch::new(|event: &Event<'_>| {
+        news += usize::from(event.candidates().is_some());
+        kept.extend(event.searches().and_then(|searches| searches.comparison).map(|c| c.finished()));
+        ControlFlow::Continue(())
+    });
+    let resumed = crate::identify(&records, &auto, &watch, Some(state)).unwrap();
+    drop(watch);
+    assert_eq!(format!("{:?}", resumed.model), format!("{:?}", whole.model));
+    assert_eq!(resumed.structure, whole.structure);
+    // The state of the fit that follows holds the families too, and so does the result.
+    assert_eq!(kept.last(), Some(&news));
+    assert_eq!(resumed.resume.comparison.map(|c| c.finished()), Some(news));
 }

@@ -37,6 +37,8 @@ pub(crate) struct Lines<R> {
     line: u64,
     /// Bytes of the lines read.
     position: u64,
+    /// Last byte of a line: a line feed; a carriage return in a file that has no line feeds (old Macintosh).
+    end: u8,
 }
 
 /// One line, without its line end.
@@ -59,13 +61,20 @@ impl<R: Read> Lines<R> {
             file: file.to_string(),
             line: 0,
             position: 0,
+            end: b'\n',
         }
     }
 
     /// Next line without its line end (and without the byte order mark); `None` at the end of the file.
     pub fn next_line(&mut self) -> Result<Option<Line<'_>>, IoError> {
         self.buffer.clear();
-        let read = (&mut self.reader).take(MAX_LINE_BYTES as u64 + 1).read_until(b'\n', &mut self.buffer);
+        if self.line == 0 {
+            let first = self.reader.fill_buf().unwrap_or_default();
+            let is_old_macintosh = !first.contains(&b'\n') && first.contains(&b'\r');
+            self.end = if is_old_macintosh { b'\r' } else { b'\n' };
+        }
+        let end = self.end;
+        let read = (&mut self.reader).take(MAX_LINE_BYTES as u64 + 1).read_until(end, &mut self.buffer);
         if let Err(source) = read {
             return Err(IoError::Read { place: self.place(self.line + 1), source });
         }
@@ -81,7 +90,7 @@ impl<R: Read> Lines<R> {
         }
         self.line += 1;
         self.position += self.buffer.len() as u64;
-        let ended = self.buffer.last() == Some(&b'\n');
+        let ended = self.buffer.last() == Some(&end);
         let mut line = self.buffer.as_slice();
         if self.line == 1 {
             if let Some(rest) = line.strip_prefix(b"\xEF\xBB\xBF") {
@@ -94,7 +103,7 @@ impl<R: Read> Lines<R> {
                 });
             }
         }
-        if let Some(rest) = line.strip_suffix(b"\n") {
+        if let Some(rest) = line.strip_suffix(&[end]) {
             line = rest;
         }
         if let Some(rest) = line.strip_suffix(b"\r") {
@@ -107,7 +116,7 @@ impl<R: Read> Lines<R> {
     /// [`Self::next_line`], which also says what is wrong.
     pub fn ahead(&mut self) -> &[u8] {
         let hashed = self.reader.get_ref();
-        if hashed.bytes > hashed.limit {
+        if hashed.bytes > hashed.limit || self.end != b'\n' {
             return &[];
         }
         let bytes = self.reader.fill_buf().unwrap_or_default();

@@ -7,6 +7,8 @@ mod table;
 
 use std::io::Read;
 
+use hysteron_model::record::{Unit, split_header};
+
 use crate::IoError;
 use crate::columns::{Columns, Headings};
 use crate::place::{FilePart, Place};
@@ -56,7 +58,15 @@ pub(crate) fn read(input: Input<'_>) -> Result<Columns, IoError> {
             suggestion: suggested_header(fields.len(), delimiter),
         });
     }
-    let headings = Headings::new(file, Some(line), header_texts(file, line, fields)?)?;
+    let names = header_texts(file, line, fields)?;
+    let (names, first_row) = match first_row {
+        Some(row) => match with_units(&names, row.line(), delimiter) {
+            Some(names) => (names, next_fields(&mut lines, &mut Some(delimiter))?.0),
+            None => (names, Some(row)),
+        },
+        None => (names, None),
+    };
+    let headings = Headings::new(file, Some(line), names)?;
     let wanted = wanted(&headings)?;
     let Some(first_row) = first_row else {
         return Err(IoError::HeaderOnly { place: headings.place() });
@@ -82,6 +92,28 @@ pub(crate) fn read(input: Input<'_>) -> Result<Columns, IoError> {
             }
         }
     }
+}
+
+/// The names with the units of the line below them; `None` for a line that is no row of units: it has as many
+/// fields, each a unit, in brackets or not, or empty, and none contradicts a unit in its name.
+fn with_units(names: &[String], row: Line<'_>, delimiter: u8) -> Option<Vec<String>> {
+    let fields = split_fields(row.bytes, delimiter).ok().filter(|fields| fields.len() == names.len())?;
+    let units = fields.iter().map(|field| {
+        let text = std::str::from_utf8(field).ok()?.trim();
+        let bare = text.trim_start_matches(['[', '(']).trim_end_matches([']', ')']).trim();
+        (bare.is_empty() || bare == "-" || Unit::new(bare).is_known()).then(|| bare.trim_matches('-'))
+    });
+    let units = units.collect::<Option<Vec<&str>>>()?;
+    let named = |(name, unit): (&String, &&str)| {
+        let own = split_header(name).1;
+        match (unit.is_empty(), own.symbol().is_empty()) {
+            (true, _) => Some(name.clone()),
+            (false, true) => Some(format!("{name} [{unit}]")),
+            (false, false) => (own == Unit::new(unit)).then(|| name.clone()),
+        }
+    };
+    let named = names.iter().zip(&units).map(named).collect::<Option<Vec<String>>>();
+    named.filter(|_| units.iter().any(|unit| !unit.is_empty()))
 }
 
 /// The fields of the header line as text.

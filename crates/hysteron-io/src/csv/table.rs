@@ -107,7 +107,9 @@ impl Table {
         let numbers = || {
             line.bytes.split(|&b| b == self.delimiter).all(|f| f.is_empty() || loosely_number(f).is_some())
         };
-        if self.delimiter == b',' && found > expected && found <= 2 * expected && numbers() {
+        // A decimal point anywhere rules decimal commas out.
+        let points = self.point_line.is_some() || line.bytes.contains(&b'.');
+        if self.delimiter == b',' && !points && found > expected && found <= 2 * expected && numbers() {
             return Err(IoError::DecimalCommas { place, found, expected });
         }
         if found < expected && !line.ended {

@@ -6,6 +6,8 @@ use crate::dynamics::DynamicsError;
 use crate::hysteresis::HysteresisError;
 use crate::invert::InversionError;
 use crate::realise::RealiseError;
+use crate::record::Unit;
+use hysteron_numeric::Stopped;
 use hysteron_numeric::display::short;
 
 /// Error of a [`Stage`](super::Stage), in the words of what drives it.
@@ -15,6 +17,9 @@ pub type StageError = Box<dyn std::error::Error + Send + Sync>;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ControlError {
+    /// The computation was stopped by its listener.
+    #[error("it was stopped")]
+    Stopped,
     /// The model cannot be realised.
     #[error(transparent)]
     Realise(#[from] RealiseError),
@@ -100,4 +105,20 @@ pub enum ControlError {
         /// The lowest possible \[Hz\].
         lowest_hz: f64,
     },
+}
+
+impl ControlError {
+    /// The message with the units of the drive and the output.
+    pub fn in_units(&self, input: &Unit, output: &Unit) -> String {
+        match self {
+            Self::Inversion(error) => error.in_units(input, output),
+            error => error.to_string(),
+        }
+    }
+}
+
+impl From<Stopped> for ControlError {
+    fn from(_: Stopped) -> Self {
+        Self::Stopped
+    }
 }

@@ -30,6 +30,7 @@ pub use error::{ControlError, StageError};
 pub use law::{FeedbackKind, FeedbackLaw, FeedbackParts, Notch};
 pub use line::StraightLine;
 pub use margins::{Margins, loop_frequencies};
+pub(crate) use play::play_metered;
 pub use play::{Plant, Played, Stage, StageRun, StageSample, play};
 pub use score::TrackingScore;
 pub use sines::{Edge, Followed, SineAnswer, Sines};

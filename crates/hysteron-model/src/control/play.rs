@@ -1,5 +1,6 @@
 //! Running a loop on a stage.
 
+use hysteron_numeric::Meter;
 use hysteron_rt::{Compensator, HeldBack, Limited, Limits, Line, Model as RuntimeModel, Observer};
 
 use super::{AdaptiveParts, ControlError, FeedbackParts, Loop, StageError};
@@ -100,6 +101,20 @@ pub fn play(
     plant: Plant<'_>,
     virgin_v: Option<f64>,
 ) -> Result<Played, ControlError> {
+    play_metered(made, reference, plant, virgin_v, &Meter::silent())
+}
+
+/// [`play`], whose samples `meter` counts.
+///
+/// # Errors
+/// Those of [`play`]; [`ControlError::Stopped`].
+pub(crate) fn play_metered(
+    made: &Loop,
+    reference: &[f64],
+    plant: Plant<'_>,
+    virgin_v: Option<f64>,
+    meter: &Meter<'_>,
+) -> Result<Played, ControlError> {
     let (Some(&first), Some(&last)) = (reference.first(), reference.last()) else {
         return Err(ControlError::Reference);
     };
@@ -192,6 +207,7 @@ pub fn play(
     };
     let (mut error, mut disturbance, mut held, mut voltage) = (0.0, 0.0, HeldBack::No, rest_v);
     for (k, r) in reference.iter().enumerate() {
+        meter.at_sample(k)?;
         let mut correction = feedback.as_mut().map_or(0.0, |f| f.step(error, held));
         if let Some(lms) = &mut lms {
             correction += lms.step(ahead(k + preview) - first, error);

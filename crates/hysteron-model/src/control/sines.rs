@@ -2,8 +2,9 @@
 
 use std::f64::consts::{SQRT_2, TAU};
 
-use super::{ControlError, Loop, Plant, TrackingScore, play};
-use hysteron_numeric::Complex64;
+use super::play::play_metered;
+use super::{ControlError, Loop, Plant, TrackingScore};
+use hysteron_numeric::{Complex64, Meter};
 
 /// Sines per decade.
 const PER_DECADE: f64 = 4.0;
@@ -53,6 +54,17 @@ pub struct SineAnswer {
     pub held_back: usize,
 }
 
+/// Length of one sine, in samples.
+struct SineTiming {
+    /// Whole periods that are evaluated, and their samples.
+    periods: f64,
+    counted: f64,
+    /// Samples before them.
+    settled: usize,
+    /// Samples to their end.
+    end: usize,
+}
+
 /// Where a bandwidth lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Edge {
@@ -94,16 +106,23 @@ impl Loop {
         plant: Plant<'_>,
         virgin_v: Option<f64>,
     ) -> Result<SineAnswer, ControlError> {
+        self.sine_metered(sines, frequency_hz, plant, virgin_v, &Meter::silent())
+    }
+
+    fn sine_metered(
+        &self,
+        sines: &Sines,
+        frequency_hz: f64,
+        plant: Plant<'_>,
+        virgin_v: Option<f64>,
+        meter: &Meter<'_>,
+    ) -> Result<SineAnswer, ControlError> {
         let lowest_hz = Sines::lowest_hz(self.settings.sample_rate_hz);
         if frequency_hz.is_nan() || frequency_hz < lowest_hz {
             return Err(ControlError::Sine { frequency_hz, lowest_hz });
         }
-        let period = self.settings.sample_rate_hz / frequency_hz;
-        let periods = (COUNTED / period).ceil().max(2.0);
-        let counted = (periods * period).round();
+        let SineTiming { periods, counted, settled, end } = self.timing(frequency_hz);
         let step = TAU * periods / counted;
-        let settled = SETTLED.max(period.ceil() as usize);
-        let end = settled + counted as usize;
         let preview = self.inverse.as_ref().map_or(0, |inverse| inverse.preview);
         let reference: Vec<f64> = (0..end + preview + AFTER)
             .map(|k| {
@@ -112,7 +131,7 @@ impl Loop {
                 sines.level + size * (step * k as f64).sin()
             })
             .collect();
-        let played = play(self, &reference, plant, virgin_v)?;
+        let played = play_metered(self, &reference, plant, virgin_v, meter)?;
         let share = |x: &[f64]| -> Complex64 {
             x[settled..end]
                 .iter()
@@ -139,17 +158,25 @@ impl Loop {
         plant: Plant<'_>,
         virgin_v: Option<f64>,
     ) -> Result<Followed, ControlError> {
+        self.sines_metered(sines, plant, virgin_v, &Meter::silent())
+    }
+
+    /// [`Self::sines`], whose samples `meter` counts.
+    ///
+    /// # Errors
+    /// Those of [`Self::sines`]; [`ControlError::Stopped`].
+    pub(crate) fn sines_metered(
+        &self,
+        sines: &Sines,
+        plant: Plant<'_>,
+        virgin_v: Option<f64>,
+        meter: &Meter<'_>,
+    ) -> Result<Followed, ControlError> {
         let [low, high] = sines.range_hz;
-        let steps = (PER_DECADE * (high / low).log10()).ceil().max(1.0) as usize;
-        let mut frequencies: Vec<f64> =
-            (0..=steps).map(|k| low * (high / low).powf(k as f64 / steps as f64)).collect();
-        // So that a dip predicted by the model is not skipped.
-        let own = [self.bandwidth.minus_3_db_hz, self.bandwidth.one_percent_hz].map(|f| BEYOND * f);
-        frequencies.extend(own.into_iter().filter(|f| (low..=high).contains(f)));
-        frequencies.sort_by(f64::total_cmp);
+        let frequencies = self.frequencies(sines);
         let mut answers: Vec<SineAnswer> = Vec::with_capacity(frequencies.len() + 2 * HALVINGS);
         for frequency_hz in frequencies {
-            answers.push(self.sine(sines, frequency_hz, plant, virgin_v)?);
+            answers.push(self.sine_metered(sines, frequency_hz, plant, virgin_v, meter)?);
         }
         let lost = |a: &SineAnswer| SQRT_2.recip() / a.followed.norm();
         let left = |a: &SineAnswer| a.error_percent;
@@ -157,7 +184,7 @@ impl Loop {
             for _ in 0..HALVINGS {
                 let Some(above @ 1..) = answers.iter().position(|a| measure(a) > 1.0) else { break };
                 let between = (answers[above - 1].frequency_hz * answers[above].frequency_hz).sqrt();
-                let answer = self.sine(sines, between, plant, virgin_v)?;
+                let answer = self.sine_metered(sines, between, plant, virgin_v, meter)?;
                 answers.insert(above, answer);
             }
         }
@@ -172,6 +199,32 @@ impl Loop {
             }
         };
         Ok(Followed { minus_3_db: edge(&lost), one_percent: edge(&left), answers })
+    }
+
+    /// Samples that [`Self::sines`] plays, without those that it adds around a bandwidth.
+    pub(crate) fn samples_of(&self, sines: &Sines) -> usize {
+        self.frequencies(sines).into_iter().map(|frequency_hz| self.timing(frequency_hz).end).sum()
+    }
+
+    /// The frequencies from the lowest to the highest \[Hz\].
+    fn frequencies(&self, sines: &Sines) -> Vec<f64> {
+        let [low, high] = sines.range_hz;
+        let steps = (PER_DECADE * (high / low).log10()).ceil().max(1.0) as usize;
+        let mut frequencies: Vec<f64> =
+            (0..=steps).map(|k| low * (high / low).powf(k as f64 / steps as f64)).collect();
+        // So that a dip predicted by the model is not skipped.
+        let own = [self.bandwidth.minus_3_db_hz, self.bandwidth.one_percent_hz].map(|f| BEYOND * f);
+        frequencies.extend(own.into_iter().filter(|f| (low..=high).contains(f)));
+        frequencies.sort_by(f64::total_cmp);
+        frequencies
+    }
+
+    fn timing(&self, frequency_hz: f64) -> SineTiming {
+        let period = self.settings.sample_rate_hz / frequency_hz;
+        let periods = (COUNTED / period).ceil().max(2.0);
+        let counted = (periods * period).round();
+        let settled = SETTLED.max(period.ceil() as usize);
+        SineTiming { periods, counted, settled, end: settled + counted as usize }
     }
 
     /// This loop without adaptation: its weights stay 0.

@@ -3,6 +3,7 @@
 use hysteron_rt::{ParameterError, SimulateError, StepError};
 use thiserror::Error;
 
+use hysteron_numeric::Stopped;
 use hysteron_numeric::display::short;
 
 /// A hysteresis block that cannot be built or simulated.
@@ -315,6 +316,12 @@ pub enum HysteresisError {
         /// Message of the transform.
         message: String,
     },
+}
+
+impl From<Stopped> for HysteresisError {
+    fn from(_: Stopped) -> Self {
+        Self::Stopped
+    }
 }
 
 impl HysteresisError {

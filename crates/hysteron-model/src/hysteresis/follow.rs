@@ -5,6 +5,7 @@
 //! and found by secants kept within the bracket. There is no one-sample delay: the inverse is exact in one
 //! step, for every family.
 
+use hysteron_numeric::Meter;
 use hysteron_rt::Limited;
 
 use super::columns::ColumnKernel;
@@ -56,6 +57,21 @@ impl Hysteresis {
         memory: Option<f64>,
         limits: &DriveLimits,
     ) -> Result<Followed, HysteresisError> {
+        self.follow_metered(wanted, rest, memory, limits, &Meter::silent())
+    }
+
+    /// [`Self::follow`], whose samples `meter` counts.
+    ///
+    /// # Errors
+    /// Those of [`Self::follow`]; [`HysteresisError::Stopped`].
+    pub(crate) fn follow_metered(
+        &self,
+        wanted: &[f64],
+        rest: f64,
+        memory: Option<f64>,
+        limits: &DriveLimits,
+        meter: &Meter<'_>,
+    ) -> Result<Followed, HysteresisError> {
         self.validate()?;
         let [low, high] = limits.range;
         if !(low < high && (high - low).is_finite()) {
@@ -71,7 +87,7 @@ impl Hysteresis {
             return Err(HysteresisError::Wanted { index });
         }
         let interval_s = self.form().interval(limits.interval_s)?;
-        self.form().family().follow(self, interval_s, wanted, (rest, memory), limits)
+        self.form().family().follow(self, interval_s, wanted, (rest, memory), (limits, meter))
     }
 }
 
@@ -81,7 +97,7 @@ pub(super) fn columns<K: ColumnKernel>(
     (shape, model): (&[f64], &Hysteresis),
     wanted: &[f64],
     (rest, memory): (f64, Option<f64>),
-    limits: &DriveLimits,
+    limits: (&DriveLimits, &Meter<'_>),
 ) -> Result<Followed, HysteresisError> {
     let mut state = kernel.virgin(shape, memory.unwrap_or(rest));
     if memory.is_some() {
@@ -101,12 +117,12 @@ struct Point {
     v: f64,
 }
 
-/// Every output of `wanted` in turn; `step` moves a state and returns the output.
+/// Every output of `wanted` in turn, counted by the meter; `step` moves a state and returns the output.
 pub(super) fn along<S: Clone>(
     mut state: S,
     rest: f64,
     wanted: &[f64],
-    limits: &DriveLimits,
+    (limits, meter): (&DriveLimits, &Meter<'_>),
     mut step: impl FnMut(&mut S, f64) -> Result<f64, HysteresisError>,
 ) -> Result<Followed, HysteresisError> {
     let mut followed = Followed {
@@ -119,6 +135,7 @@ pub(super) fn along<S: Clone>(
     let mut now = Point { u: rest, v: step(&mut state.clone(), rest)? };
     let mut slope = None;
     for (index, &target) in wanted.iter().enumerate() {
+        meter.at_sample(index)?;
         let allowed = [(now.u - limits.step).max(low), (now.u + limits.step).min(high)];
         let mut trial = |u: f64| -> Result<Point, HysteresisError> {
             let v = step(&mut state.clone(), u).map_err(|error| error.at_sample(index))?;

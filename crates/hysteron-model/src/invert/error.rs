@@ -4,6 +4,8 @@ use crate::dynamics::DynamicsError;
 use crate::hammerstein::SimulationError;
 use crate::hysteresis::{HysteresisError, Invertibility};
 use crate::realise::RealiseError;
+use crate::record::Unit;
+use hysteron_numeric::Stopped;
 use hysteron_numeric::display::short;
 
 /// Error of an inversion.
@@ -57,6 +59,9 @@ pub enum InversionError {
         /// Output at rest at the largest voltage \[µm\].
         to: f64,
     },
+    /// The computation was stopped by its listener.
+    #[error("it was stopped")]
+    Stopped,
     /// No voltage gives the first value of the reference, and the output falls somewhere in the range.
     #[error(
         "the hysteresis has no inverse over the range from {} to {}: near the input {} its output at rest \
@@ -104,7 +109,7 @@ pub enum InversionError {
     Dynamics(#[from] DynamicsError),
     /// The hysteresis has no inverse.
     #[error("the hysteresis cannot be inverted: {0}")]
-    Hysteresis(#[from] HysteresisError),
+    Hysteresis(HysteresisError),
     /// An option of a compensator is out of range.
     #[error("{name} must be {allowed}, but it is {value}")]
     Option {
@@ -124,4 +129,51 @@ pub enum InversionError {
     /// The equations of the regulator have no solution in double precision.
     #[error("no stable regulator was found; ask for a lower bandwidth")]
     NoRegulator,
+}
+
+impl InversionError {
+    /// The message with the units of the drive and the output.
+    pub fn in_units(&self, input: &Unit, output: &Unit) -> String {
+        let (input, output) = (input.spaced(), output.spaced());
+        match self {
+            Self::Hysteresis(HysteresisError::RestOutside { rest, low, high }) => format!(
+                "the device rests at {}{input}, outside of the range of its drive, {}{input} to {}{input}",
+                short(*rest),
+                short(*low),
+                short(*high)
+            ),
+            Self::Falls { low, high, near } => format!(
+                "the hysteresis has no inverse over the range from {}{input} to {}{input}: near {}{input} its \
+                 output at rest falls as the drive rises; give a smaller range",
+                short(*low),
+                short(*high),
+                short(*near)
+            ),
+            Self::Begins { reference, low, high, from, to } => format!(
+                "the reference begins at {}{output}, which no drive from {} to {}{input} holds: at rest these \
+                 give {} to {}{output}",
+                short(*reference),
+                short(*low),
+                short(*high),
+                short(*from),
+                short(*to)
+            ),
+            error => error.to_string(),
+        }
+    }
+}
+
+impl From<HysteresisError> for InversionError {
+    fn from(error: HysteresisError) -> Self {
+        match error {
+            HysteresisError::Stopped => Self::Stopped,
+            error => Self::Hysteresis(error),
+        }
+    }
+}
+
+impl From<Stopped> for InversionError {
+    fn from(_: Stopped) -> Self {
+        Self::Stopped
+    }
 }

@@ -30,6 +30,18 @@ impl Hammerstein {
         };
         let samples = found.drive.len();
         let input = Unit::new(&self.data().units.input).spaced();
+        if let Some([low, high]) = self.drive_range().filter(|own| reaches_far_beyond(range, *own)) {
+            let text = format!(
+                "The range of the drive, {} to {}{input}, reaches far beyond that of the records, {} to \
+                 {}{input}: beyond it the model extrapolates, and whether device and amplifier bear it is not \
+                 known here.",
+                short(range[0]),
+                short(range[1]),
+                short(low),
+                short(high)
+            );
+            say("range", text, Advice::DriveRange);
+        }
         if found.at_range > 0 {
             let text = format!(
                 "The drive is clipped at its range, {} to {}{input}, in {} of {samples} samples: the \
@@ -70,6 +82,12 @@ impl Hammerstein {
         }
         findings
     }
+}
+
+/// True if a range exceeds the one of the records by more than its width on either side.
+fn reaches_far_beyond([low, high]: [f64; 2], [own_low, own_high]: [f64; 2]) -> bool {
+    let width = own_high - own_low;
+    low < own_low - width || high > own_high + width
 }
 
 #[cfg(test)]
@@ -113,6 +131,13 @@ mod tests {
         };
         let model = model(denominator);
         model.hammerstein(Capability::Inversion).unwrap().findings_on_drive(&found, [0.0, 10.0])
+    }
+
+    #[test]
+    fn a_range_far_beyond_the_records_is_named() {
+        let far = |range| reaches_far_beyond(range, [0.0, 10.0]);
+        assert!(far([-1000.0, 10.0]) && far([0.0, 21.0]));
+        assert!(!far([-10.0, 20.0]) && !far([2.0, 5.0]));
     }
 
     #[test]

@@ -226,8 +226,9 @@ impl Inspection {
             TimeBase::NonUniform { .. } => findings.push(warning(format!(
                 "The time stamps are not uniform (longest distance {} times the median): a Hammerstein model \
                  is fitted to and simulated on them as they are; what needs one rate takes the record \
-                 resampled, or the rate if the stamps are only written coarsely.",
-                self.largest_gap.map_or("unknown".to_string(), |g| format!("{g:.3}"))
+                 resampled, or the rate if the stamps are only written coarsely.{}",
+                self.largest_gap.map_or("unknown".to_string(), |g| format!("{g:.3}")),
+                repeated(&data.time)
             )).with_advice(Advice::Resample)),
             TimeBase::Uniform { jitter_samples, .. } if *jitter_samples > 0.01 => {
                 findings.push(warning(format!(
@@ -454,6 +455,20 @@ fn period_change(data: &InputOutput, periods: &Periods) -> Option<f64> {
         }
     }
     (count > 0).then(|| (sum / f64::from(count)).sqrt())
+}
+
+/// How many time stamps repeat the one before, and which is the first; empty where none does.
+fn repeated(time: &TimeBase) -> String {
+    let TimeBase::NonUniform { times_s } = time else { return String::new() };
+    let mut repeats = times_s.windows(2).enumerate().filter(|(_, pair)| pair[0] == pair[1]);
+    let Some((index, pair)) = repeats.next() else { return String::new() };
+    format!(
+        " {} of {} stamps repeat the one before, first that of sample {} ({} s).",
+        1 + repeats.count(),
+        times_s.len(),
+        index + 2,
+        short(pair[1])
+    )
 }
 
 #[cfg(test)]

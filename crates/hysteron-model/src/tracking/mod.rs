@@ -11,6 +11,7 @@ mod summary;
 
 use std::ops::Range;
 
+use hysteron_numeric::Listener;
 use rayon::prelude::*;
 
 use crate::control::{ControlError, Loop, LoopSettings, Plant, Reach, Sines, reach};
@@ -26,6 +27,10 @@ pub use options::TrackOptions;
 pub use run::{Adaptation, ControllerRun, differ};
 pub use summary::{AdaptationSummary, ControllerSummary, LoopAnswer, SineSummary, TrackingSummary, law};
 
+/// Stages of tracking, and the share of the time that the first takes.
+const DESIGN: &str = "design of the controllers";
+const SIMULATION: &str = "simulation of the controllers";
+const SHARE_OF_DESIGN: f64 = 0.1;
 /// Shares of the stroke in the table of amplitudes.
 const AMPLITUDES: [f64; 5] = [0.05, 0.1, 0.25, 0.5, 1.0];
 
@@ -79,7 +84,21 @@ pub fn track(
     model: &Body<ModelFile, hammerstein::Model>,
     reference: &Signal,
     options: &TrackOptions,
+    plant: (Plant<'_>, PlantDescription),
+) -> Result<Tracking, ControlError> {
+    track_told(model, reference, options, plant, Listener::silent())
+}
+
+/// [`track`], with its progress told to `listener`.
+///
+/// # Errors
+/// Those of [`track`]; [`ControlError::Stopped`] where the listener ends it.
+pub fn track_told(
+    model: &Body<ModelFile, hammerstein::Model>,
+    reference: &Signal,
+    options: &TrackOptions,
     (plant, description): (Plant<'_>, PlantDescription),
+    listener: Listener<'_>,
 ) -> Result<Tracking, ControlError> {
     let TimeBase::Uniform { sample_rate_hz, .. } = reference.time else {
         return Err(ControlError::NoSampleRate);
@@ -90,7 +109,12 @@ pub fn track(
     let all = options.controllers.is_empty();
     let asked = if all { &Controller::ALL[..] } else { &options.controllers };
     let mut left_out = Vec::new();
-    let made = |c: &Controller| (*c, Loop::new(model.law(), &settings, &c.strategy(&knowledge)));
+    let designs = listener.part(0.0, SHARE_OF_DESIGN).meter(DESIGN, asked.len());
+    listener.tell(DESIGN, 0.0)?;
+    let made = |c: &Controller| {
+        let made = Loop::new(model.law(), &settings, &c.strategy(&knowledge));
+        (*c, designs.add(1).map_err(ControlError::from).and(made))
+    };
     let loops = sorted_out(asked.par_iter().map(made).collect(), all, &mut left_out)?;
     let scored = options.scored(&loops, samples.len(), sample_rate_hz)?;
     let sines = options.sines(&samples[scored.clone()], sample_rate_hz)?;
@@ -102,7 +126,9 @@ pub fn track(
         scored: &scored,
         sines,
     };
-    let played = |(c, made): &(Controller, Loop)| (*c, rehearsal.run(*c, made));
+    let work = loops.iter().map(|(_, made)| rehearsal.samples(made)).sum();
+    let meter = listener.part(SHARE_OF_DESIGN, 1.0).meter(SIMULATION, work);
+    let played = |(c, made): &(Controller, Loop)| (*c, rehearsal.run(*c, made, &meter));
     let runs = sorted_out(loops.par_iter().map(played).collect(), all, &mut left_out)?;
     let runs: Vec<ControllerRun> = runs.into_iter().map(|(_, run)| run).collect();
     Ok(Tracking {
@@ -121,7 +147,7 @@ pub fn track(
     })
 }
 
-/// The successful ones. Where all controllers were requested, failed ones are left out, unless none remains;
+/// The successful ones; none after a stop. Where all controllers were requested, failed ones are left out, unless none remains;
 /// else the first error.
 fn sorted_out<T>(
     outcomes: Vec<(Controller, Result<T, ControlError>)>,
@@ -132,6 +158,7 @@ fn sorted_out<T>(
     for (controller, outcome) in outcomes {
         match outcome {
             Ok(one) => sound.push((controller, one)),
+            Err(ControlError::Stopped) => return Err(ControlError::Stopped),
             Err(e) if all => left_out.push((controller, e)),
             Err(e) => return Err(e),
         }

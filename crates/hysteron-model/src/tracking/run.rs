@@ -3,8 +3,9 @@
 use std::ops::Range;
 
 use crate::control::{
-    AdaptiveFilter, ControlError, Edge, Followed, Loop, Plant, Played, Sines, TrackingScore, play,
+    AdaptiveFilter, ControlError, Edge, Followed, Loop, Plant, Played, Sines, TrackingScore, play_metered,
 };
+use hysteron_numeric::Meter;
 
 use super::Controller;
 
@@ -51,19 +52,30 @@ pub(super) struct Rehearsal<'a> {
 }
 
 impl Rehearsal<'_> {
-    pub fn run(&self, controller: Controller, made: &Loop) -> Result<ControllerRun, ControlError> {
+    /// Samples that a run plays, without those that the search for a bandwidth adds.
+    pub fn samples(&self, made: &Loop) -> usize {
+        let once = self.reference.len() + self.sines.map_or(0, |sines| made.samples_of(&sines));
+        if made.adaptive.is_some() { 2 * once } else { once }
+    }
+
+    pub fn run(
+        &self,
+        controller: Controller,
+        made: &Loop,
+        meter: &Meter<'_>,
+    ) -> Result<ControllerRun, ControlError> {
         let Range { start: from, end: to } = *self.scored;
-        let played = play(made, self.reference, self.plant, self.virgin_v)?;
+        let played = play_metered(made, self.reference, self.plant, self.virgin_v, meter)?;
         let score = TrackingScore::of(&played.displacement[..to], &self.reference[..to], from);
         let sines = |made: &Loop| match &self.sines {
-            Some(sines) => made.sines(sines, self.plant, self.virgin_v).map(Some),
+            Some(sines) => made.sines_metered(sines, self.plant, self.virgin_v, meter).map(Some),
             None => Ok(None),
         };
         let followed = sines(made)?;
         let adaptation = match &made.adaptive {
             Some(filter) => {
                 let alone = made.without_adaptation();
-                let played = play(&alone, self.reference, self.plant, self.virgin_v)?;
+                let played = play_metered(&alone, self.reference, self.plant, self.virgin_v, meter)?;
                 let left: Vec<f64> =
                     self.reference.iter().zip(&played.displacement).map(|(r, y)| r - y).take(to).collect();
                 let ahead = made.inverse.as_ref().map_or(0, |inverse| inverse.preview);

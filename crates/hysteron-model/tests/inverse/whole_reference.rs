@@ -1,6 +1,8 @@
 //! The drive for a reference that is known as a whole.
 
 use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+use std::sync::Mutex;
 
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
@@ -8,7 +10,8 @@ use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{BoucWen, DriveLimits, Hysteresis};
 use hysteron_model::invert::{InverseOptions, InversionError, LastRun};
 
-use hysteron_model::record::InterSample;
+use hysteron_model::record::{InterSample, Unit};
+use hysteron_numeric::Listener;
 
 use crate::plant::*;
 
@@ -135,6 +138,38 @@ fn what_repeats_is_learned_from_run_to_run() {
     // The device rests half a micrometre beside the beginning of the reference, which no run can mend and
     // none makes worse.
     assert!(errors.windows(2).all(|w| w[1] < w[0]), "{errors:?}");
+}
+
+#[test]
+fn progress_is_told_and_a_listener_ends_it() {
+    let reference: Vec<f64> = (0..8000).map(sine(20.0, 5.0, 8000, RATE_HZ)).collect();
+    let told = Mutex::new(Vec::new());
+    let listen = |stage: &str, share: f64| {
+        told.lock().unwrap().push((stage.to_owned(), share));
+        ControlFlow::Continue(())
+    };
+    let heard = model().invert_told(&reference, RATE_HZ, &options(), Listener::new(&listen)).unwrap();
+    assert_eq!(heard, model().invert(&reference, RATE_HZ, &options()).unwrap());
+    let told = told.into_inner().unwrap();
+    assert!(
+        told.windows(2).all(|w| w[0].1 <= w[1].1) && told.iter().all(|(_, share)| *share <= 1.0),
+        "{told:?}"
+    );
+    let of_hysteresis = told.iter().filter(|(stage, _)| stage == "inverse of the hysteresis").count();
+    assert_eq!(of_hysteresis, 8000 / 1024, "{told:?}");
+    let stop = |_: &str, share: f64| {
+        if share > 0.5 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let stopped = model().invert_told(&reference, RATE_HZ, &options(), Listener::new(&stop));
+    assert_eq!(stopped, Err(InversionError::Stopped));
+}
+
+#[test]
+fn messages_have_the_units_of_drive_and_output() {
+    let refused = model().invert(&[500.0, 500.0], RATE_HZ, &options()).unwrap_err();
+    let words = refused.in_units(&Unit::new("mA"), &Unit::new("urad"));
+    assert!(words.starts_with("the reference begins at 500 µrad, which no drive from "), "{words}");
+    assert!(words.contains(" mA holds: at rest these give ") && words.ends_with(" µrad"), "{words}");
 }
 
 #[test]

@@ -1,5 +1,7 @@
 // Requests to the server this page came from.
 
+import { begin, type Begun } from './requests';
+
 export interface Complaint {
   what: string;
   where?: string | null;
@@ -39,29 +41,49 @@ async function refusal(response: Response): Promise<Refusal> {
   return new Refusal(response.status, body?.error ?? { what: `the server answered ${response.status}` });
 }
 
-async function send(method: string, resource: string, body?: BodyInit, type?: string): Promise<Response> {
-  const headers: Record<string, string> = type ? { 'Content-Type': type } : {};
-  const response = await fetch(ROOT + resource, { method, body, headers }).catch(() => {
+/** What a request that was stopped ends with. */
+export const STOPPED: Complaint = { what: 'It was stopped.' };
+
+async function send(
+  method: string,
+  resource: string,
+  body?: BodyInit,
+  type?: string,
+  begun: Begun = begin(resource),
+): Promise<Response> {
+  const headers: Record<string, string> = { 'X-Request': begun.name };
+  if (type) headers['Content-Type'] = type;
+  try {
+    const response = await fetch(ROOT + resource, { method, body, headers, signal: begun.signal });
+    if (!response.ok) throw await refusal(response);
+    // The body is read before the request counts as answered.
+    const bytes = await response.blob();
+    return new Response(response.status === 204 ? null : bytes, response);
+  } catch (error) {
+    if (error instanceof Refusal) throw error;
+    if (begun.signal.aborted) throw new Refusal(0, STOPPED);
     throw new Refusal(0, {
       what: 'The server does not answer.',
       do: 'Start `hysteron app` again; the page goes on by itself.',
     });
-  });
-  if (!response.ok) throw await refusal(response);
-  return response;
+  } finally {
+    begun.end();
+  }
 }
 
-export async function get<T>(resource: string): Promise<T> {
-  return (await send('GET', resource)).json() as Promise<T>;
+export async function get<T>(resource: string, begun?: Begun): Promise<T> {
+  return (await send('GET', resource, undefined, undefined, begun)).json() as Promise<T>;
 }
 
 export async function change<T>(
   method: 'POST' | 'PATCH' | 'DELETE',
   resource: string,
   body?: unknown,
+  begun?: Begun,
 ): Promise<T> {
   const text = body === undefined ? undefined : JSON.stringify(body);
-  const response = await send(method, resource, text, text === undefined ? undefined : 'application/json');
+  const type = text === undefined ? undefined : 'application/json';
+  const response = await send(method, resource, text, type, begun);
   const answer = await response.text();
   return (answer ? JSON.parse(answer) : undefined) as T;
 }

@@ -1,6 +1,7 @@
 // Answers of the server, kept by their address; fetched anew where an event says that they changed.
 import { useEffect, useState } from 'preact/hooks';
 import { change, get, Refusal } from './client';
+import { begin, type Begun } from './requests';
 
 export interface Answer<T> {
   value?: T;
@@ -12,6 +13,8 @@ interface Entry extends Answer<unknown> {
   listeners: Set<() => void>;
   stale: boolean;
   used: number;
+  /** The request that is open. */
+  begun?: Begun;
 }
 
 const KEPT = 60;
@@ -38,9 +41,17 @@ function forgetOldest(): void {
 }
 
 /** An address, or an address and the body of a question, on two lines. */
-function ask(address: string): Promise<unknown> {
+function ask(address: string, e: Entry): Promise<unknown> {
   const [resource = '', body] = address.split('\n');
-  return body === undefined ? get(resource) : change('POST', resource, JSON.parse(body));
+  const begun = (e.begun = begin(resource));
+  return body === undefined ? get(resource, begun) : change('POST', resource, JSON.parse(body), begun);
+}
+
+/** Ends a question that nothing on the page waits for any more: its answer may take minutes. */
+function abandon(address: string, e: Entry): void {
+  if (!e.loading || e.listeners.size || !address.includes('\n')) return;
+  e.stale = true;
+  e.begun?.stop();
 }
 
 async function load(address: string): Promise<void> {
@@ -49,7 +60,7 @@ async function load(address: string): Promise<void> {
   e.loading = true;
   e.stale = false;
   try {
-    e.value = await ask(address);
+    e.value = await ask(address, e);
     e.error = undefined;
   } catch (error) {
     e.error = error instanceof Refusal ? error : new Refusal(0, { what: String(error) });
@@ -101,7 +112,10 @@ export function useResource<T>(address: string | null): Answer<T> {
     e.listeners.add(listener);
     if (e.stale) void load(address);
     listener();
-    return () => e.listeners.delete(listener);
+    return () => {
+      e.listeners.delete(listener);
+      abandon(address, e);
+    };
   }, [address]);
   if (!address) return { loading: false };
   const e = entries.get(address);

@@ -297,6 +297,13 @@ export interface LiveUpdate {
   latest: LiveLoop | null;
 }
 
+export interface RequestProgress {
+  request: string;
+  stage: string;
+  fraction: number;
+  left_s: number | null;
+}
+
 export interface Candidate {
   name: string;
   parameters: number;

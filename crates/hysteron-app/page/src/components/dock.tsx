@@ -90,6 +90,13 @@ const ENDED: Partial<Record<Job['state'], string>> = {
   interrupted: 'interrupted, the best so far is kept',
 };
 
+function ended(job: Job): string {
+  const isRace = job.request.kind === 'compare';
+  if (isRace && (job.state === 'stopped' || job.state === 'interrupted'))
+    return `${job.state}, finished structures are kept`;
+  return ENDED[job.state] ?? '';
+}
+
 function JobBar() {
   const list = useSignal(jobs);
   const now = list.find((job) => job.state === 'running') ?? list.find((job) => job.state === 'waiting');
@@ -107,7 +114,7 @@ function JobBar() {
         <span class="st" />
         <span class="tx soft">
           {last
-            ? `No job runs. Last: ${titleOf(last)}, ${ENDED[last.state] ?? ''}, ${seconds(last.elapsed_s)}`
+            ? `No job runs. Last: ${titleOf(last)}, ${ended(last)}, ${seconds(last.elapsed_s)}`
             : 'No job runs.'}
         </span>
         <span class="sp" />
@@ -141,7 +148,16 @@ function JobBar() {
   );
 }
 
-export function StopButton({ job, primary }: { job: Job; primary?: boolean }) {
+/** `keeps`: what a stop keeps; empty: nothing yet. */
+export function StopButton({
+  job,
+  primary,
+  keeps = 'the best',
+}: {
+  job: Job;
+  primary?: boolean;
+  keeps?: string;
+}) {
   const [asked, ask] = useState(-1);
   const stopping = asked === job.id;
   return (
@@ -157,7 +173,7 @@ export function StopButton({ job, primary }: { job: Job; primary?: boolean }) {
       }}
     >
       <Icon name="stop" />
-      {stopping ? 'Stopping…' : primary ? 'Stop, keep the best' : 'Stop'}
+      {stopping ? 'Stopping…' : primary && keeps ? `Stop, keep ${keeps}` : 'Stop'}
     </button>
   );
 }

@@ -3,6 +3,7 @@ import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { change, Refusal, type Complaint } from '../api/client';
 import { useAnswer, useResource } from '../api/resource';
 import type { Candidate, Command, Comparison, Job, JobRequest, RecordEntry } from '../api/types';
+import { DeviceChoice } from '../components/DeviceChoice';
 import { act, command, StopButton } from '../components/dock';
 import { Failure, Finding, Head, Lacking, Origin, Waiting } from '../components/words';
 import { TableBox } from '../components/window';
@@ -23,9 +24,14 @@ export function Compare() {
   const list = useSignal(jobs).filter((job) => job.request.kind === 'compare');
   const records = useResource<RecordEntry[]>('records').value;
   const [problem, complain] = useState<Complaint | null>(null);
-  const job = list.find((one) => String(one.id) === query.get('job')) ?? list[0];
+  const named = query.get('device');
+  const isOwn = (one: Job): boolean => {
+    const own = records?.find((record) => one.request.records.includes(record.id))?.device;
+    return !named || own === undefined || own === (named === '.' ? '' : named);
+  };
+  const job = list.find((one) => String(one.id) === query.get('job')) ?? list.find(isOwn);
   const compared = records?.find((record) => record.id === job?.request.records[0]);
-  const device = query.get('device') || !compared ? records && deviceOf(query, records) : compared.device;
+  const device = named || !compared ? records && deviceOf(query, records) : compared.device;
   const usable = ofOneKind(records?.filter((r) => r.device === device && isFit(r)) ?? []);
   const quick = query.get('search') === null;
   const request: JobRequest = { kind: 'compare', records: usable.map((record) => record.id), quick };
@@ -76,6 +82,7 @@ export function Compare() {
     <>
       <Head title={TITLE} question={QUESTION}>
         <Origin simulated={of.length > 0 && of.every((record) => record.simulated)} />
+        {!runs && <DeviceChoice records={records} device={device ?? undefined} />}
         {!runs && (
           <label class="row">
             <input
@@ -86,7 +93,18 @@ export function Compare() {
             search further
           </label>
         )}
-        {runs && job && <StopButton job={job} primary />}
+        {runs && job && (
+          <StopButton
+            job={job}
+            primary
+            keeps={(job.result.candidates?.length ?? 0) > 0 ? 'what is finished' : ''}
+          />
+        )}
+        {!runs && job?.resumable && (
+          <button type="button" onClick={() => void act(job, 'resume')}>
+            Go on
+          </button>
+        )}
         {!runs && (
           <button
             type="button"
@@ -168,7 +186,8 @@ function Race({ job }: { job: Job }) {
         {stage ? `In the race: ${spaced(stage.name)}` : 'Waits in the queue'}
         {time}.
       </b>{' '}
-      Order and error may still change; nothing is preferred yet.
+      Order and error may still change; nothing is preferred yet. Finished structures are kept: a comparison
+      that is stopped, or whose server ends, goes on with the others, and fits the one that ran anew.
     </Finding>
   );
 }

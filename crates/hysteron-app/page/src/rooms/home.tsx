@@ -1,7 +1,7 @@
 // Room 6: how does the model run on a controller, and how can anyone repeat it?
 import { useEffect, useState } from 'preact/hooks';
 import { href, path, query } from '../api/client';
-import { useLatest, useResource } from '../api/resource';
+import { changed, useLatest, useResource } from '../api/resource';
 import type { History, ModelDetail, ModelEntry, Options, Preview, ReportEntry } from '../api/types';
 import { command, copy, Language } from '../components/dock';
 import { Icon } from '../components/icon';
@@ -9,6 +9,7 @@ import { ModelChoice, NoModel, useModel } from '../components/models';
 import { Operation } from '../components/Operation';
 import { Failure, Head, Origin, Waiting } from '../components/words';
 import { TableBox } from '../components/window';
+import { Working } from '../components/Working';
 import { bytes, count, fileName, integer, prose, significant } from '../format';
 import { route, settle } from '../route';
 import { useSignal } from '../signal';
@@ -138,7 +139,19 @@ function Forms({ models, model }: { models: ModelEntry[]; model: ModelEntry }) {
           <Reports />
         </div>
         <div class="stack">
-          {preview.error ? <Failure problem={preview.error.complaint} /> : <Files files={files} />}
+          <Working at={`${at}/preview`} what={title} />
+          {preview.error ? (
+            <Failure
+              problem={preview.error.complaint}
+              actions={
+                <button type="button" onClick={() => changed(`${at}/preview`)}>
+                  Make it again
+                </button>
+              }
+            />
+          ) : (
+            <Files files={files} />
+          )}
           <Repeat />
         </div>
       </div>

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::response::Response;
+use hysteron_identify::Listener;
 
 use crate::api::{
     AdaptRequest, DownloadQuery, Form, ModelCurves, ModelCurvesQuery, ModelDetail, ModelEntry, ModelPatch,
@@ -17,8 +18,9 @@ use crate::models::{
 };
 use crate::refused::{Answer, Refused};
 use crate::server::Shared;
-use crate::server::answer::{Ask, Input, attached, compute, run};
+use crate::server::answer::{Ask, Input, attached, compute};
 use crate::server::operation::Operation;
+use crate::server::told::{Named, run_told};
 use crate::workspace::{Kind, stem_of};
 
 pub(in crate::server) fn operations() -> Vec<Operation> {
@@ -139,17 +141,21 @@ async fn realised(
 async fn files(
     State(shared): State<Arc<Shared>>,
     Path(id): Path<String>,
+    named: Named,
     Ask(query): Ask<DownloadQuery>,
 ) -> Answer<Json<Preview>> {
-    compute(move || preview(&shared.workspace, &id, &query)).await
+    let work =
+        move |shared: &Shared, listener: Listener<'_>| preview(&shared.workspace, &id, &query, listener);
+    run_told(shared, named, work).await.map(Json)
 }
 
 async fn download(
     State(shared): State<Arc<Shared>>,
     Path(id): Path<String>,
+    named: Named,
     Ask(query): Ask<DownloadQuery>,
 ) -> Answer<Response> {
-    let (name, kind, bytes) = run(move || {
+    let (name, kind, bytes) = run_told(shared, named, move |shared, listener| {
         let workspace = &shared.workspace;
         Ok(match query.form {
             Form::Json => {
@@ -160,7 +166,7 @@ async fn download(
                 (format!("{}.html", stem_of(&id)), "text/html; charset=utf-8", report(workspace, &id)?)
             }
             Form::C | Form::Rust | Form::Fmu | Form::Matlab | Form::Simulink => {
-                let (name, bytes) = archive(workspace, &id, &query)?;
+                let (name, bytes) = archive(workspace, &id, &query, listener)?;
                 (name, "application/zip", bytes)
             }
         })

@@ -9,7 +9,6 @@ use axum::http::HeaderMap;
 use axum::http::StatusCode;
 use axum::http::header::CONTENT_LENGTH;
 use axum::response::Response;
-use http_body_util::BodyExt;
 use serde_json::Value;
 
 use crate::api::{
@@ -23,6 +22,7 @@ use crate::refused::{Answer, Refused};
 use crate::response::explain;
 use crate::server::Shared;
 use crate::server::answer::{Ask, Input, attached, compute, run};
+use crate::server::arriving::Arriving;
 use crate::server::operation::Operation;
 use crate::workspace::{Kind, Workspace, too_large};
 use hysteron_identify::recognised_roles;
@@ -97,7 +97,7 @@ async fn upload(
     State(shared): State<Arc<Shared>>,
     Ask(query): Ask<UploadQuery>,
     headers: HeaderMap,
-    mut body: Body,
+    body: Body,
 ) -> Answer<(StatusCode, Json<RecordEntry>)> {
     let most = shared.workspace.max_upload_bytes;
     let length = headers.get(CONTENT_LENGTH).and_then(|length| length.to_str().ok()?.parse::<u64>().ok());
@@ -107,16 +107,21 @@ async fn upload(
     let mut upload = shared.workspace.begin_upload(&query.name, query.replace == 1)?;
     // A slow disk must not keep the server's only thread from its other requests.
     let mut arrived = Vec::new();
-    while let Some(frame) = body.frame().await {
-        let frame = frame.map_err(|e| Refused::bad(format!("the upload broke off: {e}")))?;
-        arrived.extend_from_slice(frame.data_ref().map_or(&[][..], |bytes| bytes));
-        if arrived.len() >= UPLOAD_PART {
-            (upload, arrived) = run(move || {
+    let mut body = Arriving::new(body);
+    while body.next(&mut arrived).await? {
+        if arrived.len() >= UPLOAD_PART || arrived.len() as u64 > most {
+            let written = run(move || {
                 upload.write(&arrived)?;
                 arrived.clear();
                 Ok((upload, arrived))
-            })
-            .await?;
+            });
+            (upload, arrived) = match written.await {
+                Ok(written) => written,
+                Err(refused) => {
+                    body.discard().await;
+                    return Err(refused);
+                }
+            };
         }
     }
     let workspace = Arc::clone(&shared.workspace);

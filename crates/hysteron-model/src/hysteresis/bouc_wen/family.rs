@@ -12,6 +12,7 @@ use crate::hysteresis::follow::{DriveLimits, Followed, along};
 use crate::hysteresis::outputs::Columns;
 use crate::hysteresis::{DriveGrid, Hysteresis, HysteresisError, HysteresisForm, Invertibility, polynomial};
 use crate::start::Start;
+use hysteron_numeric::Meter;
 
 /// Index of n among the shape numbers.
 const N: usize = 2;
@@ -337,7 +338,7 @@ impl ColumnOperators for Entry {
         _: f64,
         wanted: &[f64],
         (rest, memory): (f64, Option<f64>),
-        limits: &DriveLimits,
+        limits: (&DriveLimits, &Meter<'_>),
     ) -> Result<Followed, HysteresisError> {
         let operator = operator(model)?;
         let start = BoucWenState { u: rest, z: memory.unwrap_or(0.0) };

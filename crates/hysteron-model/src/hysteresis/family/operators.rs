@@ -10,6 +10,7 @@ use crate::hysteresis::follow::{self, DriveLimits, Followed};
 use crate::hysteresis::outputs::Columns;
 use crate::hysteresis::{DriveGrid, Hysteresis, HysteresisError, Invertibility, polynomial};
 use crate::start::Start;
+use hysteron_numeric::Meter;
 
 /// A family and its kernel. Its models have the numbers of its columns, and the sign 1.
 pub(in crate::hysteresis) trait ColumnFamily: FamilyDescription {
@@ -117,7 +118,7 @@ pub(in crate::hysteresis) trait ColumnOperators: FamilyDescription {
         interval_s: f64,
         wanted: &[f64],
         start: (f64, Option<f64>),
-        limits: &DriveLimits,
+        limits: (&DriveLimits, &Meter<'_>),
     ) -> Result<Followed, HysteresisError>;
 
     /// [`Hysteresis::at_rest`].
@@ -230,7 +231,7 @@ impl<F: ColumnFamily> ColumnOperators for F {
         interval_s: f64,
         wanted: &[f64],
         start: (f64, Option<f64>),
-        limits: &DriveLimits,
+        limits: (&DriveLimits, &Meter<'_>),
     ) -> Result<Followed, HysteresisError> {
         let kernel = self.kernel(model.form().elements(), model.own_shape(), interval_s);
         follow::columns(&kernel, (own::<F>(model.own_shape()), model), wanted, start, limits)

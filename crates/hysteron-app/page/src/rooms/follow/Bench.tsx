@@ -4,6 +4,7 @@ import { change, Refusal, type Complaint } from '../../api/client';
 import type { Tracked, TrackedController } from '../../api/types';
 import { capital, Failure } from '../../components/words';
 import { TableBox } from '../../components/window';
+import { Working } from '../../components/Working';
 import { prose, quantityText, significant } from '../../format';
 import { Plot, Swatch } from '../../plot/Plot';
 import type { Line, Spec } from '../../plot/spec';
@@ -57,6 +58,7 @@ export function Bench(props: {
         <button type="button" onClick={() => void simulate()} aria-disabled={busy}>
           {busy ? 'Simulating all controllers…' : 'Simulate the controllers'}
         </button>
+        <Working at={`${props.at}/track`} what="Controllers" />
         {problem && <Failure problem={problem} />}
       </div>
     );

@@ -1,11 +1,12 @@
 // Room 5: which drive follows a reference within limits, and how well?
 import { useEffect, useMemo } from 'preact/hooks';
 import { path } from '../../api/client';
-import { useAnswer, useLatest, useResource } from '../../api/resource';
+import { changed, useAnswer, useLatest, useResource } from '../../api/resource';
 import type { Followed, ModelDetail, ModelEntry, RecordDetail, RecordEntry } from '../../api/types';
 import { command } from '../../components/dock';
 import { ModelChoice, NoModel, useModel } from '../../components/models';
 import { Failure, Head, Origin, Waiting } from '../../components/words';
+import { Working } from '../../components/Working';
 import { route } from '../../route';
 import { useSignal } from '../../signal';
 import { recordsOf } from '../identify/Done';
@@ -166,7 +167,17 @@ function Ready(props: {
           first={DRAWN + triangle(reach)}
         />
         <LimitsForm limits={limits} detail={detail} />
-        {answer.error && <Failure problem={answer.error.complaint} />}
+        {answer.error && (
+          <Failure
+            problem={answer.error.complaint}
+            actions={
+              <button type="button" onClick={() => changed(`${at}/follow`)}>
+                Compute again
+              </button>
+            }
+          />
+        )}
+        <Working at={`${at}/follow`} what="Drive" />
         {!followed && !answer.error && <Waiting height={78} />}
         {followed && <Result followed={followed} />}
         {followed && (

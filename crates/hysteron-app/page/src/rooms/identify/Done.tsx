@@ -58,7 +58,7 @@ export function Done({ id, records }: { id: string; records: RecordEntry[] }) {
         </div>
       )}
       {chosen ? (
-        <Fit id={id} record={chosen.id} />
+        <Fit id={id} record={chosen.id} origin={originOf(chosen)} />
       ) : (
         <Finding kind="note">
           The records of this model are not in the workspace, so that only its numbers are shown:{' '}
@@ -93,7 +93,7 @@ function Boxes() {
   );
 }
 
-function Fit({ id, record }: { id: string; record: string }) {
+function Fit({ id, record, origin }: { id: string; record: string; origin: Of }) {
   const at = `${path('models', id)}/curves`;
   const zoom = zoomOf('t');
   const window = { from: zoom?.x[0], to: zoom?.x[1], pixels: 1000 };
@@ -101,9 +101,9 @@ function Fit({ id, record }: { id: string; record: string }) {
   const across = useLatest<ModelCurves>(at + query({ record, view: 'residual-loop', pixels: 700 }));
   const residual = useLatest<ModelCurves>(at + query({ record, view: 'residual', ...window }));
   const detail = useLatest<RecordDetail>(path('records', record)).value;
-  const loopSpec = useMemo(() => loopOf(loop.value), [loop.value]);
-  const acrossSpec = useMemo(() => acrossOf(across.value), [across.value]);
-  const residualSpec = useMemo(() => residualOf(residual.value), [residual.value]);
+  const loopSpec = useMemo(() => loopOf(loop.value, origin), [loop.value, origin]);
+  const acrossSpec = useMemo(() => acrossOf(across.value, origin), [across.value, origin]);
+  const residualSpec = useMemo(() => residualOf(residual.value, origin), [residual.value, origin]);
   const failed = loop.error ?? residual.error ?? across.error;
   if (failed) return <Failure problem={failed.complaint} />;
   return (
@@ -143,24 +143,36 @@ function Scores({ curves, floor }: { curves: ModelCurves; floor: number | null }
   }
   if (floor != null) {
     const [value, own] = quantity(floor, scores.unit);
-    list.push({ label: 'noise floor', value, unit: own, note: 'rms of the sensor, estimated' });
+    list.push({ label: 'noise floor', value, unit: own, note: floorNote(floor, scores.rmse) });
   }
   return <Numbers list={list} />;
 }
 
-export function loopOf(curves: ModelCurves | undefined): Spec | null {
+/** Where a record comes from, as legends name its curve. */
+export type Of = 'measured' | 'simulated';
+
+export const originOf = (record: { simulated: boolean } | undefined): Of =>
+  record?.simulated ? 'simulated' : 'measured';
+
+/** An estimate of the noise: fourth differences also count what the drive itself makes quickly. */
+export const floorNote = (floor: number, rmse: number | undefined): string =>
+  rmse !== undefined && floor > rmse
+    ? 'an upper bound: the RMSE shows less'
+    : 'rms of the sensor, estimated';
+
+export function loopOf(curves: ModelCurves | undefined, origin: Of): Spec | null {
   const measured = curveOf(curves, 'measured');
   if (!curves || !measured) return null;
   return {
     key: 'loop',
     title: `Loop: ${measured.shown}`,
-    description: 'Measured loop and model.',
+    description: `Loop of the record (${origin}) and model.`,
     height: 356,
     loop: true,
     x: { label: axisLabel('drive', measured.across), unit: measured.across.unit },
     y: { label: axisLabel('output', measured.up), unit: measured.up.unit },
     lines: [
-      asLine(measured, 'measured', 4, 'measured'),
+      asLine(measured, 'measured', 4, origin),
       asLine(curveOf(curves, 'model'), 'model', 1.3, 'model'),
     ],
     tools: ['zoom', 'pan'],
@@ -173,19 +185,19 @@ function bandOf(curves: ModelCurves): Spec['band'] {
   return low && high && { name: '95 % of a new measurement', x: low.x, low: low.y, high: high.y };
 }
 
-export function timeOf(curves: ModelCurves | undefined): Spec | null {
+export function timeOf(curves: ModelCurves | undefined, origin: Of): Spec | null {
   const measured = curveOf(curves, 'measured');
   if (!curves || !measured) return null;
   return {
     key: 't',
     title: 'Time',
-    description: 'Measured output and model over time.',
+    description: `Output of the record (${origin}) and model over time.`,
     height: 166,
     flat: true,
     x: { label: 'time (s)', unit: 's', range: [measured.across.low, measured.across.high], hide: true },
     y: { label: axisLabel('output', measured.up), unit: measured.up.unit },
     lines: [
-      asLine(measured, 'measured', 3, 'measured'),
+      asLine(measured, 'measured', 3, origin),
       asLine(curveOf(curves, 'model'), 'model', 1.1, 'model'),
     ],
     band: bandOf(curves),
@@ -193,38 +205,38 @@ export function timeOf(curves: ModelCurves | undefined): Spec | null {
   };
 }
 
-export function residualOf(curves: ModelCurves | undefined): Spec | null {
+export function residualOf(curves: ModelCurves | undefined, origin: Of): Spec | null {
   const residual = curveOf(curves, 'residual');
   if (!curves || !residual) return null;
   const most = Math.max(Math.abs(residual.up.low), Math.abs(residual.up.high)) * 1.05 || 1;
   return {
     key: 't',
     title: 'Residual over time',
-    description: 'Measured minus model over time.',
+    description: 'Record minus model over time.',
     height: 178,
     flat: true,
     zero: true,
     x: { label: 'time (s)', unit: 's', range: [residual.across.low, residual.across.high] },
-    y: { label: `measured − model (${residual.up.unit})`, unit: residual.up.unit, range: [-most, most] },
+    y: { label: `${origin} − model (${residual.up.unit})`, unit: residual.up.unit, range: [-most, most] },
     lines: [asLine(residual, 'residual', 1)],
     band: bandOf(curves),
     tools: ['zoom', 'pan'],
   };
 }
 
-function acrossOf(curves: ModelCurves | undefined): Spec | null {
+function acrossOf(curves: ModelCurves | undefined, origin: Of): Spec | null {
   const residual = curveOf(curves, 'residual');
   if (!residual) return null;
   const most = Math.max(Math.abs(residual.up.low), Math.abs(residual.up.high)) * 1.05 || 1;
   return {
     key: 'across',
     title: 'Residual over the drive',
-    description: 'Measured minus model over the drive: what the shape of the loop misses.',
+    description: 'Record minus model over the drive: what the shape of the loop misses.',
     height: 178,
     loop: true,
     zero: true,
     x: { label: axisLabel('drive', residual.across), unit: residual.across.unit },
-    y: { label: `measured − model (${residual.up.unit})`, unit: residual.up.unit, range: [-most, most] },
+    y: { label: `${origin} − model (${residual.up.unit})`, unit: residual.up.unit, range: [-most, most] },
     lines: [asLine(residual, 'residual', 0.9)],
   };
 }

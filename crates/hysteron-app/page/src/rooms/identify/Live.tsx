@@ -12,6 +12,7 @@ import type { Line, Range, Spec } from '../../plot/spec';
 import { useSignal } from '../../signal';
 import { running, watch, type Running } from '../../store';
 import { asLine, axisLabel } from '../records/Curves';
+import { floorNote } from './Done';
 import { Done } from './Done';
 
 export function Live({ job, records }: { job: Job; records: RecordEntry[] }) {
@@ -111,7 +112,7 @@ function Now({ job, shown }: { job: Job; shown: Running | null }) {
   };
   add('RMSE so far', latest?.rmse, unit, latest ? 'of the loop that is drawn' : 'comes with the joint fit');
   add('best cost', job.cost, job.unit, 'weighted, of this stage');
-  add('noise floor', floor, unit, floor == null ? '' : 'of the sensor, estimated');
+  add('noise floor', floor, unit, floor == null ? '' : floorNote(floor, latest?.rmse));
   const elapsed = Math.max(job.elapsed_s, shown?.costs[shown.costs.length - 1]?.time_s ?? 0);
   const [time, symbol] = seconds(elapsed).split(' ');
   const runs = job.state === 'running';
@@ -218,6 +219,12 @@ function Cost({ job, shown }: { job: Job; shown: Running | null }) {
   );
 }
 
+/** Stages whose names go on once they are entered. */
+const PLANNED: Record<string, string> = {
+  'start of': 'start of each record',
+  families: 'families of hysteresis, compared',
+};
+
 /** Stages that are still to come; one may be left out. */
 function toCome(job: Job): string[] {
   const planned = job.planned ?? [];
@@ -256,7 +263,7 @@ function Stages({ job }: { job: Job }) {
           toCome(job).map((name) => (
             <li key={`planned ${name}`} class="todo">
               <Icon name="dot" />
-              <span>{name}</span>
+              <span>{PLANNED[name] ?? name}</span>
             </li>
           ))}
       </ol>

@@ -5,6 +5,7 @@ import { useAnswer, useLatest, useResource } from '../../api/resource';
 import type { Command, Curve, Job, JobRequest, ModelEntry, Options, RecordEntry } from '../../api/types';
 import { act, command, StopButton } from '../../components/dock';
 import { Failure, Finding, Head, Lacking, Origin, Waiting } from '../../components/words';
+import { DeviceChoice } from '../../components/DeviceChoice';
 import { modelName } from '../../components/models';
 import { Fold } from '../../components/window';
 import { count, fileName } from '../../format';
@@ -92,6 +93,7 @@ export function Identify() {
     <>
       <Head title={TITLE} question={QUESTION}>
         <Origin simulated={shownModel ? shownModel.simulated : simulated} />
+        {!runs && <DeviceChoice records={records} device={device ?? undefined} />}
         <Tabs models={models} job={job ?? active} shown={job ? undefined : shownModel?.id} />
         {job?.resumable && !runs && (
           <button type="button" class="primary" onClick={() => void act(job, 'resume')}>

@@ -26,12 +26,15 @@ function facts(record: RecordDetail, seen: Inspection): [string, string][] {
   const list: [string, string | null][] = [
     ['Drive', `${drive(seen)}; ${range(input)}`],
     ['Output', range(output)],
-    ['Stroke', loop && quantityText(loop.stroke, output.unit, 4)],
+    [
+      'Stroke of the loop',
+      loop && quantityText(loop.stroke, output.unit, 4) + (seen.periods?.settling ? ', settled' : ''),
+    ],
     [
       'Loop opening',
       loop &&
         `${quantityText(loop.opening, output.unit)}, ` +
-          `${significant(loop.opening_percent_of_stroke)} % of stroke` +
+          `${significant(loop.opening_percent_of_stroke)} % of that stroke` +
           `, ${loop.butterfly ? 'crosses itself' : loop.sense}`,
     ],
     [

@@ -22,7 +22,7 @@ import { zoomOf } from '../../plot/zoom';
 import { address, go, route, settle } from '../../route';
 import { useSignal } from '../../signal';
 import { Adapt, Recalibrate } from './Operations';
-import { loopOf, recordsOf, residualOf, timeOf } from '../identify/Done';
+import { loopOf, originOf, recordsOf, residualOf, timeOf, type Of } from '../identify/Done';
 
 const TITLE = 'Validate';
 const QUESTION = 'How right is the model on records it has not seen?';
@@ -110,7 +110,9 @@ function Judgement({
           {scored.value && (
             <Scores scored={scored.value} chosen={chosen?.id} fitted={fitted} name={model.name} />
           )}
-          {chosen && <Curves key={chosen.id} model={model.id} record={chosen.id} />}
+          {chosen && (
+            <Curves key={chosen.id} model={model.id} record={chosen.id} origin={originOf(chosen)} />
+          )}
           <Response model={model.id} records={judged} />
         </div>
       )}
@@ -280,7 +282,7 @@ function Assumed({ rows }: { rows: Judged[] }) {
   );
 }
 
-function Curves({ model, record }: { model: string; record: string }) {
+function Curves({ model, record, origin }: { model: string; record: string; origin: Of }) {
   const at = `${path('models', model)}/curves`;
   const zoom = zoomOf('t');
   const window = { from: zoom?.x[0], to: zoom?.x[1], pixels: 1000 };
@@ -289,9 +291,9 @@ function Curves({ model, record }: { model: string; record: string }) {
   const residual = useLatest<ModelCurves>(at + query({ record, view: 'residual', ...window }));
   const titled = (spec: Spec | null): Spec | null =>
     spec && { ...spec, title: spec.title.replace(/^Loop/, `Loop, ${fileName(record)}`) };
-  const loopSpec = useMemo(() => titled(loopOf(loop.value)), [loop.value]);
-  const timeSpec = useMemo(() => timeOf(time.value), [time.value]);
-  const residualSpec = useMemo(() => residualOf(residual.value), [residual.value]);
+  const loopSpec = useMemo(() => titled(loopOf(loop.value, origin)), [loop.value, origin]);
+  const timeSpec = useMemo(() => timeOf(time.value, origin), [time.value, origin]);
+  const residualSpec = useMemo(() => residualOf(residual.value, origin), [residual.value, origin]);
   const failed = loop.error ?? time.error ?? residual.error;
   if (failed) return <Failure problem={failed.complaint} />;
   return (
@@ -312,6 +314,7 @@ function Response({ model, records }: { model: string; records: RecordEntry[] })
   );
   const answers = useAll<Responses>(addresses);
   const rows = answers.flatMap((answer) => answer.value?.rows ?? []);
+  const origin = originOf(records.find((record) => !record.simulated) ?? records[0]);
   if (rows.length === 0) return null;
   const unit = answers.find((answer) => answer.value)?.value?.unit ?? '';
   const sorted = [...rows].sort((a, b) => a.frequency_hz - b.frequency_hz);
@@ -340,11 +343,11 @@ function Response({ model, records }: { model: string; records: RecordEntry[] })
   ): Spec => ({
     key,
     title,
-    description: 'Measured and model at each frequency.',
+    description: 'Record and model at each frequency.',
     height: 206,
     x: { label: 'frequency (Hz)', unit: 'Hz', log: true },
     y: { label, unit: own },
-    lines: [line('measured', (row) => row.measured, what), line('model', (row) => row.model, what)],
+    lines: [line(origin, (row) => row.measured, what), line('model', (row) => row.model, what)],
   });
   return (
     <div class="hr">

@@ -1,0 +1,102 @@
+// Source code taken home: what the page hands out is what the command writes, and it runs.
+import assert from 'node:assert/strict';
+import { execFileSync, spawnSync } from 'node:child_process';
+import { readFile, readdir } from 'node:fs/promises';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { COMMAND, done, endBrowser, identified, open, P885, serve } from './browser.mjs';
+
+let server;
+
+before(async () => {
+  server = await serve([P885]);
+  const page = await open(`${server.url}#/identify`);
+  await page.click('button.primary');
+  await identified(page);
+  await done(page);
+});
+
+after(async () => {
+  await server?.close();
+  await endBrowser();
+});
+
+const has = (program, argument) => spawnSync(program, [argument]).status === 0;
+
+/** Downloads a form, unpacks it, and has the command of the dock write the same beside it. */
+async function taken(form, label) {
+  const page = await open(`${server.url}#/home?form=${form}`);
+  try {
+    await page.waitForSelector(`a.primary:has-text("Download ${label}")`);
+    const command = 'code[aria-label="The command that does the same"]';
+    await page.waitForFunction(
+      ([at, to]) => document.querySelector(at).textContent.includes(`--to ${to}`),
+      [command, form],
+    );
+    const shell = await page.textContent(command);
+    const [download] = await Promise.all([
+      page.waitForEvent('download'),
+      page.click(`a.primary:has-text("Download ${label}")`),
+    ]);
+    assert.match(download.suggestedFilename(), new RegExp(`-${form}\\.zip$`));
+    const folder = join(server.folder, `from-page-${form}`);
+    execFileSync('unzip', ['-q', await download.path(), '-d', folder]);
+    const [name] = await readdir(folder);
+    const written = join(server.folder, name);
+    execFileSync('sh', ['-c', shell.replace(/^hysteron\b/, COMMAND)], { cwd: server.folder, stdio: 'pipe' });
+    await same(join(folder, name), written);
+    assert.deepEqual(page.faults, []);
+    return { folder: join(folder, name), name };
+  } finally {
+    await done(page);
+  }
+}
+
+/** The command also measures a sweep and notes it in a comment. */
+const withoutSweep = (text) =>
+  text
+    .split(/\r?\n/)
+    .filter((line) => !/batch simulation along a sweep|^[\s*%]*most, .* rms\.$|of the range at$/.test(line))
+    .join('\n');
+
+async function same(page, command) {
+  const names = await readdir(page);
+  assert.deepEqual(names.sort(), (await readdir(command)).sort());
+  for (const name of names) {
+    const [a, b] = await Promise.all([page, command].map((at) => readFile(join(at, name), 'utf8')));
+    assert.equal(withoutSweep(a), withoutSweep(b), name);
+  }
+}
+
+test('MATLAB functions are those of the command, and their self-test passes in Octave', async (t) => {
+  const { folder, name } = await taken('matlab', 'MATLAB');
+  assert.ok((await readdir(folder)).includes(`${name}_selftest.m`));
+  if (!has('octave-cli', '--version')) return t.diagnostic('skipped in part: GNU Octave is not installed');
+  const said = execFileSync('octave-cli', ['--no-gui', '--eval', `${name}_selftest`], {
+    cwd: folder,
+    encoding: 'utf8',
+  });
+  t.diagnostic(said.trim().split('\n').pop());
+});
+
+test('the S-function comes with C whose self-test passes', async (t) => {
+  const { folder, name } = await taken('simulink', 'Simulink');
+  assert.match(await readFile(join(folder, `${name}_sfun.c`), 'utf8'), /simstruc\.h/);
+  if (!has('cc', '--version')) return t.diagnostic('skipped in part: no C compiler is installed');
+  const sources = [`${name}.c`, `${name}_selftest.c`];
+  execFileSync('cc', ['-std=c99', '-ffp-contract=off', ...sources, '-o', 'selftest', '-lm'], { cwd: folder });
+  t.diagnostic(execFileSync(join(folder, 'selftest'), { encoding: 'utf8' }).trim());
+});
+
+test('a compilation that takes its time says so and can be stopped', async () => {
+  const page = await open(`${server.url}#/home?form=fmu`);
+  try {
+    await page.click('[role=group][aria-label="FMU"] button:has-text("Stop")', { timeout: 20_000 });
+    await page.waitForSelector('text=It was stopped.');
+    await page.click('button:has-text("Make it again")');
+    await page.waitForSelector('text=It was stopped.', { state: 'detached' });
+    assert.deepEqual(page.faults, []);
+  } finally {
+    await done(page);
+  }
+});
