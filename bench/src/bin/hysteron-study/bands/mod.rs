@@ -15,6 +15,7 @@ use std::time::Instant;
 
 use hysteron_identify::{Choice, DynamicsChoice, FamilyChoice, Options};
 use hysteron_model::hysteresis::HysteresisForm;
+use hysteron_model::record::InterSample;
 use hysteron_optimize::{Algorithm, LeastSquaresOptions};
 use rayon::prelude::*;
 
@@ -32,7 +33,8 @@ fn families() -> [(&'static str, FamilyChoice); 2] {
     ]
 }
 
-/// One start of the search, a cubic and a resonance: the study is of bands, and whatever misfit the fit leaves.
+/// One start of the search, a cubic, a resonance without delay, a drive that is straight between samples: the
+/// study is of bands, and whatever misfit the fit leaves.
 fn options() -> Options {
     let once = LeastSquaresOptions { starts: 1, agreement: Some(1), ..LeastSquaresOptions::default() };
     Options {
@@ -40,6 +42,8 @@ fn options() -> Options {
         degree: Choice::Given(3),
         n: Choice::Given(1.0),
         dynamics: DynamicsChoice::Integer,
+        delay_s: Choice::Given(0.0),
+        inter_sample: Choice::Given(InterSample::Linear),
         threads: Some(1),
         ..Options::default()
     }
