@@ -178,7 +178,8 @@ class Model:
         Args:
             record: drive, and the measured output if there is one.
             band: level of a band around the output, e.g. 0.95.
-            band_of: band of a new measurement, or of the model's output.
+            band_of: band of a new measurement, or of the model's output. Where that of a measurement rests on
+                other devices rather than on the records of the identification, the remarks say so.
             rest: the device rested at this drive before the record.
             settled: the record is in steady state from the first sample, with this period in samples.
         """
@@ -217,7 +218,7 @@ class Model:
         self,
         record: Record,
         outputs: list[Array],
-        widths: tuple[Array, Array] | None,
+        widths: tuple[Array, Array, list[str]] | None,
         start: str,
         remarks: list[tuple[str, str | None]],
         level: float | None,
@@ -228,7 +229,9 @@ class Model:
         if band_of not in ("measurement", "output"):
             raise OptionError('band_of: expected "measurement" or "output"', code="band")
         y = outputs[0] if len(outputs) == 1 else np.column_stack(outputs)
-        half = None if widths is None else widths[0 if band_of == "measurement" else 1]
+        of_measurement = band_of == "measurement"
+        half = None if widths is None else widths[0 if of_measurement else 1]
+        rests_on = widths[2] if widths is not None and of_measurement else []
         return Prediction(
             t=record.t,
             y=y,
@@ -239,7 +242,7 @@ class Model:
             offset=per_output(offsets),
             measured=measured,
             level=level,
-            remarks=tuple(with_arguments(*remark) for remark in remarks),
+            remarks=(*(with_arguments(*remark) for remark in remarks), *rests_on),
             name=record.name,
         )
 

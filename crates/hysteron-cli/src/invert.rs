@@ -11,11 +11,10 @@ use hysteron_model::hammerstein::SimulationError;
 use hysteron_model::invert::{
     BANDWIDTH_SHARE, ERROR_AT_BANDWIDTH, InverseDrive, InverseOptions, InversionError, LastRun,
 };
-use hysteron_model::model::InverseSummary;
-use hysteron_model::model::{Capability, SignalRole};
+use hysteron_model::model::{Capability, ErrorForecast, InverseSummary, SignalRole};
 use hysteron_model::realise::RealiseOptions;
 use hysteron_model::record::{Channel, Record, TimeBase, Unit};
-use hysteron_model::{Advice, Start};
+use hysteron_model::{Advice, FindingKind, Start};
 use hysteron_numeric::display::short;
 use hysteron_report::number::significant;
 
@@ -222,15 +221,16 @@ impl Invert {
                 _ => failure,
             }
         })?;
-        let band = self.band(&model, &found, sample_rate_hz, listener.part(SHARE_OF_DRIVE, 1.0));
-        if watch.is_stopped() {
-            return Err(interrupted());
-        }
+        let told = listener.part(SHARE_OF_DRIVE, 1.0);
+        let forecast =
+            PredictionBand::forecast(model.body().data(), &reference.samples, &found, sample_rate_hz, told)
+                .map_err(|_| interrupted())?;
         drop(teller);
         drop(watch);
         let units = &model.body().data().units;
         let findings = model.body().findings_on_drive(&found, range_v);
-        let summary = InverseSummary::new(&reference.samples, &found, sample_rate_hz, band, findings, units);
+        let summary =
+            InverseSummary::new(&reference.samples, &found, sample_rate_hz, forecast, findings, units);
         self.write(reference.time, &reference.samples, &unit, &model.body().data().units.input, found)?;
         if self.json { console::json(&summary) } else { console::result(&text(&summary)) }
     }
@@ -262,22 +262,6 @@ impl Invert {
             ));
         }
         law.follow(reference, options)
-    }
-
-    /// Largest half-width of the 95 % band; `None` if the file has no covariance.
-    fn band(
-        &self,
-        model: &LoadedModel,
-        found: &InverseDrive,
-        sample_rate_hz: f64,
-        listener: Listener<'_>,
-    ) -> Option<f64> {
-        let start = found.rest.unwrap_or(Start::settled(found.drive.len()));
-        let file = model.body().data();
-        file.correlation.as_ref()?;
-        let band =
-            PredictionBand::of_file_told(file, &found.drive, Some(sample_rate_hz), &start, listener).ok()?;
-        Some(band.of_output().into_iter().fold(0.0, f64::max))
     }
 
     fn write(
@@ -329,10 +313,8 @@ fn text(s: &InverseSummary) -> String {
         significant(s.predicted_rms_percent_of_stroke, 3),
         significant(s.predicted_max_error, 3)
     ));
-    match s.band {
-        Some(band) => {
-            lines.push(format!("Parameter uncertainty: up to ± {} {output} (95 %).", significant(band, 3)))
-        }
+    match &s.forecast {
+        Some(forecast) => lines.extend(forecast_in_words(forecast, &output)),
         None => lines.push("The model file gives no parameter uncertainty.".to_owned()),
     }
     match (s.bandwidth_hz, s.error_at_bandwidth, s.noise_gain) {
@@ -346,6 +328,24 @@ fn text(s: &InverseSummary) -> String {
         )),
         _ => lines.push("The model is static: its inverse is exact at every frequency.".to_owned()),
     }
-    lines.extend(s.findings.iter().map(|finding| format!("warning: {}", advice::text(finding))));
+    lines.extend(s.findings.iter().map(|finding| {
+        let severity = if finding.kind == FindingKind::Warning { "warning" } else { "note" };
+        format!("{severity}: {}", advice::text(finding))
+    }));
     lines.join("\n") + "\n"
+}
+
+/// Uncertainty of the parameters, and the error to expect on the device.
+fn forecast_in_words(forecast: &ErrorForecast, output: &Unit) -> Vec<String> {
+    let ErrorForecast { band_of_model, band_of_measurement, expected_rms, .. } = forecast;
+    let parameters =
+        format!("Parameter uncertainty: up to ± {} {output} (95 %).", significant(*band_of_model, 3));
+    let device = band_of_measurement.zip(*expected_rms).map(|(band, rms)| {
+        format!(
+            "Expected error on the device: {} {output} rms, within ± {} {output} at the widest of its 95 % band.",
+            significant(rms, 3),
+            significant(band, 3)
+        )
+    });
+    std::iter::once(parameters).chain(device).collect()
 }

@@ -8,6 +8,7 @@ use hysteron_model::model::{BandScore, Score};
 use hysteron_model::validate::{CorrelationTest, Definition, definitions};
 use hysteron_report::number::significant;
 
+use crate::advice;
 use crate::console;
 
 /// The scores shown in the table, by key.
@@ -26,16 +27,18 @@ const SHOWN: [&str; 10] = [
 
 /// Coverage of the record by the band, in a sentence; `None` without a band.
 pub fn within_band(score: &Score) -> Option<String> {
-    let BandScore { inside_percent, measurement, model } = score.band?;
+    let BandScore { inside_percent, measurement, model, findings } = score.band.as_ref()?;
     let unit = score.unit.to_string();
-    Some(format!(
+    let held = format!(
         "{}: {} % of the samples lie within the 95 % band of a new measurement, ± {} {unit} at its widest (± \
          {} {unit} of it from the errors of the parameters).",
         score.record,
-        significant(inside_percent, 3),
-        significant(measurement, 3),
-        significant(model, 2)
-    ))
+        significant(*inside_percent, 3),
+        significant(*measurement, 3),
+        significant(*model, 2)
+    );
+    let rests_on = findings.iter().map(advice::text);
+    Some(std::iter::once(held).chain(rests_on).collect::<Vec<_>>().join(" "))
 }
 
 /// Estimated start of the record, in a sentence; `None` where nothing was estimated.

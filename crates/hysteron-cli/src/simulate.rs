@@ -8,6 +8,7 @@ use hysteron_io::write_record;
 use hysteron_model::model::{Capability, Signals};
 use hysteron_model::record::MeasurementRun;
 
+use crate::advice;
 use crate::axes::AxesFlags;
 use crate::columns::InputFlags;
 use crate::console;
@@ -23,8 +24,10 @@ use crate::start::StartFlags;
     output, in the model's units, e.g. t_s,u_V,y_um: a record that every other command reads. An output \
     measured in the input file is kept beside it as y_measured_um.\n\n\
     --band adds the limits of a 95 % band, e.g. y_low_um,y_high_um, from the standard errors in the model \
-    file: of the model's output about its mean (a sensor has its own zero), or of a new measurement, whose \
-    residual has the distribution of the training residuals. Both assume that the model class is true.\n\n\
+    file: of the model's output about its mean (a sensor has its own zero), or of a new measurement. The first \
+    assumes that the model class is true. The second does where the class explains the training records; \
+    else it includes a model of the difference, and a note says where it rests on other devices rather than \
+    on those records.\n\n\
     Example: hysteron simulate model.json drive.csv -o simulated.csv --band measurement\n\
     Example: hysteron simulate model.json part1.csv part2.csv --continued -o run.csv"
 )]
@@ -85,7 +88,10 @@ impl Simulate {
             let band = loaded.band(path, &drive.u, &drive.time, &found.start)?;
             let half = match of {
                 BandArg::Model => band.of_output(),
-                BandArg::Measurement if band.noise > 0.0 => band.of_measurement(),
+                BandArg::Measurement if band.noise > 0.0 => {
+                    band.findings.iter().for_each(|finding| console::note(&advice::text(finding)));
+                    band.of_measurement()
+                }
                 BandArg::Measurement => return Err(loaded.no_band(&IdentifyError::NoScores)),
             };
             ends = Some([-1.0, 1.0].map(|sign| y.iter().zip(&half).map(|(y, h)| y + sign * h).collect()));

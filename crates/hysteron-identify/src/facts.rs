@@ -62,6 +62,11 @@ impl RecordFacts {
         span(&self.data.u)
     }
 
+    /// The drive's samples.
+    pub(super) fn drive(&self) -> &[f64] {
+        &self.data.u
+    }
+
     /// max y − min y over the valid samples.
     pub(super) fn stroke(&self) -> f64 {
         let valid: Vec<f64> = self.scored(0).iter().map(|&k| self.data.y[k]).collect();
@@ -179,12 +184,12 @@ impl RecordFacts {
     }
 }
 
-/// Number of distinct loop amplitudes in all records together.
-pub(super) fn amplitudes<'a>(records: impl Iterator<Item = &'a RecordFacts> + Clone) -> usize {
-    let range = records.clone().map(RecordFacts::range_v).fold(0.0, f64::max);
-    let mut sizes: Vec<f64> = records
-        .flat_map(|facts| {
-            let turns = turning_points(&facts.data.u, SMALLEST_LOOP * range);
+/// Number of distinct loop amplitudes in all drives together.
+pub(super) fn amplitudes<'a>(drives: impl Iterator<Item = &'a [f64]> + Clone) -> usize {
+    let range = drives.clone().map(span).fold(0.0, f64::max);
+    let mut sizes: Vec<f64> = drives
+        .flat_map(|drive| {
+            let turns = turning_points(drive, SMALLEST_LOOP * range);
             turns.windows(2).map(|w| (w[1].value - w[0].value).abs()).collect::<Vec<_>>()
         })
         .collect();

@@ -231,7 +231,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
     }
 
     let family = result.model.hysteresis.form().description();
-    if amplitudes(fitted_statically.iter().map(|(f, _)| *f)) <= 1 && !fitted_statically.is_empty() {
+    if amplitudes(fitted_statically.iter().map(|(f, _)| f.drive())) <= 1 && !fitted_statically.is_empty() {
         say(
             &mut findings,
             FindingKind::Advice,

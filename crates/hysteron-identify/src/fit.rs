@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::coupled::{self, CoupledIdentification};
 use crate::force;
+use crate::misfit::Misfit;
 use crate::modes::{self, ModesIdentification};
 use crate::oscillator;
 use crate::structure::{Neighbours, neighbours};
@@ -282,8 +283,9 @@ pub fn fit_on(
     }
 }
 
-fn hammerstein(found: Identification, options: &Options, maker: &Maker) -> Result<Fit, IdentifyError> {
-    let file = found.model_file(options, maker);
+fn hammerstein(mut found: Identification, options: &Options, maker: &Maker) -> Result<Fit, IdentifyError> {
+    let (file, misfit) = found.written(options, maker);
+    found.findings.extend(misfit.iter().flat_map(Misfit::findings));
     let parameters = found.parameters.iter().map(|p| FitParameter {
         place: Some(Place::Block(p.block().to_owned())),
         name: p.name.clone(),

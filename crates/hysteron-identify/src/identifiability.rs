@@ -275,7 +275,7 @@ impl<'a> Advisor<'a> {
         Self {
             family: result.model.hysteresis.form(),
             parameters: &result.parameters,
-            amplitudes: amplitudes(facts.iter()),
+            amplitudes: amplitudes(facts.iter().map(RecordFacts::drive)),
             fastest_hz: most(&RecordFacts::highest_frequency_hz),
             rate_hz: most(&rate),
             range_v: most(&RecordFacts::range_v),

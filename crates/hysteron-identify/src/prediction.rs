@@ -23,7 +23,8 @@ const STEP: f64 = 1e-3;
 
 impl PredictionBand {
     /// Band of a model file's output for `drive` \[V\]. Its `noise` is the RMSE over all scores of the file;
-    /// 0 without scores, when only [`Self::of_output`] is meaningful.
+    /// 0 without scores, when only [`Self::of_output`] is meaningful. The file's model of the misfit, if it has
+    /// one, gives the band of a measurement.
     ///
     /// # Errors
     /// [`IdentifyError`]: no correlation in the file, a drive that the model cannot be simulated on.
@@ -75,7 +76,18 @@ impl PredictionBand {
         for derivative in derivatives {
             variance.iter_mut().zip(derivative).for_each(|(v, d)| *v += d * d);
         }
-        Ok(Self { std_dev: variance.into_iter().map(f64::sqrt).collect(), noise: scatter(file) })
+        let predicted = file.misfit_model().map(|misfit| misfit.predict(&model, drive, timing, start));
+        // Where the misfit cannot be predicted (time stamps), the band is that of the class, and says so.
+        let (misfit, finding) = match predicted {
+            Some(Ok(misfit)) => {
+                let finding = misfit.finding();
+                (Some(misfit), finding)
+            }
+            Some(Err(error)) => (None, Some(error.finding())),
+            None => (None, None),
+        };
+        let std_dev = variance.into_iter().map(f64::sqrt).collect();
+        Ok(Self { std_dev, noise: scatter(file), misfit, findings: finding.into_iter().collect() })
     }
 }
 

@@ -5,17 +5,29 @@ use std::collections::BTreeMap;
 use hysteron_model::Start;
 use hysteron_model::dynamics::Creep;
 use hysteron_model::model_file::{
-    Maker, ModelFile, Normalisation, Provenance, RecordEntry, RecordRole as RoleEntry, ScoreEntry, ScoreRole,
-    SignalUnits, ValidRange,
+    Maker, MisfitEntry, ModelFile, Normalisation, Provenance, RecordEntry, RecordRole as RoleEntry,
+    ScoreEntry, ScoreRole, SignalUnits, ValidRange,
 };
 
+use crate::misfit::Misfit;
 use crate::{Choice, DynamicsChoice, Identification, Method, Options, RecordFit, RecordRole};
 
 impl Identification {
     /// Model file: parameters with standard errors, range of validity, provenance with these `options`,
     /// scores.
     pub fn model_file(&self, options: &Options, maker: &Maker) -> ModelFile {
-        model_file(self, options, maker)
+        self.written(options, maker).0
+    }
+
+    /// The model file, and the misfit that it holds; `None` where the file has no covariance, without which
+    /// there is no band.
+    pub(crate) fn written(&self, options: &Options, maker: &Maker) -> (ModelFile, Option<Misfit>) {
+        let mut file = model_file(self, options, maker);
+        let misfit = file.correlation.is_some().then(|| self.misfit());
+        if let Some(Misfit::Outside(misfit)) = &misfit {
+            file.misfit = Some(MisfitEntry::from(&**misfit));
+        }
+        (file, misfit)
     }
 }
 

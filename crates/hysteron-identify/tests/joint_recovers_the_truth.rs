@@ -3,6 +3,7 @@
 //! closer to the noise-free truth than the noise on records it has not seen. Threads change nothing.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may fail
+use hysteron_identify::misfit::Misfit;
 use hysteron_identify::{
     CampaignRecord, Choice, Demands, DynamicsChoice, FamilyChoice, Identification, JointObjective, Options,
     PredictionBand, RecordRole, Watch, identify,
@@ -220,6 +221,12 @@ fn what_would_shape_a_hysteretic_part_is_held_where_there_is_none() {
 fn a_model_file_carries_what_the_fit_knows_of_the_output() {
     let runs = cases()[0].campaign(2000.0, 5);
     let found = fit(&runs, 2, None);
+    // The device is in the class: nothing but noise is beside the model.
+    assert!(
+        matches!(found.misfit(), Misfit::InsideClass { explained } if explained < 0.06),
+        "{:?}",
+        found.misfit()
+    );
     let known = found.of_numbers.as_ref().unwrap();
     let mut file = ModelFile::from_model(&found.model, SignalUnits::default());
     file.set_covariance(&known.names, &known.matrix);

@@ -4,7 +4,8 @@
 //! model has two blocks, [`hysteresis`] (article Eq. 1) and [`dynamics`], a transfer function with real
 //! orders (Eqs. 2–6) on [`fractional`] calculus; [`hammerstein`] joins them. [`oscillator`] has its
 //! hysteresis in feedback, [`force`] is that of a damper against a displacement and its rate, [`axes`]
-//! couples several inputs and outputs. [`validate`] scores a simulation. [`realise`] turns a model into poles
+//! couples several inputs and outputs. [`validate`] scores a simulation, [`misfit`] predicts how far a device
+//! is from its model. [`realise`] turns a model into poles
 //! that run sample by sample, [`invert`] and [`compensator`] compute the drive that tracks a reference,
 //! [`control`] closes the loop. [`model_file`] stores a model as JSON.
 //!
@@ -24,6 +25,7 @@ pub mod fractional;
 pub mod hammerstein;
 pub mod hysteresis;
 pub mod invert;
+pub mod misfit;
 pub mod model;
 pub mod model_file;
 pub mod oscillator;

@@ -14,6 +14,11 @@ pub fn quantile(p: f64) -> f64 {
     upper(1.0 - p)
 }
 
+/// Probability Φ(x) that a standard normal number is at most `x`.
+pub fn probability(x: f64) -> f64 {
+    0.5 * libm::erfc(-x * FRAC_1_SQRT_2)
+}
+
 /// x ≥ 0 with 1 − Φ(x) = `tail`, at most ½.
 fn upper(tail: f64) -> f64 {
     let mut x = 0.0_f64;
@@ -30,7 +35,7 @@ fn upper(tail: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::quantile;
+    use super::{probability, quantile};
 
     #[test]
     fn quantiles_are_those_of_tables() {
@@ -45,6 +50,7 @@ mod tests {
         ] {
             let found = quantile(p);
             assert!((found - x).abs() < 1e-12, "{p}: {found} instead of {x}");
+            assert!((probability(x) - p).abs() < 1e-15);
         }
         assert!(quantile(0.0).is_nan() && quantile(1.0).is_nan());
     }

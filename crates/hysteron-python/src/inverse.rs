@@ -1,6 +1,6 @@
 //! The inverse of a model: drives, controllers, closed loops.
 
-use hysteron_identify::PredictionBand;
+use hysteron_identify::{Listener, PredictionBand};
 use hysteron_model::Start;
 use hysteron_model::compensator::{Compensation, CompensatorOptions, Limits, Prediction};
 use hysteron_model::control::Plant;
@@ -119,14 +119,13 @@ impl Model {
             None => work::run(py, || law.invert(&reference, sample_rate_hz, &options))?,
         };
         let found = found.map_err(raised)?;
-        let known = body.data().correlation.is_some();
-        let start = found.rest.unwrap_or(Start::settled(found.drive.len()));
-        let band = known
-            .then(|| PredictionBand::of_file(body.data(), &found.drive, Some(sample_rate_hz), &start).ok());
-        let widest = band.flatten().map(|band| band.of_output().into_iter().fold(0.0, f64::max));
+        let forecast = work::run(py, || {
+            PredictionBand::forecast(body.data(), &reference, &found, sample_rate_hz, Listener::silent())
+        })?;
+        let forecast = forecast.map_err(raised)?;
         let findings = body.findings_on_drive(&found, range);
         let units = &body.data().units;
-        let summary = InverseSummary::new(&reference, &found, sample_rate_hz, widest, findings, units);
+        let summary = InverseSummary::new(&reference, &found, sample_rate_hz, forecast, findings, units);
         let json = to_json(&summary)?;
         Ok((PyArray1::from_vec(py, found.drive), PyArray1::from_vec(py, found.predicted), json))
     }

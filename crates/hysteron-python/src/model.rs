@@ -93,8 +93,9 @@ fn start(json: Option<&str>) -> PyResult<Start> {
 /// Outputs of a simulation: an array each, half the widths of its bands, the start in words, and remarks.
 type Simulated<'py> = (Vec<Samples<'py>>, Option<HalfWidths<'py>>, String, Vec<(String, Option<String>)>);
 
-/// Half the width of the band of a measurement and of that of the model's output, at each sample.
-type HalfWidths<'py> = (Samples<'py>, Samples<'py>);
+/// Half the width of the band of a measurement and of that of the model's output, at each sample, and what the
+/// first rests on, where that is not the training records alone.
+type HalfWidths<'py> = (Samples<'py>, Samples<'py>, Vec<String>);
 
 /// Unit, RMSE, largest error, fit in %, samples, and the offset of each output.
 pub type Figures = (String, f64, f64, Option<f64>, usize, Vec<f64>);
@@ -365,8 +366,10 @@ impl Model {
             return Err(option("a band is of a model of one input and one output"));
         };
         let band = work::run(py, || PredictionBand::of_file(body.data(), &drive.u, &drive.time, start))?;
-        let [measurement, model] = band.map_err(raised)?.at_level(level).map_err(raised)?;
-        Ok((PyArray1::from_vec(py, measurement), PyArray1::from_vec(py, model)))
+        let band = band.map_err(raised)?;
+        let [measurement, model] = band.at_level(level).map_err(raised)?;
+        let rests_on = band.findings.into_iter().map(|finding| finding.text).collect();
+        Ok((PyArray1::from_vec(py, measurement), PyArray1::from_vec(py, model), rests_on))
     }
 
     /// Provenance of the model, for models derived from it.

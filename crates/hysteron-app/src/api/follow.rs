@@ -99,8 +99,10 @@ pub struct Followed {
     pub predicted_rms_percent_of_stroke: f64,
     /// Half the width of the 95 % band from the uncertainty of the parameters.
     pub band: Option<f64>,
-    /// Half the width of the 95 % band of a new measurement: with the residuals that the records showed.
+    /// Half the width of the 95 % band of a new measurement, at its widest.
     pub band_of_measurement: Option<f64>,
+    /// Error to expect on the device, rms.
+    pub expected_rms_error: Option<f64>,
     /// What a record showed: scores on the records of the identification.
     pub shown: Vec<Score>,
     /// Warnings.

@@ -123,9 +123,15 @@ pub(crate) fn follow(
         let (output, input) = (Unit::new(&units.output), Unit::new(&units.input));
         Refused::cannot(Problem::new(e.in_units(&input, &output), None))
     })?;
-    let (band, band_of_measurement) = band(body, &found, wanted.rate, listener.part(SHARE_OF_DRIVE, 1.0))?;
+    let told = listener.part(SHARE_OF_DRIVE, 1.0);
+    let forecast = PredictionBand::forecast(body.data(), &wanted.samples, &found, wanted.rate, told);
+    let forecast = forecast.map_err(Refused::cannot)?;
+    let (band, band_of_measurement, expected_rms_error) = match &forecast {
+        Some(f) => (Some(f.band_of_model), f.band_of_measurement, f.expected_rms),
+        None => (None, None, None),
+    };
     let findings = body.findings_on_drive(&found, range_v);
-    let summary = InverseSummary::new(&wanted.samples, &found, wanted.rate, band, findings, units);
+    let summary = InverseSummary::new(&wanted.samples, &found, wanted.rate, forecast, findings, units);
     let command = match &request.reference {
         Reference::Record { id: reference, .. } => command::invert(id, request, reference),
         _ => {
@@ -162,31 +168,13 @@ pub(crate) fn follow(
         predicted_rms_percent_of_stroke: summary.predicted_rms_percent_of_stroke,
         band,
         band_of_measurement,
+        expected_rms_error,
         shown: super::scores_of_training(&model),
         findings: summary.findings,
         remarks: wanted.remarks,
         file: request.save.clone(),
         command,
     })
-}
-
-/// Largest half-widths of the 95 % bands of the model's output and of a new measurement; `None` if the file
-/// has no covariance, the second if it has no scores.
-fn band(
-    body: &Hammerstein,
-    found: &InverseDrive,
-    rate: f64,
-    listener: Listener<'_>,
-) -> Answer<(Option<f64>, Option<f64>)> {
-    let start = found.rest.unwrap_or(Start::settled(found.drive.len()));
-    let largest = |half: Vec<f64>| half.into_iter().fold(0.0, f64::max);
-    let of_file = || PredictionBand::of_file_told(body.data(), &found.drive, Some(rate), &start, listener);
-    let band = match body.data().correlation.as_ref().map(|_| of_file()) {
-        Some(Err(IdentifyError::Stopped)) => return Err(Refused::cannot(IdentifyError::Stopped)),
-        band => band.and_then(Result::ok),
-    };
-    let measured = band.as_ref().filter(|band| band.noise > 0.0).map(|band| largest(band.of_measurement()));
-    Ok((band.map(|band| largest(band.of_output())), measured))
 }
 
 /// File of a reference that was drawn, beside its drive.

@@ -2,7 +2,7 @@
 
 use hysteron_identify::PredictionBand;
 use hysteron_model::axes::AxesRecord;
-use hysteron_model::model::{Capability, Remark, Score as Found, Signals};
+use hysteron_model::model::{BandScore, Capability, Remark, Score as Found, Signals};
 use hysteron_model::record::{InputOutput, MeasurementRun, TimeBase};
 use hysteron_model::validate::{OffsetTreatment, Scoring, definitions};
 use hysteron_model::{Model, Start};
@@ -65,19 +65,19 @@ pub(super) fn band(model: &Model, u: &[f64], time: &TimeBase, start: &Start) -> 
     PredictionBand::of_file(body.data(), u, time, start).ok()
 }
 
-fn in_band(model: &Model, record: &InputOutput, found: &Found, skip_s: f64) -> Option<f64> {
+fn in_band(model: &Model, record: &InputOutput, found: &Found, skip_s: f64) -> Option<BandScore> {
     let band = band(model, &record.u, &record.time, &found.simulation.start)?;
-    (band.noise > 0.0).then(|| band.holds(record, found, skip_s).inside_percent)
+    (band.noise > 0.0).then(|| band.holds(record, found, skip_s))
 }
 
 fn judged(workspace: &Workspace, model: &Model, id: &str, scoring: &Scoring) -> Answer<Judged> {
     let signals = signals(workspace, model, id)?;
     let found = model.score(&signals, Start::AsIdentified, scoring).map_err(Refused::cannot)?;
-    let in_band_percent = match &signals {
+    let band = match &signals {
         Signals::Single(record) => in_band(model, record, &found, scoring.skip_s.unwrap_or(0.0)),
         Signals::Several(_) => None,
     };
-    Ok(described(model, id, &found, in_band_percent))
+    Ok(described(model, id, &found, band.as_ref()))
 }
 
 /// Scores of a model on records. A record that cannot be scored does not stop the others.
@@ -128,13 +128,14 @@ fn of_runs(
     Ok(judged)
 }
 
-fn described(model: &Model, record: &str, found: &Found, in_band_percent: Option<f64>) -> Judged {
+fn described(model: &Model, record: &str, found: &Found, band: Option<&BandScore>) -> Judged {
+    let rests_on = band.iter().flat_map(|band| &band.findings).map(|finding| finding.text.clone());
     Judged {
         record: record.to_owned(),
         score: Some(score_of(record, found)),
         verdict: found.verdict.as_ref().map(|v| format!("{}: {}", v.judgement.name(), v.why)),
-        remarks: remarks(model, found),
-        in_band_percent,
+        remarks: remarks(model, found).into_iter().chain(rests_on).collect(),
+        in_band_percent: band.map(|band| band.inside_percent),
         simulated: is_simulated(record),
         error: None,
     }

@@ -19,7 +19,7 @@ const OF_SCORE: f64 = 1e-6;
 /// Samples of a simulation on record, spread over it.
 const SAMPLES: usize = 12;
 /// What a model on record is read and simulated without; left in the first of them.
-const NOT_ON_RECORD: [&str; 4] = ["correlation", "provenance", "scores", "valid_range"];
+const NOT_ON_RECORD: [&str; 5] = ["correlation", "misfit", "provenance", "scores", "valid_range"];
 
 const RIG: &str = "simulated_nested_loops.csv simulated_sweep_1_90hz.csv";
 const SWEEP: &str = "simulated_sweep_1_90hz.csv";

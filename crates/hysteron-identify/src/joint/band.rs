@@ -16,21 +16,24 @@ use super::knowledge::{Covariance, Knowledge};
 use super::parameter_layout::JointLayout;
 use super::problem::JointProblem;
 use super::record::{Ingredients, JointRecord};
-use hysteron_model::Start;
 use hysteron_model::dynamics::{DynamicForm, Sampling, Scheme};
 use hysteron_model::hysteresis::{HysteresisForm, RecordEnds};
+use hysteron_model::misfit::MisfitPrediction;
 use hysteron_model::model::{BandScore, Remark, Score};
 use hysteron_model::record::{InputOutput, InterSample, Timing};
+use hysteron_model::{Finding, Start};
 use hysteron_numeric::normal::quantile;
 use hysteron_optimize::{Bounds, Problem};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+/// Probability of the usual band.
+const LEVEL: f64 = 0.95;
 /// Rows processed at a time.
 const ROWS: usize = 1024;
 
 /// Uncertainty of the output for a drive.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PredictionBand {
     /// Standard deviation of the model's output at each sample, from the uncertainty of the parameters
     /// \[output unit\].
@@ -38,12 +41,19 @@ pub struct PredictionBand {
     /// Standard deviation of a measurement about the model: the rms residual of the training records \[output
     /// unit\].
     pub noise: f64,
+    /// Predicted misfit of a device outside the model class, which then gives the band of a measurement; `None`
+    /// in the class, and where `findings` say that it cannot be predicted.
+    pub misfit: Option<MisfitPrediction>,
+    /// What the band of a measurement rests on, where that is not the training records alone.
+    pub findings: Vec<Finding>,
 }
 
 impl PredictionBand {
     /// The band of a part of the record.
     pub(crate) fn part(&self, samples: Range<usize>) -> Self {
-        Self { std_dev: self.std_dev.get(samples).unwrap_or_default().to_vec(), noise: self.noise }
+        let misfit = self.misfit.as_ref().map(|misfit| misfit.part(samples.clone()));
+        let std_dev = self.std_dev.get(samples).unwrap_or_default().to_vec();
+        Self { std_dev, noise: self.noise, misfit, findings: self.findings.clone() }
     }
 
     /// Half the width of the band that holds the model's true output with 95 % at each sample \[output
@@ -54,7 +64,10 @@ impl PredictionBand {
 
     /// Half the width of the band that holds a measurement with 95 % at each sample \[output unit\].
     pub fn of_measurement(&self) -> Vec<f64> {
-        self.std_dev.iter().map(|sd| NORMAL_975 * sd.hypot(self.noise)).collect()
+        match &self.misfit {
+            Some(misfit) => misfit.half_width(LEVEL),
+            None => self.std_dev.iter().map(|sd| NORMAL_975 * sd.hypot(self.noise)).collect(),
+        }
     }
 
     /// Half the width of the band that holds a measurement with a probability of `level` at each sample
@@ -72,7 +85,8 @@ impl PredictionBand {
         }
         let width = quantile(0.5 + 0.5 * level);
         let of = |noise: f64| self.std_dev.iter().map(|sd| width * sd.hypot(noise)).collect();
-        Ok([of(self.noise), of(0.0)])
+        let of_measurement = self.misfit.as_ref().map(|misfit| misfit.half_width(level));
+        Ok([of_measurement.unwrap_or_else(|| of(self.noise)), of(0.0)])
     }
 
     /// Coverage of a scored record by the band of a measurement; the first `skip_s` are left out.
@@ -102,6 +116,7 @@ impl PredictionBand {
             inside_percent: 100.0 * inside as f64 / all.len().max(1) as f64,
             model: self.of_output().into_iter().fold(0.0, f64::max),
             measurement: half.into_iter().fold(0.0, f64::max),
+            findings: self.findings.clone(),
         }
     }
 }
@@ -230,7 +245,7 @@ impl OutputUncertainty {
                 || vec![f64::NAN; drive.len()],
                 |at| deviations(&[&at.linear, &at.searched], drive.len(), 0..drive.len(), &self.covariance),
             );
-        Ok(PredictionBand { std_dev, noise: self.noise })
+        Ok(PredictionBand { std_dev, noise: self.noise, ..PredictionBand::default() })
     }
 }
 
@@ -258,7 +273,7 @@ pub(super) fn give(problem: &JointProblem, known: &Knowledge, fits: &mut [Record
             }
             *sd = last;
         }
-        fit.band = Some(PredictionBand { std_dev, noise: fit.scores.rmse });
+        fit.band = Some(PredictionBand { std_dev, noise: fit.scores.rmse, ..PredictionBand::default() });
         let columns: Vec<&[f64]> = own.iter().flat_map(|block| block.chunks_exact(rows.len())).collect();
         // Derivatives are known only where samples have weight.
         let counts = |sine: &&mut SineResponse| {

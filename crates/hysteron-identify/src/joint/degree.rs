@@ -176,7 +176,7 @@ fn with_settled_memory(setup: &JointSetup<'_>, problem: &JointProblem, x: &[f64]
 /// higher one adds at their ends is wrong for minor loops.
 fn highest_degree(setup: &JointSetup<'_>) -> usize {
     let of_plays = setup.hysteresis.description().is_written_as_plays();
-    if of_plays && amplitudes(setup.members.iter().map(|member| member.facts)) <= 1 {
+    if of_plays && amplitudes(setup.members.iter().map(|member| member.facts.drive())) <= 1 {
         DEGREE_OF_STARTS
     } else {
         HIGHEST_AUTOMATIC_DEGREE

@@ -125,6 +125,8 @@ impl Recalibration {
         }
         (file.delay.value, file.delay.std_error) = (self.model.delay_s, self.delay.std_error);
         (file.offset.value, file.offset.std_error) = (self.model.offset, None);
+        // The misfit is that of the old records, at the new gain.
+        file.misfit = old.misfit_model().map(|misfit| (&misfit.scaled(self.gain.value)).into());
         file.correlation = None;
         if let Some(directions) = Directions::of(old) {
             let (names, covariance) = self.renewed(&directions);

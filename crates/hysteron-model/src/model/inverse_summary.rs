@@ -40,8 +40,8 @@ pub struct InverseSummary {
     pub predicted_max_error: f64,
     /// Rms error in per cent of the stroke of the reference \[%\].
     pub predicted_rms_percent_of_stroke: f64,
-    /// Largest half-width of the 95 % band of the model's output; `None` where the file holds no correlation.
-    pub band: Option<f64>,
+    /// Error to expect on the device; `None` where the file holds no correlation.
+    pub forecast: Option<ErrorForecast>,
     /// Limits on tracking, with remedies.
     pub findings: Vec<Finding>,
     /// Symbol of the unit of the input.
@@ -50,17 +50,32 @@ pub struct InverseSummary {
     pub output_unit: String,
 }
 
+/// Error to expect when a drive is played on the device.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ErrorForecast {
+    /// Largest half-width of the 95 % band of the model's output.
+    pub band_of_model: f64,
+    /// Largest half-width of the 95 % band of a measurement; `None` where the file holds no scores.
+    pub band_of_measurement: Option<f64>,
+    /// Root of the expected mean square of reference − measurement; `None` as above.
+    pub expected_rms: Option<f64>,
+    /// What it rests on, where that is not the training records alone; [`InverseSummary::new`] puts them with
+    /// its own.
+    pub findings: Vec<Finding>,
+}
+
 impl InverseSummary {
-    /// Summary of the `found` drive for a reference; `band`: largest half-width of the 95 % band of the
-    /// model's output.
+    /// Summary of the `found` drive for a reference, with the `forecast` of the error on the device, whose
+    /// findings join the others.
     pub fn new(
         reference: &[f64],
         found: &InverseDrive,
         sample_rate_hz: f64,
-        band: Option<f64>,
-        findings: Vec<Finding>,
+        mut forecast: Option<ErrorForecast>,
+        mut findings: Vec<Finding>,
         units: &SignalUnits,
     ) -> Self {
+        findings.extend(forecast.iter_mut().flat_map(|forecast| std::mem::take(&mut forecast.findings)));
         let (drive_low, drive_high) = range_of(&found.drive);
         let (low, high) = range_of(reference);
         let errors = || reference.iter().zip(&found.predicted).map(|(r, y)| (r - y).abs());
@@ -85,7 +100,7 @@ impl InverseSummary {
             predicted_rms_error: rms,
             predicted_max_error: errors().fold(0.0, f64::max),
             predicted_rms_percent_of_stroke: 100.0 * rms / (high - low).max(f64::MIN_POSITIVE),
-            band,
+            forecast,
             findings,
             input_unit: units.input.clone(),
             output_unit: units.output.clone(),
@@ -111,7 +126,14 @@ impl Serialize for InverseSummary {
             .in_unit("predicted_rms_error", output, self.predicted_rms_error)
             .in_unit("predicted_max_error", output, self.predicted_max_error)
             .with("predicted_rms_percent_of_stroke", self.predicted_rms_percent_of_stroke)
-            .in_unit("band", output, self.band);
+            .in_unit("band", output, self.forecast.as_ref().map(|forecast| forecast.band_of_model));
+        let measured = self.forecast.as_ref().and_then(|f| f.band_of_measurement.zip(f.expected_rms));
+        let told = match measured {
+            Some((band, rms)) => {
+                told.in_unit("band_of_measurement", output, band).in_unit("expected_rms_error", output, rms)
+            }
+            None => told,
+        };
         let told = if self.findings.is_empty() { told } else { told.with("findings", &self.findings) };
         told.serialize(serializer)
     }
@@ -123,6 +145,15 @@ impl<'de> Deserialize<'de> for InverseSummary {
         let unit =
             |key: &str| keyed.unit_of(key).ok_or_else(|| D::Error::custom(format_args!("{key} is missing")));
         let (input, output) = (unit("drive_low")?, unit("predicted_max_error")?);
+        let forecast = match keyed.get_in_unit("band", output)? {
+            Some(band_of_model) => Some(ErrorForecast {
+                band_of_model,
+                band_of_measurement: keyed.get_in_unit("band_of_measurement", output)?,
+                expected_rms: keyed.get_in_unit("expected_rms_error", output)?,
+                findings: Vec::new(),
+            }),
+            None => None,
+        };
         Ok(Self {
             samples: keyed.get("samples")?,
             sample_rate_hz: keyed.get("sample_rate_hz")?,
@@ -138,7 +169,7 @@ impl<'de> Deserialize<'de> for InverseSummary {
             predicted_rms_error: keyed.get_in_unit("predicted_rms_error", output)?,
             predicted_max_error: keyed.get_in_unit("predicted_max_error", output)?,
             predicted_rms_percent_of_stroke: keyed.get("predicted_rms_percent_of_stroke")?,
-            band: keyed.get_in_unit("band", output)?,
+            forecast,
             findings: keyed.get::<Option<_>, _>("findings")?.unwrap_or_default(),
             input_unit: input.to_owned(),
             output_unit: output.to_owned(),

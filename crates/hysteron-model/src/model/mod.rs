@@ -23,7 +23,7 @@ pub use checked_realisation::{CheckedRealisation, RealisationSummary, SectionSum
 pub use error::{RunError, SignalRole};
 #[doc(hidden)]
 pub use inverse_findings::FAR_FROM_REST;
-pub use inverse_summary::InverseSummary;
+pub use inverse_summary::{ErrorForecast, InverseSummary};
 pub use remark::Remark;
 pub use score::{AxesScore, BandScore, ErrorSummary, RememberingStart, RunScore, Score, ScoreSummary};
 pub use signals::Signals;

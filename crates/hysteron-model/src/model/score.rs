@@ -5,6 +5,7 @@ use serde::ser::Serializer;
 use serde::{Deserialize, Serialize};
 
 use super::{Signals, Simulation, Verdict};
+use crate::Finding;
 use crate::record::{Channel, InputOutput, Keyed, Record, RecordError, Unit};
 use crate::start::Memory;
 use crate::start::Start;
@@ -68,7 +69,7 @@ pub struct AxesScore {
 }
 
 /// Coverage of a record by the 95 % band of a new measurement.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct BandScore {
     /// Share of the scored samples within the band \[%\].
     pub inside_percent: f64,
@@ -76,6 +77,8 @@ pub struct BandScore {
     pub measurement: f64,
     /// Largest half-width of the band of the model's output.
     pub model: f64,
+    /// What the band rests on, where that is not the training records alone.
+    pub findings: Vec<Finding>,
 }
 
 impl Score {
@@ -219,7 +222,7 @@ impl Score {
             skipped_samples: first.map_or(0, |s| s.skipped_samples),
             unit: self.unit.symbol().to_owned(),
             errors: single.map_or(pooled, ErrorSummary::from),
-            band: self.band,
+            band: self.band.clone(),
             start: self.estimated_memory().map(|(voltage, memory)| RememberingStart::new(voltage, memory)),
             without_estimated_start: self.without_estimated_start.as_deref().map(ErrorSummary::from),
             verdict: self.verdict.clone(),
@@ -263,11 +266,14 @@ impl Serialize for ScoreSummary {
         }
         let Some((axes, outputs)) = &self.axes else {
             told = self.errors.told(told, unit);
-            if let Some(band) = self.band {
+            if let Some(band) = &self.band {
                 told = told
                     .with("within_band_percent", band.inside_percent)
                     .in_unit("band_of_measurement", unit, band.measurement)
                     .in_unit("band_of_model", unit, band.model);
+                if !band.findings.is_empty() {
+                    told = told.with("band_findings", &band.findings);
+                }
             }
             if let Some(start) = &self.start {
                 told = told.with("start", start);
@@ -300,7 +306,9 @@ impl<'de> Deserialize<'de> for ScoreSummary {
         let inside: Option<f64> = keyed.get("within_band_percent")?;
         let band = inside.map(|inside_percent| {
             let measurement = keyed.get_in_unit("band_of_measurement", &unit)?;
-            Ok(BandScore { inside_percent, measurement, model: keyed.get_in_unit("band_of_model", &unit)? })
+            let findings = keyed.get::<Option<_>, _>("band_findings")?.unwrap_or_default();
+            let model = keyed.get_in_unit("band_of_model", &unit)?;
+            Ok(BandScore { inside_percent, measurement, model, findings })
         });
         let without = keyed.get::<Option<Keyed>, _>("without_estimated_start")?;
         let without = without.map(|errors| ErrorSummary::read(&errors, &unit));
@@ -402,7 +410,10 @@ mod tests {
         let memory = Memory::VirginAt(-1.5);
         comes_back(&scored("urad", Start::Remembering { voltage_v: 3.0, memory }));
         let one = scored("um", Start::AsIdentified);
-        let band = BandScore { inside_percent: 94.5, measurement: 0.1, model: 0.05 };
+        let band = BandScore { inside_percent: 94.5, measurement: 0.1, model: 0.05, findings: Vec::new() };
+        comes_back(&Score { band: Some(band.clone()), ..one.clone() });
+        let findings = vec![Finding::new(crate::FindingKind::Advice, "band", "A sweep would change that.")];
+        let band = BandScore { findings, ..band };
         comes_back(&Score { band: Some(band), ..one.clone() });
         let axes = AxesScore { outputs: vec!["y".into()], level: None, mean_period_rmse: Some(0.25) };
         comes_back(&Score { axes: Some(axes), ..one });

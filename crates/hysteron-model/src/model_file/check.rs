@@ -50,6 +50,9 @@ impl ModelFile {
         }
         valid_range(self.valid_range.as_ref(), &units)?;
         self.check_correlation()?;
+        if let Some(misfit) = &self.misfit {
+            misfit.check()?;
+        }
         self.scores.iter().enumerate().try_for_each(|(i, s)| score(i, s))
     }
 

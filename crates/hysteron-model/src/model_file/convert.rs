@@ -92,6 +92,7 @@ impl ModelFile {
             provenance: None,
             scores: Vec::new(),
             correlation: None,
+            misfit: None,
         }
     }
 

@@ -35,7 +35,7 @@ pub struct CorrelationEntry {
     pub matrix: Vec<CorrelationRow>,
 }
 
-/// One row of a [`CorrelationEntry`], written on one line.
+/// A row of numbers, written on one line.
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct CorrelationRow(#[serde(deserialize_with = "bounded")] pub Vec<f64>);
@@ -48,7 +48,9 @@ impl Serialize for CorrelationRow {
 }
 
 /// A list of bounded length.
-fn bounded<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<T>, D::Error> {
+pub(super) fn bounded<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Vec<T>, D::Error> {
     struct List<T>(PhantomData<T>);
     impl<'de, T: Deserialize<'de>> Visitor<'de> for List<T> {
         type Value = Vec<T>;

@@ -31,7 +31,7 @@
 //! 1/z a polynomial, 4096 numbers of the hysteresis, a polynomial of degree 32, 4096 paths between inputs and
 //! outputs; magnitudes of at most 1e100, sample rates from 1e-9 to 1e12 Hz. Keys that are not part of the
 //! mathematics (`name`, `units`, `normalisation`, `start`, `valid_range`, `provenance`, `scores`,
-//! `correlation` and `std_error`) may be absent. Writing is atomic, and a file that could not be read back is
+//! `correlation`, `misfit` and `std_error`) may be absent. Writing is atomic, and a file that could not be read back is
 //! never written. Numbers survive writing and reading bit for bit. [`json_schema`] is the same in JSON
 //! Schema.
 
@@ -45,6 +45,7 @@ mod force;
 mod hysteresis_kind;
 mod json;
 mod kind;
+mod misfit;
 mod modes;
 mod oscillator;
 mod parameters;
@@ -66,6 +67,7 @@ pub use error::ModelFileError;
 pub use force::{ForceFile, SaturationEntry};
 pub use hysteresis_kind::HysteresisKind;
 pub use kind::Kind;
+pub use misfit::MisfitEntry;
 pub use modes::{HysteresisEntry, InfluenceEntry, LawEntry, LevelEntry, ModesFile, ModesScoreEntry};
 pub use oscillator::{OscillatorFile, OscillatorParameters};
 pub use parameters::Parameters;
@@ -140,6 +142,9 @@ pub struct ModelFile {
     /// Correlation matrix of the estimates; with their standard errors it gives their covariance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub correlation: Option<CorrelationEntry>,
+    /// Difference between the device and the model, where the device is outside the model's class.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub misfit: Option<MisfitEntry>,
 }
 
 /// Units of the model's signals, as the suffixes of column headers.

@@ -451,6 +451,7 @@ export interface Followed {
   predicted_rms_percent_of_stroke: number;
   band: number | null;
   band_of_measurement: number | null;
+  expected_rms_error: number | null;
   shown: Score[];
   findings: Finding[];
   remarks: string[];

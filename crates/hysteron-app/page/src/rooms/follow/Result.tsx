@@ -21,6 +21,10 @@ export function Result({ followed }: { followed: Followed }) {
       note: `of the fit, ${fileName(shown.record)}`,
     });
   }
+  if (followed.expected_rms_error != null) {
+    const [value, own] = quantity(followed.expected_rms_error, unit);
+    list.push({ label: 'expected on the device, rms', value, unit: own, note: 'for this reference' });
+  }
   const band = followed.band_of_measurement ?? followed.band;
   if (band != null) {
     const [value, own] = quantity(band, unit);
@@ -29,7 +33,7 @@ export function Result({ followed }: { followed: Followed }) {
       label: measured ? '95 % of a new measurement' : '95 % band of the model',
       value: `± ${value}`,
       unit: own,
-      note: measured ? 'as its records left it' : 'from the errors of the parameters alone',
+      note: measured ? 'at its widest' : 'from the errors of the parameters alone',
     });
   }
   list.push({

@@ -1,0 +1,151 @@
+//! Coverage and width of bands.
+
+use hysteron_identify::{CampaignRecord, Options, PredictionBand, Watch, identify};
+use hysteron_model::Start;
+use hysteron_model::model_file::Maker;
+use hysteron_model::validate::{Scoring, choose_start, score};
+
+use super::drives::{Campaign, Kind};
+use super::sorts::Sort;
+use crate::Outcome;
+use crate::table;
+
+/// Bands of a record.
+#[derive(Clone, Copy)]
+pub struct Bands {
+    /// Of the model class alone, and with the model of the misfit.
+    pub class: Band,
+    pub misfit: Band,
+    /// The device was told to be outside the class.
+    pub outside: bool,
+}
+
+/// Coverage, and mean half-width over the smallest constant one that holds 95 %.
+#[derive(Clone, Copy)]
+pub struct Band {
+    pub inside: f64,
+    pub ratio: f64,
+}
+
+/// A band on a record of a device.
+pub struct Scored {
+    pub sort: Sort,
+    pub campaign: Campaign,
+    pub kind: Kind,
+    pub family: &'static str,
+    pub bands: Bands,
+}
+
+/// Identifies and scores the unseen records.
+pub fn scored(
+    fitted: &[CampaignRecord],
+    options: &Options,
+    unseen: &[(Kind, CampaignRecord)],
+) -> Outcome<Vec<(Kind, Bands)>> {
+    let found = identify(fitted, options, &Watch::silent(), None)?;
+    let file = found.model_file(options, &Maker::default());
+    let mut class_alone = file.clone();
+    class_alone.misfit = None;
+    let each = unseen.iter().map(|(kind, record)| {
+        let data = &record.data;
+        let start = match found.records.first().map(|record| record.start) {
+            Some(Start::Remembering { memory, .. }) => Start::Remembering { voltage_v: data.u[0], memory },
+            _ => Start::Rest { voltage_v: data.u[0] },
+        };
+        let (start, simulated) = choose_start(&found.model, data, start, None, &Scoring::default())?;
+        let offset = score(data, &simulated, &Scoring::default())?.offset;
+        let errors: Vec<f64> = data.y.iter().zip(&simulated).map(|(y, m)| (y - m - offset).abs()).collect();
+        let band = |file| -> Outcome<Band> {
+            let band = PredictionBand::of_file(file, &data.u, &data.time, &start)?;
+            Ok(Band::of(&errors, &band.of_measurement()))
+        };
+        let bands =
+            Bands { class: band(&class_alone)?, misfit: band(&file)?, outside: file.misfit.is_some() };
+        Ok((*kind, bands))
+    });
+    each.collect()
+}
+
+impl Band {
+    fn of(errors: &[f64], half: &[f64]) -> Self {
+        let inside = errors.iter().zip(half).filter(|(e, h)| e <= h).count();
+        let mean = half.iter().sum::<f64>() / half.len() as f64;
+        Self { inside: inside as f64 / errors.len() as f64, ratio: mean / quantile(errors.to_vec(), 0.95) }
+    }
+}
+
+fn quantile(mut values: Vec<f64>, p: f64) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    let place = (p * values.len().saturating_sub(1) as f64).round() as usize;
+    values.get(place).copied().unwrap_or(f64::NAN)
+}
+
+/// Pooled coverage, tenth percentile, median and 90th percentile of the ratio.
+fn summary(bands: &[Band]) -> [String; 4] {
+    let percent = |x: f64| format!("{:.1}", 100.0 * x);
+    let inside: Vec<f64> = bands.iter().map(|band| band.inside).collect();
+    let ratios: Vec<f64> = bands.iter().map(|band| band.ratio).collect();
+    let pooled = inside.iter().sum::<f64>() / inside.len() as f64;
+    let width = |p| format!("{:.2}", quantile(ratios.clone(), p));
+    [percent(pooled), percent(quantile(inside, 0.1)), width(0.5), width(0.9)]
+}
+
+/// Demands on a cell: pooled coverage, its tenth percentile over devices except where the campaign has one
+/// amplitude, median and 90th percentile of the width.
+fn gate(bands: &[Band], campaign: Campaign) -> String {
+    let inside: Vec<f64> = bands.iter().map(|band| band.inside).collect();
+    let ratios: Vec<f64> = bands.iter().map(|band| band.ratio).collect();
+    let pooled = inside.iter().sum::<f64>() / inside.len() as f64;
+    let demands = [
+        ("pooled", (0.9..=0.99).contains(&pooled)),
+        ("10th", campaign == Campaign::LoopAndSweep || quantile(inside, 0.1) >= 0.85),
+        ("width", quantile(ratios.clone(), 0.5) <= 2.0),
+        ("90th", quantile(ratios, 0.9) <= 3.5),
+    ];
+    let missed: Vec<&str> = demands.iter().filter(|(_, met)| !met).map(|(name, _)| *name).collect();
+    if missed.is_empty() { "met".to_owned() } else { format!("missed: {}", missed.join(", ")) }
+}
+
+/// Prints the table of campaigns and kinds of record with the gates, and those of sorts and families.
+pub fn tables(all: &[Scored], sorts: &[Sort]) -> Outcome<()> {
+    const MEASURES: [&str; 9] =
+        ["outside", "class: pooled", "10th", "width", "90th", "misfit: pooled", "10th", "width", "90th"];
+    let misfit = |of: &[&Scored]| of.iter().map(|s| s.bands.misfit).collect::<Vec<Band>>();
+    let measured = |of: &[&Scored]| -> Vec<String> {
+        let outside = of.iter().filter(|s| s.bands.outside).count();
+        let class: Vec<Band> = of.iter().map(|s| s.bands.class).collect();
+        let share = format!("{outside} of {}", of.len());
+        std::iter::once(share).chain(summary(&class)).chain(summary(&misfit(of))).collect()
+    };
+    let mut rows = Vec::new();
+    for campaign in Campaign::ALL {
+        for kind in Kind::ALL {
+            let cell: Vec<&Scored> =
+                all.iter().filter(|s| s.campaign == campaign && s.kind == kind).collect();
+            let mut row = vec![campaign.in_words().to_owned(), kind.in_words().to_owned()];
+            row.extend(measured(&cell));
+            row.push(gate(&misfit(&cell), campaign));
+            rows.push(row);
+        }
+    }
+    let header = ["campaign", "record"].into_iter().chain(MEASURES).chain(["gate"]);
+    table::print(&header.collect::<Vec<_>>(), &rows)?;
+    let mut families: Vec<&str> = all.iter().map(|s| s.family).collect();
+    families.sort_unstable();
+    families.dedup();
+    let mut rows = Vec::new();
+    let mut add = |name: &str, cell: Vec<&Scored>| {
+        if !cell.is_empty() {
+            rows.push(std::iter::once(name.to_owned()).chain(measured(&cell)).collect());
+        }
+    };
+    for sort in sorts {
+        add(sort.in_words(), all.iter().filter(|s| s.sort == *sort).collect());
+    }
+    for family in families {
+        add(&format!("fitted: {family}"), all.iter().filter(|s| s.family == family).collect());
+    }
+    add("all", all.iter().collect());
+    let header = std::iter::once("devices").chain(MEASURES);
+    table::print(&header.collect::<Vec<_>>(), &rows)
+}

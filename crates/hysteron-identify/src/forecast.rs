@@ -1,0 +1,79 @@
+//! Error to expect when a drive that was computed for a reference is played on the device.
+
+use hysteron_model::Start;
+use hysteron_model::invert::InverseDrive;
+use hysteron_model::model::ErrorForecast;
+use hysteron_model::model_file::ModelFile;
+use hysteron_numeric::Listener;
+
+use crate::{IdentifyError, PredictionBand};
+
+impl PredictionBand {
+    /// Forecast of the error of the drive `found` for a reference \[output unit\]; `None` for a file without
+    /// correlation, and where the band cannot be computed.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Stopped`] where the listener ends it.
+    pub fn forecast(
+        file: &ModelFile,
+        reference: &[f64],
+        found: &InverseDrive,
+        sample_rate_hz: f64,
+        listener: Listener<'_>,
+    ) -> Result<Option<ErrorForecast>, IdentifyError> {
+        let start = found.rest.unwrap_or(Start::settled(found.drive.len()));
+        let band = match Self::of_file_told(file, &found.drive, Some(sample_rate_hz), &start, listener) {
+            Ok(band) => band,
+            Err(IdentifyError::Stopped) => return Err(IdentifyError::Stopped),
+            Err(_) => return Ok(None),
+        };
+        let largest = |half: Vec<f64>| half.into_iter().fold(0.0, f64::max);
+        let has_scores = band.noise > 0.0;
+        Ok(Some(ErrorForecast {
+            band_of_model: largest(band.of_output()),
+            band_of_measurement: has_scores.then(|| largest(band.of_measurement())),
+            expected_rms: has_scores.then(|| band.expected_rms(reference, &found.predicted)),
+            findings: band.findings,
+        }))
+    }
+
+    /// Root of the expected mean square of `reference` − measurement, where the model's output is `predicted`:
+    /// with the discrepancy μ, its variance and that of the noise where the device is outside the class, else
+    /// with the variances of the model's output and of the residual.
+    fn expected_rms(&self, reference: &[f64], predicted: &[f64]) -> f64 {
+        let errors = reference.iter().zip(predicted).map(|(r, y)| r - y);
+        let total: f64 = match &self.misfit {
+            Some(misfit) => {
+                let own = misfit.discrepancy.iter().zip(&misfit.std_dev);
+                errors.zip(own).map(|(e, (mean, sd))| (e - mean).powi(2) + sd * sd).sum::<f64>()
+                    + misfit.noise.powi(2) * reference.len() as f64
+            }
+            None => errors.zip(&self.std_dev).map(|(e, sd)| e * e + sd * sd + self.noise.powi(2)).sum(),
+        };
+        (total / reference.len().max(1) as f64).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hysteron_model::misfit::{ColumnGroup, MisfitPrediction};
+
+    #[test]
+    fn the_expected_error_adds_the_squares_of_its_parts() {
+        let class = PredictionBand { std_dev: vec![0.3, 0.4], noise: 0.5, ..PredictionBand::default() };
+        // ((1² + 0.3² + 0.5²) + (0² + 0.4² + 0.5²))/2 = 0.875.
+        let found = class.expected_rms(&[2.0, 3.0], &[1.0, 3.0]);
+        assert!((found - 0.875_f64.sqrt()).abs() < 1e-15, "{found}");
+        let misfit = MisfitPrediction {
+            discrepancy: vec![1.0, -1.0],
+            std_dev: vec![0.0, 2.0],
+            noise: 0.5,
+            unexcited: 0.0,
+            unexcited_group: ColumnGroup::Memory,
+        };
+        // The first error is what the discrepancy makes up for: ((0 + 0) + (1 + 4))/2 + 0.25.
+        let found = PredictionBand { misfit: Some(misfit), ..class }.expected_rms(&[2.0, 3.0], &[1.0, 3.0]);
+        assert!((found - 2.75_f64.sqrt()).abs() < 1e-15, "{found}");
+    }
+}
