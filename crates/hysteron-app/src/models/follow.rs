@@ -1,6 +1,6 @@
 //! The drive for a reference, and controllers that follow it on a simulated plant.
 
-use hysteron_identify::{IdentifyError, Listener, PredictionBand};
+use hysteron_identify::{Listener, PredictionBand};
 use hysteron_io::{ReadOptions, read_reference, write_record};
 use hysteron_model::control::Plant;
 use hysteron_model::invert::{InverseDrive, InverseOptions};
