@@ -24,7 +24,7 @@ use hysteron_numeric::display::short;
 use hysteron_report::number::significant;
 
 use crate::advice;
-use crate::axes::AxesFlags;
+use crate::axes::AxesReferenceFlags;
 use crate::columns::ReferenceFlags;
 use crate::console;
 use crate::failure::Failure;
@@ -68,7 +68,8 @@ pub struct Invert {
     /// Minimum and maximum drive, or one per actuator: LOW:HIGH,LOW:HIGH… [default: the range the model was
     /// identified in]
     #[arg(
-        long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true, value_delimiter = ',',
+        long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true,
+        value_delimiter = ',',
     )]
     range: Vec<[f64; 2]>,
 
@@ -79,8 +80,8 @@ pub struct Invert {
     )]
     slew: Vec<f64>,
 
-    /// Level of the drive (rms) for modes that move with it [default: that of the drive found; with --preview:
-    /// the highest identified]
+    /// Level of the drive (rms) for modes that move with it [default: that of the drive found; with
+    /// --preview: the highest identified]
     #[arg(long, value_name = "VOLTS", value_parser = positive, allow_hyphen_values = true)]
     level: Option<f64>,
 
@@ -137,7 +138,7 @@ pub struct Invert {
     columns: ReferenceFlags,
 
     #[command(flatten)]
-    axes: AxesFlags,
+    axes: AxesReferenceFlags,
 }
 
 /// `LOW:HIGH`.

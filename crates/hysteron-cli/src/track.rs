@@ -18,7 +18,7 @@ use hysteron_numeric::display::short;
 use hysteron_report::tracking as report;
 use hysteron_rig::{Dac, RigStage, Truth};
 
-use crate::axes::AxesFlags;
+use crate::axes::AxesReferenceFlags;
 use crate::choices::one_of;
 use crate::columns::ReferenceFlags;
 use crate::console;
@@ -46,8 +46,8 @@ use crate::rig::read_or_default;
     Example: hysteron track model.json scan.csv --plant rig --range 0:10.5 --report track.html\n\
     Example: hysteron track model.json scan.csv --controller feedforward --controller feedforward-pi \
     --current 100 --capacitance 10\n\n\
-    With a model of several axes (modes) the bench is the one of rig --axes, and every axis' reference is also \
-    played alone: the motion of the others is the cross-coupling."
+    With a model of several axes (modes) the bench is the one of rig --axes, and every axis' reference is \
+    also played alone: the motion of the others is the cross-coupling."
 )]
 pub struct Track {
     /// The model file
@@ -93,7 +93,8 @@ pub struct Track {
     /// Minimum and maximum drive, or one per actuator: LOW:HIGH,LOW:HIGH… [default: the range the model was
     /// identified in]
     #[arg(
-        long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true, value_delimiter = ',',
+        long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true,
+        value_delimiter = ',',
     )]
     range: Vec<[f64; 2]>,
 
@@ -156,7 +157,7 @@ pub struct Track {
     columns: ReferenceFlags,
 
     #[command(flatten)]
-    axes: AxesFlags,
+    axes: AxesReferenceFlags,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

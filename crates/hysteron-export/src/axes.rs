@@ -23,8 +23,10 @@ const INVERSE: &str =
 const SELFTEST: &str = include_str!("../templates/c/axes_selftest.c");
 
 const PRECISION: Precision = Precision::F64;
-/// Samples of the golden vectors; the last are steps.
-const SAMPLES: usize = 240;
+/// Golden vectors; the last are steps.
+const VECTORS: usize = 240;
+/// Vectors that a preview is passed in.
+const WITHIN: usize = 60;
 /// Largest difference, as a share of the range: sums in another order.
 const TOLERANCE: f64 = 1e-9;
 
@@ -98,8 +100,8 @@ impl AxesSubject {
             ),
             format!("Written by hysteron export {}.", env!("CARGO_PKG_VERSION")),
             format!(
-                "{} modes and {} lags, at the level of {} {input} rms, at which it holds; it does not move with \
-                 the drive.",
+                "{} modes and {} lags, at the level of {} {input} rms, at which it holds; it does not \
+                 move with the drive.",
                 model.modes,
                 model.inputs,
                 number(law.level)
@@ -202,7 +204,8 @@ impl AxesSubject {
             rows(lists.iter().map(line))
         };
         filling
-            .key("SAMPLES", golden.given.len())
+            .key("VECTORS", golden.given.len())
+            .key("HOLD", golden.hold)
             .key("N_GIVEN", golden.given.first().map_or(0, Vec::len))
             .key("N_FOUND", golden.wanted.first().map_or(0, Vec::len))
             .key("GIVEN", lines(&golden.given))
@@ -224,7 +227,7 @@ pub fn axes_files(subject: &AxesSubject) -> Result<Vec<NamedFile>, ExportError> 
         0.5 * (low + high) + 0.4 * (high - low) * wave(k, i)
     };
     let given: Vec<Vec<f64>> =
-        (0..SAMPLES).map(|k| (0..subject.limits.len()).map(|i| drive(k, i)).collect()).collect();
+        (0..VECTORS).map(|k| (0..subject.limits.len()).map(|i| drive(k, i)).collect()).collect();
     let wanted = given
         .iter()
         .map(|u| {
@@ -232,7 +235,7 @@ pub fn axes_files(subject: &AxesSubject) -> Result<Vec<NamedFile>, ExportError> 
             simulation.apply(u).to_vec()
         })
         .collect();
-    subject.files(false, &Golden::new(given, wanted)?)
+    subject.files(false, &Golden::new(given, wanted, 1)?)
 }
 
 /// The inverse as C99: `NAME_inverse.h`, `NAME_inverse.c`, and `NAME_inverse_selftest.c` with golden vectors.
@@ -252,32 +255,44 @@ pub fn axes_inverse_files(subject: &AxesSubject) -> Result<Vec<NamedFile>, Expor
     let strokes: Vec<f64> = simulation.output().iter().zip(&from).map(|(a, b)| (a - b).abs()).collect();
     let reference = |k: usize, m: usize| rest[m] + 0.5 * strokes[m] * wave(k, m);
     let given: Vec<Vec<f64>> =
-        (0..SAMPLES).map(|k| (0..rest.len()).map(|m| reference(k, m)).collect()).collect();
-    let wanted = given.iter().map(|r| controller.step(r).to_vec()).collect();
-    subject.files(true, &Golden::new(given, wanted)?)
+        (0..VECTORS).map(|k| (0..rest.len()).map(|m| reference(k, m)).collect()).collect();
+    let hold = subject.law.preview.div_ceil(WITHIN).max(1);
+    let wanted = given
+        .iter()
+        .map(|r| {
+            (1..hold).for_each(|_| {
+                controller.step(r);
+            });
+            controller.step(r).to_vec()
+        })
+        .collect();
+    subject.files(true, &Golden::new(given, wanted, hold)?)
 }
 
 /// Between −1 and 1: a growing sine of its own for every channel, then steps.
 fn wave(k: usize, channel: usize) -> f64 {
     let phase = (0.05 + 0.013 * channel as f64) * k as f64;
-    if k < 3 * SAMPLES / 4 { phase.sin() * (k as f64 / 60.0).min(1.0) } else { phase.sin().signum() * 0.8 }
+    if k < 3 * VECTORS / 4 { phase.sin() * (k as f64 / 60.0).min(1.0) } else { phase.sin().signum() * 0.8 }
 }
 
 struct Golden {
     given: Vec<Vec<f64>>,
+    /// At the end of every vector.
     wanted: Vec<Vec<f64>>,
+    /// Samples that a vector lasts.
+    hold: usize,
     tolerance: f64,
 }
 
 impl Golden {
-    fn new(given: Vec<Vec<f64>>, wanted: Vec<Vec<f64>>) -> Result<Self, ExportError> {
+    fn new(given: Vec<Vec<f64>>, wanted: Vec<Vec<f64>>, hold: usize) -> Result<Self, ExportError> {
         let all = wanted.iter().flatten();
         let ends = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
         let span = ends.1 - ends.0;
         if !(span > 0.0 && span.is_finite()) {
             return Err(ExportError::Still { what: "output of the several axes" });
         }
-        Ok(Self { given, wanted, tolerance: TOLERANCE * span })
+        Ok(Self { given, wanted, hold, tolerance: TOLERANCE * span })
     }
 }
 

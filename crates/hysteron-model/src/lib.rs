@@ -6,7 +6,8 @@
 //! hysteresis in feedback, [`force`] is that of a damper against a displacement and its rate, [`axes`]
 //! couples several inputs and outputs. [`validate`] scores a simulation. [`realise`] turns a model into poles
 //! that run sample by sample, [`invert`] and [`compensator`] compute the drive that tracks a reference,
-//! [`decoupling`] those of several actuators, [`control`] closes the loop. [`model_file`] stores a model as JSON.
+//! [`decoupling`] those of several actuators, [`control`] closes the loop. [`model_file`] stores a model as
+//! JSON.
 //!
 //! Units at every interface: V, µm, s, Hz. "Eq. 1" and the like are equations of L. Yang, Z. Zhao, Y. Zhang
 //! and D. Li, *Micromachines* 13 (2022) 42, doi:10.3390/mi13010042.

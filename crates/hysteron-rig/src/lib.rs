@@ -3,8 +3,8 @@
 //! The truth is either the user's ([`Plant::BoucWenFractional`]) or the default, which lies outside every
 //! model class this library identifies ([`PlayStack`]): asymmetric plays, two modes, fractional creep,
 //! amplifier lag, delay, 16-bit converter, noise. [`measure`] plays one waveform; [`run_campaign`] the
-//! article's set of records; [`LiveRig`] runs in closed loop with a controller. [`axes`] is a bench of several
-//! axes.
+//! article's set of records; [`LiveRig`] runs in closed loop with a controller. [`axes`] is a bench of
+//! several axes.
 //!
 //! The bench shares no code with the simulators it is used to test. It works in continuous time:
 //! rate-independent operators are stepped exactly on a grid at least 20 times finer than the record, and

@@ -28,7 +28,8 @@ impl Invert {
             }
         }
         let model = loaded.model();
-        let references = loaded.read_references(&self.reference_file, self.columns.time(), &self.axes)?;
+        let references =
+            loaded.read_references(&self.reference_file, self.columns.time(), &self.axes.of_record())?;
         let limits = limits_of_actuators(loaded, &self.range, &self.slew)?;
         let failed = |e| loaded.cannot_follow(&self.reference_file, e);
         let (found, preview) = match self.preview {
@@ -63,7 +64,7 @@ impl Invert {
         let several = self.range.len() > 1 || self.slew.len() > 1;
         if several || self.level.is_some() || self.axes.are_given() {
             return Err(Failure::usage(
-                "several limits, --level, --inputs and --outputs go with models of several axes",
+                "several limits, --level and --outputs go with models of several axes",
             ));
         }
         Ok(())
@@ -131,9 +132,9 @@ fn text(s: &DecoupledSummary) -> String {
     let (input, output) = (Unit::new(&s.input_unit), Unit::new(&s.output_unit));
     let mut actuators = console::table(&[
         "actuator",
-        &console::in_unit("at rest", &s.input_unit),
-        &console::in_unit("from", &s.input_unit),
-        &console::in_unit("to", &s.input_unit),
+        &console::in_unit("at rest", &input.to_string()),
+        &console::in_unit("from", &input.to_string()),
+        &console::in_unit("to", &input.to_string()),
         "samples limited by --range",
         "by --slew",
     ]);
@@ -149,9 +150,9 @@ fn text(s: &DecoupledSummary) -> String {
     }
     let mut axes = console::table(&[
         "axis",
-        &console::in_unit("stroke", &s.output_unit),
-        &console::in_unit("predicted error, rms", &s.output_unit),
-        &console::in_unit("largest", &s.output_unit),
+        &console::in_unit("stroke", &output.to_string()),
+        &console::in_unit("predicted error, rms", &output.to_string()),
+        &console::in_unit("largest", &output.to_string()),
     ]);
     for one in &s.axes {
         axes.add_row(vec![

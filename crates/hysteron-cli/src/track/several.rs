@@ -5,7 +5,7 @@ use hysteron_model::axes::AxesRecord;
 use hysteron_model::control::slew_of_current;
 use hysteron_model::decoupling::{AxesTrackOptions, AxesTracking, track_axes};
 use hysteron_model::model::{AxesTrackingSummary, Capability};
-use hysteron_model::record::{Channel, Record};
+use hysteron_model::record::{Channel, Record, Unit};
 use hysteron_report::number::significant;
 use hysteron_rig::axes::{AxesRigStage, AxesTruth};
 
@@ -33,7 +33,8 @@ impl Track {
         }
         let model = loaded.model();
         let modes = loaded.scheduled_modes(Capability::Tracking)?;
-        let references = loaded.read_references(&self.reference_file, self.columns.time(), &self.axes)?;
+        let references =
+            loaded.read_references(&self.reference_file, self.columns.time(), &self.axes.of_record())?;
         let truth: AxesTruth = match &self.truth {
             Some(path) => read_settings(path, "truth")?,
             None => AxesTruth::with_axes(modes.outputs)
@@ -62,7 +63,7 @@ impl Track {
     /// Refuses flags that only a model of several axes takes.
     pub(super) fn refuse_flags_of_axes(&self) -> Result<(), Failure> {
         if self.range.len() > 1 || self.axes.are_given() {
-            let words = "several ranges, --inputs and --outputs go with models of several axes";
+            let words = "several ranges and --outputs go with models of several axes";
             return Err(Failure::usage(words));
         }
         Ok(())
@@ -100,8 +101,9 @@ impl Track {
 }
 
 fn text(truth: &AxesTruth, s: &AxesTrackingSummary) -> String {
+    let unit = Unit::new(&s.output_unit).to_string();
     let mut header = vec!["controller".to_owned()];
-    header.extend(s.axes.iter().map(|axis| console::in_unit(&format!("{axis}, rms"), &s.output_unit)));
+    header.extend(s.axes.iter().map(|axis| console::in_unit(&format!("{axis}, rms"), &unit)));
     header.extend(
         ["rms [% of stroke]", "largest [% of stroke]", "cross-coupling, rms [%]", "largest [%]"]
             .map(str::to_owned),
@@ -119,10 +121,10 @@ fn text(truth: &AxesTruth, s: &AxesTrackingSummary) -> String {
         table.add_row(row);
     }
     format!(
-        "Simulated on the bench of several axes ({}).\n\n{table}\n\nErrors are those of the true displacement, \
-         their mean removed; per cent of the stroke of the axis, the worst axis. Cross-coupling: motion of an \
-         axis that is to stay while another moves along its reference alone, in per cent of that stroke, the \
-         worst pair. Integral: crossover {} Hz.\n",
+        "Simulated on the bench of several axes ({}).\n\n{table}\n\nErrors are those of the true \
+         displacement, their mean removed; per cent of the stroke of the axis, the worst axis. \
+         Cross-coupling: motion of an axis that is to stay while another moves along its reference alone, in \
+         per cent of that stroke, the worst pair. Integral: crossover {} Hz.\n",
         truth.describe(),
         significant(s.integral_crossover_hz, 3)
     )

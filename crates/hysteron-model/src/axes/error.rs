@@ -150,7 +150,7 @@ pub enum AxesError {
     #[error(
         "the model, identified at {model_hz} Hz, cannot be run at {rate_hz} Hz{}: choose a rate that divides \
          that of its steps, or one above its sample rate",
-        if error.is_finite() { format!(" (its linear response is matched to {error:.2} only)") } else { String::new() }
+        matched(*error)
     )]
     Rate {
         /// Rate requested \[Hz\].
@@ -223,5 +223,14 @@ impl AxesError {
             Self::NotUniform { .. } => Some(Advice::Resample),
             _ => None,
         }
+    }
+}
+
+/// How well the linear response is matched at another rate.
+fn matched(error: f64) -> String {
+    if error.is_finite() {
+        format!(" (its linear response is matched to {error:.2} only)")
+    } else {
+        String::new()
     }
 }

@@ -122,8 +122,8 @@ impl DecouplingController {
         self.present = (self.present + 1) % rows;
     }
 
-    /// The next sample: the drives to be held from now on. `newest`: the references [`DecouplingLaw::preview`]
-    /// samples ahead; one that is not finite is replaced by the last.
+    /// The next sample: the drives to be held from now on. `newest`: the references
+    /// [`DecouplingLaw::preview`] samples ahead; one that is not finite is replaced by the last.
     pub fn step(&mut self, newest: &[f64]) -> &[f64] {
         let (n, outputs) = (self.drive.len(), self.model.output().len());
         let rows = self.window.len() / outputs;

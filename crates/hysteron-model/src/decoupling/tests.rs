@@ -12,8 +12,8 @@ use std::f64::consts::TAU;
 
 const RATE: f64 = 2000.0;
 
-/// Three actuators, two or three axes, two steps a sample, modes that move with the level, hysteresis of drive
-/// and stress in feedback.
+/// Three actuators, two or three axes, two steps a sample, modes that move with the level, hysteresis of
+/// drive and stress in feedback.
 fn device(outputs: usize) -> ScheduledModes {
     let modes = [(130.0, [1.0, 0.4, 0.2]), (250.0, [0.5, -0.9, 0.3]), (410.0, [0.3, 0.2, 1.0])];
     let (inputs, states, step_rate) = (3, 9, 2.0 * RATE);

@@ -124,8 +124,8 @@ pub struct CrossCoupling {
     pub max_percent: f64,
 }
 
-/// Plays `references` \[µm\], one list per axis, on the stage with every controller; then each axis' reference
-/// alone, for the cross-coupling.
+/// Plays `references` \[µm\], one list per axis, on the stage with every controller; then each axis'
+/// reference alone, for the cross-coupling.
 ///
 /// # Errors
 /// [`DecouplingError`].

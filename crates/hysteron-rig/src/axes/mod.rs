@@ -8,8 +8,8 @@
 //!
 //! Each actuator has plays and a bend of its own, in front of the modes; the model that is identified has
 //! symmetric plays, shared by the actuators, in feedback with them. No code is shared with its simulation:
-//! plays are exact on a grid of at least 20 steps a sample, amplifiers and modes exact for an input linear over
-//! a step. No creep, no delay.
+//! plays are exact on a grid of at least 20 steps a sample, amplifiers and modes exact for an input linear
+//! over a step. No creep, no delay.
 
 mod campaign;
 mod run;

@@ -31,8 +31,8 @@ pub struct AxesRig<'a> {
 }
 
 impl<'a> AxesRig<'a> {
-    /// In equilibrium at the voltages `rest_v`, driven to them from 0 V. `stream` numbers the record: with the
-    /// same seed, different streams have independent noise.
+    /// In equilibrium at the voltages `rest_v`, driven to them from 0 V. `stream` numbers the record: with
+    /// the same seed, different streams have independent noise.
     ///
     /// # Errors
     /// [`RigError::Parameter`], [`RigError::Drive`].

@@ -3,8 +3,8 @@
 //! Where the rate divides that of the model's steps, each sample is a whole number of steps under one input:
 //! exact. At any other rate, not below the model's sample rate, poles move by p → p^(rate ratio), and the
 //! rows of the outputs, of the free strokes and of the stresses are refitted by least squares to the model's
-//! response times that of the hold, (1 − e^(−iωT))/(iωT), over the model's band. A pair of fast poles per input
-//! keeps its last samples, so that the delay of the hold is in the basis of the fit.
+//! response times that of the hold, (1 − e^(−iωT))/(iωT), over the model's band. A pair of fast poles per
+//! input keeps its last samples, so that the delay of the hold is in the basis of the fit.
 
 use std::f64::consts::TAU;
 
