@@ -47,7 +47,7 @@ pub enum ExportError {
     #[error(transparent)]
     Decoupling(Box<hysteron_model::decoupling::DecouplingError>),
     /// A form that is not there for models of several axes yet.
-    #[error("a model of several axes is exported as C99 in double precision, not as {form} yet")]
+    #[error("a model of several axes is exported as C99 or Rust in double precision, not as {form} yet")]
     OneAxis {
         /// The form asked for.
         form: String,

@@ -1,7 +1,8 @@
 //! `hysteron export` of a model of several axes.
 
 use hysteron_export::{
-    AxesSubject, ExportError, FileSummary, Form, axes_files, axes_inverse_files, write_folder,
+    AxesSubject, ExportError, FileSummary, Form, axes_files, axes_inverse_files, axes_rust_files,
+    write_folder,
 };
 use hysteron_model::compensator::Limits;
 use hysteron_model::decoupling::{DecouplingLaw, LawOptions};
@@ -32,7 +33,7 @@ struct Summary {
 impl Export {
     pub(super) fn several_axes(&self, loaded: &Loaded) -> Result<(), Failure> {
         let refused = |form: String| self.cannot(&ExportError::OneAxis { form });
-        if self.to != Form::C {
+        if !matches!(self.to, Form::C | Form::Rust) {
             return Err(refused(self.to.name().to_owned()));
         }
         if matches!(self.float, Float::F32) {
@@ -61,10 +62,15 @@ impl Export {
         let subject =
             AxesSubject::new(&name, loaded.model().name(), (&units.input, &units.output), law, limits)
                 .map_err(failed)?;
-        let mut files = axes_files(&subject).map_err(failed)?;
-        if self.inverse {
-            files.extend(axes_inverse_files(&subject).map_err(failed)?);
-        }
+        let files = if self.to == Form::Rust {
+            axes_rust_files(&subject, self.inverse).map_err(failed)?
+        } else {
+            let mut files = axes_files(&subject).map_err(failed)?;
+            if self.inverse {
+                files.extend(axes_inverse_files(&subject).map_err(failed)?);
+            }
+            files
+        };
         write_folder(&self.out_dir, &files).map_err(|e| self.cannot(&e))?;
         if let Some(range) = loaded.model().valid_range() {
             console::note(&range.in_words());

@@ -76,7 +76,7 @@ fn what_does_not_go_with_several_axes_is_refused() {
     refuse(&format!("{invert} --range 0.5:1"), 1, "would have to rest at");
     bench.write("short.csv", "t_s,y1_nm\n0,0\n0.001,1\n");
     refuse("invert stage.json short.csv -o drives.csv --range=-1:1", 1, "no channel `y2`");
-    refuse("export stage.json --to fmu -o out", 1, "as C99 in double precision, not as fmu");
+    refuse("export stage.json --to fmu -o out", 1, "as C99 or Rust in double precision, not as fmu");
     refuse("export stage.json --to c --float f32 -o out", 1, "not as f32");
     refuse("export stage.json --to c --sample-rate 700 -o out", 1, "cannot be run at 700 Hz");
     refuse("realise stage.json --sample-rate 1000", 1, "export writes them");

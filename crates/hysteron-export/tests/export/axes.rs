@@ -1,11 +1,13 @@
-//! A model of several axes and its inverse in C: without a warning, and the library's numbers.
+//! A model of several axes and its inverse in C and Rust: without a warning, and the library's numbers.
 
-use hysteron_export::{AxesSubject, axes_files, axes_inverse_files, write_folder};
+use std::path::PathBuf;
+
+use hysteron_export::{AxesSubject, axes_files, axes_inverse_files, axes_rust_files, write_folder};
 use hysteron_model::axes::{FeedbackStrain, LevelLaw, ScheduledModes, StrainLaw};
 use hysteron_model::compensator::Limits;
 use hysteron_model::decoupling::{DecouplingLaw, LawOptions};
 
-use crate::tools::{STRICT, c_compilers, run};
+use crate::tools::{STRICT, c_compilers, run, workspace_of};
 
 /// Two axes, two modes, two steps a sample of 2 kHz; hysteresis in feedback where `hysteresis`.
 fn device(hysteresis: bool) -> ScheduledModes {
@@ -79,6 +81,33 @@ fn several_axes_in_c_are_the_library_s() {
             }
         }
     }
+}
+
+#[test]
+fn several_axes_in_rust_are_the_library_s() {
+    let place = tempfile::tempdir().unwrap();
+    let mut members = Vec::new();
+    for (name, hysteresis, rate) in
+        [("held", true, 2000.0), ("refitted", true, 20_000.0), ("linear", false, 4000.0)]
+    {
+        let law = DecouplingLaw::new(&device(hysteresis), rate, &LawOptions::default()).unwrap();
+        let limits = vec![Limits::range(-1.0, 1.0).slew(2000.0), Limits::range(-0.5, 1.5)];
+        let subject = AxesSubject::new(name, Some("two */ axes"), ("V", "um"), law, limits).unwrap();
+        let mut files = axes_rust_files(&subject, true).unwrap();
+        let manifest = files.iter_mut().find(|f| f.name == "Cargo.toml").unwrap();
+        let text = String::from_utf8(manifest.bytes.clone()).unwrap();
+        manifest.bytes = text.replace("[workspace]", "").into_bytes();
+        write_folder(&place.path().join(name), &files).unwrap();
+        members.push(format!("\"{name}\""));
+    }
+    std::fs::write(place.path().join("Cargo.toml"), workspace_of(&members)).unwrap();
+    let target = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("exported-axes");
+    let target = target.to_str().unwrap();
+    let said =
+        run(place.path(), env!("CARGO"), &["test", "--offline", "--workspace", "--target-dir", target]);
+    assert_eq!(said.matches("test golden_vectors ... ok").count(), 2 * members.len(), "{said}");
+    let check = ["clippy", "--offline", "--workspace", "--target-dir", target, "--"];
+    run(place.path(), env!("CARGO"), &[&check[..], &["-D", "warnings", "-W", "missing-docs"]].concat());
 }
 
 #[test]

@@ -51,9 +51,9 @@ impl LinearAxes {
                 }
             }
         }
-        for k in 2 * model.modes..states {
+        for (k, pole) in transition.iter_mut().enumerate().skip(2 * model.modes) {
             let (power, sum) = composed(Complex64::new(at.transition[k], 0.0));
-            transition[k] = power.re;
+            *pole = power.re;
             for matrix in [&mut input, &mut strain_input] {
                 matrix.row_mut(k).scale_mut(sum.re);
             }

@@ -256,7 +256,7 @@ fn a_diagonal_model_has_the_inverses_of_its_axes() {
         .collect();
     let found =
         decouple_branches(&stage, &references, RATE, &DecouplingOptions::within(limits(2, 5.0))).unwrap();
-    for axis in 0..2 {
+    for (axis, reference) in references.iter().enumerate() {
         let path = stage.paths[3 * axis];
         let pair = SecondOrder {
             gain: path.gain,
@@ -275,7 +275,7 @@ fn a_diagonal_model_has_the_inverses_of_its_axes() {
             inter_sample: InterSample::Linear,
             sample_rate_hz: None,
         };
-        let alone = single.invert(&references[axis], RATE, &InverseOptions::within([-5.0, 5.0])).unwrap();
+        let alone = single.invert(reference, RATE, &InverseOptions::within([-5.0, 5.0])).unwrap();
         let both = [found.drive[axis].clone(), found.predicted[axis].clone()];
         assert!(worst(&both, &[alone.drive, alone.predicted], 0..400) < 1e-9);
     }
