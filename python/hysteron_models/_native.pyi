@@ -1,4 +1,4 @@
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from os import PathLike
 from typing import final
 
@@ -142,6 +142,9 @@ class Model:
         options: str,
         last: tuple[_Array, _Array] | None = None,
     ) -> tuple[_Array, _Array, str]: ...
+    def decouple(
+        self, references: Sequence[_Array], sample_rate_hz: float, options: str
+    ) -> tuple[list[_Array], list[_Array], str]: ...
     def controller(self, sample_rate_hz: float, options: str) -> Controller: ...
     def track(
         self,

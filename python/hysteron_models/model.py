@@ -351,6 +351,55 @@ class Model:
             findings=tuple(Finding._of(f) for f in summary.get("findings", [])),
         )
 
+    def decouple(
+        self,
+        references: Sequence[ArrayLike],
+        *,
+        fs: float | None = None,
+        limits: Sequence[tuple[float, float]] | None = None,
+        slew: float | None = None,
+        bandwidth: float | None = None,
+        preview: int | None = None,
+        level: float | None = None,
+        periodic: bool = False,
+    ) -> Inversion:
+        """Find the drives of all actuators with which the outputs of several axes follow references.
+
+        Args:
+            references: samples of every output, in the order of the model's.
+            fs: sample rate [Hz] of the references, which is the controller's; the model's if not given.
+            limits: least and largest drive of every actuator; the range of the identification if not given.
+            slew: largest rate of every drive, per second.
+            bandwidth: frequency up to which the inverse follows [Hz]; a twentieth of the sample rate if not
+                given.
+            preview: samples known ahead; the whole references are known if not given.
+            level: rms of the drives at which the modes are taken.
+            periodic: the references repeat.
+
+        Returns:
+            drives, predicted outputs and references, one row each.
+        """
+        rate = fs or self.fs
+        if rate is None:
+            raise OptionError("the references have no sample rate: give it with fs=…", code="no-sample-rate")
+        rows = [as_samples(one, f"references[{i}]") for i, one in enumerate(references)]
+        options = {
+            "limits": None if limits is None else [list(one) for one in limits],
+            "slew_per_s": slew,
+            "bandwidth_hz": bandwidth,
+            "preview": preview,
+            "level": level,
+            "periodic": periodic,
+        }
+        drives, predicted, text = self._native.decouple(rows, rate, json.dumps(options))
+        return Inversion(
+            t=np.arange(len(rows[0]) if rows else 0) / rate,
+            u=np.array(drives),
+            predicted=np.array(predicted),
+            reference=np.array(rows),
+            summary=json.loads(text),
+        )
+
     def controller(
         self,
         fs: float,

@@ -27,6 +27,27 @@ pub struct AxesFlags {
     pub outputs: Vec<String>,
 }
 
+/// Columns of the references of several axes.
+#[derive(Args, Clone, Debug, Default)]
+pub struct AxesReferenceFlags {
+    /// Columns of the references of several axes, in the order of the model's outputs [default: those in the
+    /// model file]
+    #[arg(long, value_name = "COL,COL…", value_delimiter = ',', help_heading = "Columns")]
+    outputs: Vec<String>,
+}
+
+impl AxesReferenceFlags {
+    /// Whether a flag is given.
+    pub fn are_given(&self) -> bool {
+        !self.outputs.is_empty()
+    }
+
+    /// The same for a record.
+    pub fn of_record(&self) -> AxesFlags {
+        AxesFlags { inputs: Vec::new(), outputs: self.outputs.clone() }
+    }
+}
+
 impl AxesFlags {
     /// Whether a flag is given.
     pub fn are_given(&self) -> bool {

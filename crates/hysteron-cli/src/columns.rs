@@ -151,6 +151,11 @@ pub struct ReferenceFlags {
 }
 
 impl ReferenceFlags {
+    /// The flags of the time base.
+    pub fn time(&self) -> &TimeFlags {
+        &self.time
+    }
+
     /// Reads the reference alone. Prints the choices made automatically.
     ///
     /// # Errors

@@ -1,5 +1,7 @@
 //! `hysteron export`: a model as source code independent of Hysteron.
 
+mod several;
+
 use hysteron_io::IoError;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -21,7 +23,7 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::invert::range;
 use crate::maker;
-use crate::model::LoadedModel;
+use crate::model::{Loaded, LoadedModel};
 use crate::numbers::{positive, share, whole};
 use crate::output;
 use crate::progress;
@@ -71,18 +73,25 @@ pub struct Export {
     #[arg(long)]
     inverse: bool,
 
-    /// Minimum and maximum voltage of the inverse [default: the range the model was identified in]
+    /// Minimum and maximum voltage of the inverse, or one per actuator [default: the range the model was
+    /// identified in]
     #[arg(
         long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true, requires = "inverse",
+        value_delimiter = ',',
     )]
-    range: Option<[f64; 2]>,
+    range: Vec<[f64; 2]>,
 
-    /// Maximum slew rate of the inverse's voltage, per second [default: none]
+    /// Maximum slew rate of the inverse's voltage, per second, or one per actuator [default: none]
     #[arg(
         long, value_name = "PER_SECOND", value_parser = positive, allow_hyphen_values = true,
-        requires = "inverse",
+        requires = "inverse", value_delimiter = ',',
     )]
-    slew: Option<f64>,
+    slew: Vec<f64>,
+
+    /// Level of the drive (rms) at which the modes of a model of several axes are taken [default: the highest
+    /// identified]
+    #[arg(long, value_name = "VOLTS", value_parser = positive, allow_hyphen_values = true)]
+    level: Option<f64>,
 
     /// Frequency up to which the inverse follows, in Hz [default: a twentieth of the sample rate]
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true, requires = "inverse")]
@@ -125,7 +134,14 @@ impl Export {
                 .because(ExportError::MatlabPrecision)
                 .hint("leave --float out"));
         }
-        let loaded = LoadedModel::read(&self.model, Capability::Export)?;
+        let loaded = Loaded::read(&self.model)?;
+        if loaded.model().channels().is_some() {
+            return self.several_axes(&loaded);
+        }
+        if self.range.len() > 1 || self.slew.len() > 1 || self.level.is_some() {
+            return Err(Failure::usage("several limits and --level go with models of several axes"));
+        }
+        let loaded = LoadedModel::of(loaded, Capability::Export)?;
         let rate = self.sample_rate.or(loaded.body().data().sample_rate_hz).ok_or_else(|| {
             Failure::new(format!("cannot export {}", self.model.display()))
                 .because("it was identified from records without a sample rate, and the source runs at one")
@@ -196,7 +212,7 @@ impl Export {
         subject: &Subject,
         realise: &RealiseOptions,
     ) -> Result<Inverse, Failure> {
-        let range = self.range.or(loaded.body().drive_range()).ok_or_else(|| {
+        let range = self.range.first().copied().or(loaded.body().drive_range()).ok_or_else(|| {
             Failure::new(format!("cannot invert {}", self.model.display()))
                 .because("the model file does not say which range it was identified in")
                 .hint("give the amplifier's with --range LOW:HIGH")
@@ -219,8 +235,9 @@ impl Export {
                  number)"
             ));
         }
-        let inverse = Inverse::new(subject, compensation, range, self.slew.unwrap_or(f64::INFINITY))
-            .map_err(|e| self.cannot(&e))?;
+        let inverse =
+            Inverse::new(subject, compensation, range, self.slew.first().copied().unwrap_or(f64::INFINITY))
+                .map_err(|e| self.cannot(&e))?;
         remark_rounding("voltage", &subject.input_unit, inverse.rounding);
         Ok(inverse)
     }

@@ -1,5 +1,9 @@
 //! `hysteron invert`: the drive that makes a model's output follow a reference.
 
+mod several;
+
+pub use several::limits_of_actuators;
+
 use std::path::PathBuf;
 
 use clap::Args;
@@ -19,11 +23,12 @@ use hysteron_numeric::display::short;
 use hysteron_report::number::significant;
 
 use crate::advice;
+use crate::axes::AxesReferenceFlags;
 use crate::columns::ReferenceFlags;
 use crate::console;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::model::LoadedModel;
+use crate::model::{Loaded, LoadedModel};
 use crate::numbers::{number, positive, whole};
 use crate::output::{self, OutFile};
 use crate::progress;
@@ -46,7 +51,10 @@ const SHARE_OF_DRIVE: f64 = 0.5;
     Where the drive is at a limit, the rest of the reference is followed as well as possible; the number of \
     samples at a limit is printed. Exit code 1: the reference cannot be followed at all, or the model has no \
     inverse.\n\n\
-    Example: hysteron invert model.json scan.csv -o drive.csv --range 0:100 --slew 20000"
+    A model of several axes takes a file with the reference of every axis, in columns named as the model's \
+    outputs (or --outputs), and gives the drives of all actuators, decoupled.\n\n\
+    Example: hysteron invert model.json scan.csv -o drive.csv --range 0:100 --slew 20000\n\
+    Example: hysteron invert mirror.json scan.csv -o drives.csv --range=-1:1,-1:1,-0.5:0.5"
 )]
 pub struct Invert {
     /// The model file
@@ -61,13 +69,25 @@ pub struct Invert {
     #[arg(short, long = "out", value_name = "DRIVE.csv")]
     out: OutFile,
 
-    /// Minimum and maximum drive [default: the range the model was identified in]
-    #[arg(long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true)]
-    range: Option<[f64; 2]>,
+    /// Minimum and maximum drive, or one per actuator: LOW:HIGH,LOW:HIGH… [default: the range the model was
+    /// identified in]
+    #[arg(
+        long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true,
+        value_delimiter = ',',
+    )]
+    range: Vec<[f64; 2]>,
 
-    /// Maximum slew rate of the drive, in its unit per second [default: none]
-    #[arg(long, value_name = "PER_SECOND", value_parser = positive, allow_hyphen_values = true)]
-    slew: Option<f64>,
+    /// Maximum slew rate of the drive, in its unit per second, or one per actuator [default: none]
+    #[arg(
+        long, value_name = "PER_SECOND", value_parser = positive, allow_hyphen_values = true,
+        value_delimiter = ',',
+    )]
+    slew: Vec<f64>,
+
+    /// Level of the drive (rms) for modes that move with it [default: that of the drive found; with
+    /// --preview: the highest identified]
+    #[arg(long, value_name = "VOLTS", value_parser = positive, allow_hyphen_values = true)]
+    level: Option<f64>,
 
     /// Frequency up to which the output follows, in Hz [default: a twentieth of the sample rate]
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
@@ -120,6 +140,9 @@ pub struct Invert {
 
     #[command(flatten)]
     columns: ReferenceFlags,
+
+    #[command(flatten)]
+    axes: AxesReferenceFlags,
 }
 
 /// `LOW:HIGH`.
@@ -135,7 +158,12 @@ pub fn range(text: &str) -> Result<[f64; 2], String> {
 impl Invert {
     pub fn run(&self) -> Result<(), Failure> {
         output::check_file("the drive", &self.out)?;
-        let model = LoadedModel::read(&self.model, Capability::Inversion)?;
+        let loaded = Loaded::read(&self.model)?;
+        if loaded.model().channels().is_some() {
+            return self.several_axes(&loaded);
+        }
+        self.refuse_flags_of_axes()?;
+        let model = LoadedModel::of(loaded, Capability::Inversion)?;
         let reference = self.columns.read(&self.reference_file)?;
         let unit = model.agreed_unit(&self.reference_file, SignalRole::Reference, &reference.unit)?;
         let failure = || {
@@ -150,7 +178,7 @@ impl Invert {
                 .because("the reference has no uniform sample rate, which sets the controller's")
                 .advised(Some(Advice::Resample)));
         };
-        let range_v = self.range.or(model.body().drive_range()).ok_or_else(|| {
+        let range_v = self.range.first().copied().or(model.body().drive_range()).ok_or_else(|| {
             failure()
                 .because("the model file does not say which voltages it was identified with")
                 .hint("give the range of the drive, e.g. --range 0:100")
@@ -159,7 +187,7 @@ impl Invert {
             bandwidth_hz: self.bandwidth,
             error_at_bandwidth: ERROR_AT_BANDWIDTH,
             range_v,
-            slew_v_per_s: self.slew.unwrap_or(f64::INFINITY),
+            slew_v_per_s: self.slew.first().copied().unwrap_or(f64::INFINITY),
             start: match self.rest_voltage {
                 _ if self.periodic => Start::PERIODIC,
                 Some(voltage_v) => Start::Rest { voltage_v },

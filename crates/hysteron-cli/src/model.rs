@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use hysteron_identify::{IdentifyError, PredictionBand};
 use hysteron_io::atomic_file::Batch;
-use hysteron_io::{IoError, load_model_and_source, save_model};
-use hysteron_model::axes::AxesError;
+use hysteron_io::{IoError, load_model_and_source, read_record, save_model};
+use hysteron_model::axes::{AxesError, AxesRecord, ScheduledModes};
+use hysteron_model::decoupling::DecouplingError;
 use hysteron_model::hammerstein::SimulationError;
 use hysteron_model::model::{
     Capability, Hammerstein, RunError, RunScore, Score, SignalRole, Signals, Simulation, Unsupported,
@@ -15,7 +16,7 @@ use hysteron_model::validate::Scoring;
 use hysteron_model::{Advice, Model, Start, hammerstein};
 
 use crate::axes::AxesFlags;
-use crate::columns::{ColumnFlags, InputFlags};
+use crate::columns::{ColumnFlags, InputFlags, TimeFlags};
 use crate::failure::Failure;
 use crate::output;
 use crate::remarks;
@@ -135,6 +136,25 @@ impl Loaded {
         Ok(names.to_vec())
     }
 
+    /// The references in the file at `path`, one per output of the model, in its order.
+    ///
+    /// # Errors
+    /// If it is not a readable record or does not have them.
+    pub fn read_references(
+        &self,
+        path: &Path,
+        time: &TimeFlags,
+        axes: &AxesFlags,
+    ) -> Result<AxesRecord, Failure> {
+        let record = read_record(path, &time.options())
+            .map_err(|e| Failure::new(format!("cannot read the references {}", path.display())).because(e))?;
+        AxesRecord::new(&record, &self.output_names(axes)?, &[]).map_err(|e| {
+            Failure::new(format!("cannot read the references {}", path.display())).because(e).hint(
+                "name the columns of the references with --outputs, in the order of the model's outputs",
+            )
+        })
+    }
+
     /// Names of several inputs and outputs; `None` for a model of one of each.
     fn axes(&self, given: &AxesFlags, also: &str) -> Result<Option<AxesFlags>, Failure> {
         match self.model.channels() {
@@ -239,6 +259,14 @@ impl Loaded {
         self.model.hammerstein(wanted).map_err(|e| self.unsupported(&e))
     }
 
+    /// The scheduled modes.
+    ///
+    /// # Errors
+    /// If it is of another kind.
+    pub fn scheduled_modes(&self, wanted: Capability) -> Result<&ScheduledModes, Failure> {
+        self.model.scheduled_modes(wanted).map_err(|e| self.unsupported(&e))
+    }
+
     fn unsupported(&self, error: &Unsupported) -> Failure {
         match error.wanted {
             Capability::Bands => Failure::usage("--band does not go with this kind of model").because(error),
@@ -270,6 +298,23 @@ impl Loaded {
         Failure::new(format!("cannot draw a band around {}", self.path.display()))
             .because(error)
             .hint("identify the model again: only a joint fit writes the covariance that a band needs")
+    }
+
+    /// Failure to follow the references in the file at `path`.
+    pub fn cannot_follow(&self, path: &Path, error: RunError) -> Failure {
+        let failure =
+            || Failure::new(format!("cannot follow {} with {}", path.display(), self.path.display()));
+        match error {
+            RunError::Unit { signal, model, record } => self.units_disagree(path, signal, &model, &record),
+            RunError::Unsupported(e) => self.unsupported(&e),
+            RunError::Decoupling(e @ DecouplingError::Begins { .. }) => failure()
+                .because(e)
+                .hint("widen --range, or let the references begin nearer to the device's rest"),
+            RunError::Decoupling(e @ DecouplingError::Axes(AxesError::Rate { .. })) => failure()
+                .because(e)
+                .hint("sample the references faster: hysteron prepare REFERENCE.csv --rate HZ -o OUT.csv"),
+            e => failure().because(e),
+        }
     }
 
     /// Failure for a library error, with a remedy.
@@ -406,7 +451,14 @@ impl LoadedModel {
     /// # Errors
     /// If it cannot be read, is not sound, or of a kind that does not support what is `wanted` yet.
     pub fn read(path: &Path, wanted: Capability) -> Result<Self, Failure> {
-        let loaded = Loaded::read(path)?;
+        Self::of(Loaded::read(path)?, wanted)
+    }
+
+    /// A model that is loaded.
+    ///
+    /// # Errors
+    /// If it is of a kind that does not support what is `wanted` yet.
+    pub fn of(loaded: Loaded, wanted: Capability) -> Result<Self, Failure> {
         let body = loaded.hammerstein(wanted)?.clone();
         Ok(Self { loaded, body })
     }

@@ -1,5 +1,7 @@
 //! `hysteron rig`: the simulated test bench.
 
+mod several;
+
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -25,7 +27,7 @@ const MAX_BYTES: u64 = 1 << 20;
     after_help = "Plays the article's campaign (1 Hz loop, 1-100 Hz sweep, sines of 10, 20, 50 and 100 Hz), \
     or the drives given with --drive, and writes one record each, with the truth and the plan used, into the \
     folder. The default truth lies outside every model class that hysteron identifies.\n\nExample: hysteron \
-    rig --out-dir bench --seed 1"
+    rig --out-dir bench --seed 1\nExample: hysteron rig --axes 3 --out-dir bench3"
 )]
 pub struct Rig {
     /// True parameters of the simulated bench: JSON, all keys optional (truth.json of an earlier run, edited)
@@ -51,6 +53,14 @@ pub struct Rig {
     #[arg(long = "drive", value_name = "FILE")]
     drives: Vec<PathBuf>,
 
+    /// Bench of this many actuators and axes, 2 to 6, coupled: multisines of several levels, all inputs at
+    /// once, to identify a model of several axes on
+    #[arg(
+        long, value_name = "N", value_parser = whole::<usize>, allow_hyphen_values = true,
+        conflicts_with_all = ["drives", "with_truth"],
+    )]
+    axes: Option<usize>,
+
     /// Write the true displacement and the output of the hysteresis block beside the sensor reading
     #[arg(long)]
     with_truth: bool,
@@ -62,6 +72,9 @@ pub struct Rig {
 impl Rig {
     pub fn run(&self) -> Result<(), Failure> {
         output::check_folder("the records", &self.out_dir)?;
+        if let Some(axes) = self.axes {
+            return self.several_axes(axes);
+        }
         let truth: Truth = read_or_default(self.truth.as_deref(), "truth")?;
         let plan: CampaignPlan = read_or_default(self.plan.as_deref(), "plan")?;
         let runs = self.measure(&truth, &plan)?;
@@ -156,7 +169,11 @@ fn settings(name: &str, value: &impl serde::Serialize) -> Result<NamedFile, Fail
 
 /// Reads a JSON file of settings; without a file, the defaults.
 pub fn read_or_default<T: DeserializeOwned + Default>(path: Option<&Path>, what: &str) -> Result<T, Failure> {
-    let Some(path) = path else { return Ok(T::default()) };
+    path.map_or_else(|| Ok(T::default()), |path| read_settings(path, what))
+}
+
+/// Reads a JSON file of settings.
+pub fn read_settings<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, Failure> {
     load_json(path, MAX_BYTES).map_err(|e| {
         let failure = Failure::new(format!("cannot read the {what} {}", path.display()));
         let hint = format!("hysteron rig --out-dir DIR writes the {what} in force to DIR/{what}.json");

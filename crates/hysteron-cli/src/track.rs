@@ -1,6 +1,8 @@
 //! `hysteron track`: a reference followed sample by sample, without compensation, by feedforward, by feedback
 //! and by both.
 
+mod several;
+
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
@@ -17,6 +19,7 @@ use hysteron_numeric::display::short;
 use hysteron_report::tracking as report;
 use hysteron_rig::{Dac, RigStage, Truth};
 
+use crate::axes::AxesReferenceFlags;
 use crate::choices::one_of;
 use crate::columns::ReferenceFlags;
 use crate::console;
@@ -24,7 +27,7 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::invert::range;
 use crate::maker::maker;
-use crate::model::LoadedModel;
+use crate::model::{Loaded, LoadedModel};
 use crate::numbers::{not_negative, number, positive, whole};
 use crate::output::{self, OutFile};
 use crate::progress;
@@ -45,7 +48,9 @@ use crate::rig::read_or_default;
     model's records, the loop gain stays below 1/(gain margin).\n\n\
     Example: hysteron track model.json scan.csv --plant rig --range 0:10.5 --report track.html\n\
     Example: hysteron track model.json scan.csv --controller feedforward --controller feedforward-pi \
-    --current 100 --capacitance 10"
+    --current 100 --capacitance 10\n\n\
+    With a model of several axes (modes) the bench is the one of rig --axes, and every axis' reference is \
+    also played alone: the motion of the others is the cross-coupling."
 )]
 pub struct Track {
     /// The model file
@@ -88,9 +93,13 @@ pub struct Track {
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     bandwidth: Option<f64>,
 
-    /// Minimum and maximum drive [default: the range the model was identified in]
-    #[arg(long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true)]
-    range: Option<[f64; 2]>,
+    /// Minimum and maximum drive, or one per actuator: LOW:HIGH,LOW:HIGH… [default: the range the model was
+    /// identified in]
+    #[arg(
+        long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true,
+        value_delimiter = ',',
+    )]
+    range: Vec<[f64; 2]>,
 
     /// Maximum slew rate of the drive, in its unit per second [default: none]
     #[arg(long, value_name = "PER_SECOND", value_parser = positive, allow_hyphen_values = true)]
@@ -149,6 +158,9 @@ pub struct Track {
 
     #[command(flatten)]
     columns: ReferenceFlags,
+
+    #[command(flatten)]
+    axes: AxesReferenceFlags,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -167,7 +179,12 @@ impl Track {
             output::check_file("the samples", out)?;
         }
         self.result.check()?;
-        let model = LoadedModel::read(&self.model, Capability::Tracking)?;
+        let loaded = Loaded::read(&self.model)?;
+        if loaded.model().channels().is_some() {
+            return self.several_axes(&loaded);
+        }
+        self.refuse_flags_of_axes()?;
+        let model = LoadedModel::of(loaded, Capability::Tracking)?;
         let reference = self.columns.read(&self.reference_file)?;
         let unit = model.agreed_unit(&self.reference_file, SignalRole::Reference, &reference.unit)?;
         if let TimeBase::Uniform { sample_rate_hz, .. } = reference.time {
@@ -216,7 +233,7 @@ impl Track {
             preview: self.preview,
             predict_to_hz: self.predict_to,
             bandwidth_hz: self.bandwidth,
-            range: self.range,
+            range: self.range.first().copied(),
             slew_per_s: self.slew.or(of_current).unwrap_or(f64::INFINITY),
             virgin_v: self.virgin_voltage,
             margins: RequiredMargins {

@@ -46,6 +46,15 @@ pub enum ExportError {
     /// There is no inverse.
     #[error(transparent)]
     Inverse(#[from] InversionError),
+    /// There is no inverse of several axes.
+    #[error(transparent)]
+    Decoupling(Box<hysteron_model::decoupling::DecouplingError>),
+    /// A form that is not there for models of several axes yet.
+    #[error("a model of several axes is exported as C99 or Rust in double precision, not as {form} yet")]
+    OneAxis {
+        /// The form asked for.
+        form: String,
+    },
     /// Nothing to test.
     #[error("the {what} is constant along the drive of the self-test, which would pass with any source")]
     Still {

@@ -10,11 +10,14 @@
 //! * [`Form`]: the list of all these, and the files of each.
 //! * [`Inverse`], [`inverse_files`], [`inverse_fmu_files`]: the inverse, reference in and voltage out, in the
 //!   same forms.
+//! * [`AxesSubject`], [`axes_files`], [`axes_inverse_files`], [`axes_rust_files`]: a model of several axes and
+//!   its inverse, as C and Rust.
 //! * [`write_folder`]: all files or none.
 //!
 //! The arithmetic of the exported source is that of `hysteron-rt`, operation by operation: in double
 //! precision the two differ by what the functions of `<math.h>` differ by.
 
+mod axes;
 mod c;
 mod error;
 mod escape;
@@ -32,6 +35,7 @@ mod subject;
 mod summary;
 mod template;
 
+pub use axes::{AxesSubject, axes_files, axes_inverse_files, axes_rust_files};
 pub use c::c_files;
 pub use error::ExportError;
 pub use fmu::{fmu_files, inverse_fmu_files};

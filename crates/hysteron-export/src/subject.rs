@@ -206,7 +206,7 @@ const KEYWORDS: &str = " as asm auto bool break case catch char class const cont
                         typename union unsafe unsigned use using virtual void volatile where while async \
                         await dyn ";
 
-fn check_name(name: &str) -> Result<(), ExportError> {
+pub(crate) fn check_name(name: &str) -> Result<(), ExportError> {
     let first = name.starts_with(|c: char| c.is_ascii_lowercase());
     let rest = name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
     if first && rest && name.len() <= 48 && !KEYWORDS.contains(&format!(" {name} ")) {

@@ -3,6 +3,7 @@
 use crate::Advice;
 use crate::axes::AxesError;
 use crate::control::ControlError;
+use crate::decoupling::DecouplingError;
 use crate::dynamics::DynamicsError;
 use crate::hammerstein::SimulationError;
 use crate::hysteresis::HysteresisError;
@@ -24,6 +25,9 @@ pub enum Error {
     /// [`ControlError`].
     #[error(transparent)]
     Control(#[from] ControlError),
+    /// [`DecouplingError`].
+    #[error(transparent)]
+    Decoupling(#[from] DecouplingError),
     /// [`DynamicsError`].
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),

@@ -7,7 +7,8 @@
 //! couples several inputs and outputs. [`validate`] scores a simulation, [`misfit`] predicts how far a device
 //! is from its model. [`realise`] turns a model into poles
 //! that run sample by sample, [`invert`] and [`compensator`] compute the drive that tracks a reference,
-//! [`control`] closes the loop. [`model_file`] stores a model as JSON.
+//! [`decoupling`] those of several actuators, [`control`] closes the loop. [`model_file`] stores a model as
+//! JSON.
 //!
 //! Units at every interface: V, µm, s, Hz. "Eq. 1" and the like are equations of L. Yang, Z. Zhao, Y. Zhang
 //! and D. Li, *Micromachines* 13 (2022) 42, doi:10.3390/mi13010042.
@@ -16,6 +17,7 @@ pub mod advice;
 pub mod axes;
 pub mod compensator;
 pub mod control;
+pub mod decoupling;
 pub mod dynamics;
 mod dynamics_error;
 mod error;

@@ -7,6 +7,7 @@
 
 mod compare;
 mod controller;
+mod decoupling;
 mod deploy;
 mod errors;
 mod excite;

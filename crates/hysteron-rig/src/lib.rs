@@ -3,13 +3,15 @@
 //! The truth is either the user's ([`Plant::BoucWenFractional`]) or the default, which lies outside every
 //! model class this library identifies ([`PlayStack`]): asymmetric plays, two modes, fractional creep,
 //! amplifier lag, delay, 16-bit converter, noise. [`measure`] plays one waveform; [`run_campaign`] the
-//! article's set of records; [`LiveRig`] runs in closed loop with a controller.
+//! article's set of records; [`LiveRig`] runs in closed loop with a controller. [`axes`] is a bench of
+//! several axes.
 //!
 //! The bench shares no code with the simulators it is used to test. It works in continuous time:
 //! rate-independent operators are stepped exactly on a grid at least 20 times finer than the record, and
 //! linear dynamics, fractional ones included, are split into poles and branch cut and propagated exactly for
 //! an input linear over each grid step.
 
+pub mod axes;
 mod bouc_wen;
 mod campaign;
 mod error;

@@ -25,7 +25,7 @@ impl Truth {
     }
 }
 
-fn wrong(parameter: impl Into<String>, value: f64, expected: &'static str) -> RigError {
+pub(super) fn wrong(parameter: impl Into<String>, value: f64, expected: &'static str) -> RigError {
     RigError::Parameter { parameter: parameter.into(), value, expected }
 }
 
@@ -36,13 +36,13 @@ const FASTEST_HZ: f64 = 1e9;
 /// Smallest frequency \[Hz\].
 const SLOWEST_HZ: f64 = 1e-9;
 /// Most modes, whose partial fractions are still told apart in double precision.
-const MOST_MODES: usize = 100;
+pub(super) const MOST_MODES: usize = 100;
 /// Most plays.
-const MOST_PLAYS: usize = 10_000;
+pub(super) const MOST_PLAYS: usize = 10_000;
 /// Most terms of a polynomial or a transfer function.
 const MOST_TERMS: usize = 30;
 
-fn finite(parameter: &str, value: f64) -> Result<(), RigError> {
+pub(super) fn finite(parameter: &str, value: f64) -> Result<(), RigError> {
     if value.abs() <= LARGEST {
         Ok(())
     } else {
@@ -50,11 +50,11 @@ fn finite(parameter: &str, value: f64) -> Result<(), RigError> {
     }
 }
 
-fn at_most(parameter: &'static str, count: usize, most: usize) -> Result<(), RigError> {
+pub(super) fn at_most(parameter: &'static str, count: usize, most: usize) -> Result<(), RigError> {
     if count <= most { Ok(()) } else { Err(RigError::TooMany { parameter, count, most }) }
 }
 
-fn frequency(parameter: String, value: f64) -> Result<(), RigError> {
+pub(super) fn frequency(parameter: String, value: f64) -> Result<(), RigError> {
     if (SLOWEST_HZ..=FASTEST_HZ).contains(&value) {
         Ok(())
     } else {
@@ -62,7 +62,7 @@ fn frequency(parameter: String, value: f64) -> Result<(), RigError> {
     }
 }
 
-fn not_negative(parameter: impl Into<String>, value: f64) -> Result<(), RigError> {
+pub(super) fn not_negative(parameter: impl Into<String>, value: f64) -> Result<(), RigError> {
     if (0.0..=LARGEST).contains(&value) {
         Ok(())
     } else {
@@ -70,7 +70,7 @@ fn not_negative(parameter: impl Into<String>, value: f64) -> Result<(), RigError
     }
 }
 
-fn positive(parameter: impl Into<String>, value: f64) -> Result<(), RigError> {
+pub(super) fn positive(parameter: impl Into<String>, value: f64) -> Result<(), RigError> {
     if value > 0.0 && value <= LARGEST {
         Ok(())
     } else {
@@ -87,7 +87,7 @@ fn delay(value: f64) -> Result<(), RigError> {
 }
 
 impl Sensor {
-    fn validate(&self) -> Result<(), RigError> {
+    pub(super) fn validate(&self) -> Result<(), RigError> {
         not_negative("sensor.noise_um", self.noise_um)?;
         finite("sensor.offset_um", self.offset_um)?;
         finite("sensor.drift_um_per_s", self.drift_um_per_s)?;

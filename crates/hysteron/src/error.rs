@@ -53,7 +53,8 @@ macro_rules! of_layer {
 of_layer! {
     File: hysteron_io::atomic_file::AtomicWriteError;
     Model: hysteron_model::UnknownName, hysteron_model::axes::AxesError,
-        hysteron_model::control::ControlError, hysteron_model::hammerstein::SimulationError,
+        hysteron_model::control::ControlError, hysteron_model::decoupling::DecouplingError,
+        hysteron_model::hammerstein::SimulationError,
         hysteron_model::invert::InversionError, hysteron_model::model::RunError,
         hysteron_model::model::Unsupported, hysteron_model::model_file::ModelFileError,
         hysteron_model::realise::RealiseError, hysteron_model::record::RecordError;

@@ -84,7 +84,8 @@
 //! in parts; a [`Remark`] says where the model extrapolates.
 //!
 //! **Its inverse.** [`Model::invert`] makes the drive for a reference within [`Limits`];
-//! [`Model::controller`] is a [`Controller`] that steps sample by sample. [`Model::track`] simulates several
+//! [`Model::controller`] is a [`Controller`] that steps sample by sample; [`Model::decouple`] and
+//! [`DecouplingController`] drive several axes. [`Model::track`] simulates several
 //! controllers following a reference ([`TrackOptions`]), on the model itself or on a [`Stage`]: a
 //! [`Tracking`] holds the errors and bandwidths of each. [`Model::export`] writes an [`Export`] for a
 //! [`Target`], C99, `no_std` Rust, FMU, MATLAB or Simulink, in a [`Precision`].
@@ -129,6 +130,7 @@ pub use hysteron_model::Start;
 pub use hysteron_model::compensator::{Controller, Limits};
 #[doc(inline)]
 pub use hysteron_model::control::Stage;
+pub use hysteron_model::decoupling::DecouplingController;
 #[doc(inline)]
 pub use hysteron_model::dynamics::{Creep, Scheme};
 #[doc(inline)]

@@ -6,6 +6,7 @@ use hysteron_io::{load_model, save_model};
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::compensator::{CompensatorOptions, Controller, Limits};
 use hysteron_model::control::{Plant, Stage};
+use hysteron_model::decoupling::{DecouplingController, DecouplingLaw, DecouplingOptions, LawOptions};
 use hysteron_model::invert::InverseOptions;
 use hysteron_model::model::{Capability, RunScore, Score, Signals};
 use hysteron_model::model_file::Kind;
@@ -127,6 +128,45 @@ impl Model {
             ..CompensatorOptions::default()
         };
         Ok(Controller::new(body.law(), sample_rate_hz, limits, &options)?)
+    }
+
+    /// The drives (zero-order hold) of all actuators of a model of several axes, decoupled: with them its
+    /// outputs follow the references in a record, whose channels have the names of the outputs. `limits`: one
+    /// per actuator.
+    ///
+    /// # Errors
+    /// [`Error::Model`].
+    pub fn decouple(&self, references: &Record, limits: &[Limits]) -> Result<Vec<Signal>, Error> {
+        let (inputs, outputs) = self.0.channels().unwrap_or((&[], &[]));
+        let references = AxesRecord::new(references, outputs, &[])?;
+        let found = self.0.decouple(&references, &DecouplingOptions::within(limits.to_vec()))?;
+        let unit = Unit::new(&self.0.units().input);
+        let named = inputs.iter().zip(found.drive);
+        Ok(named
+            .map(|(name, samples)| Signal {
+                samples,
+                unit: unit.clone(),
+                name: name.clone(),
+                time: references.time.clone(),
+                notes: Vec::new(),
+            })
+            .collect())
+    }
+
+    /// The inverse of a model of several axes sample by sample at this rate \[Hz\], with a preview of the
+    /// references in samples: references in, voltages out. `limits`: one per actuator.
+    ///
+    /// # Errors
+    /// [`Error::Model`].
+    pub fn decoupling_controller(
+        &self,
+        sample_rate_hz: f64,
+        preview: usize,
+        limits: &[Limits],
+    ) -> Result<DecouplingController, Error> {
+        let model = self.0.scheduled_modes(Capability::Inversion)?;
+        let options = LawOptions { preview: Some(preview), ..LawOptions::default() };
+        Ok(DecouplingLaw::new(model, sample_rate_hz, &options)?.controller(limits)?)
     }
 
     /// Simulated tracking of a reference by several controllers, with the error of each; on the model itself

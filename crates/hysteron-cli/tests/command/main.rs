@@ -30,6 +30,7 @@ mod recalibrate_finds_gain_and_delay;
 mod results_are_unchanged;
 mod rig_makes_records;
 mod schema_and_completions_are_printed;
+mod several_axes_are_followed;
 mod several_axes_are_identified;
 mod simulate_writes_a_record;
 mod structures_are_compared;

@@ -22,7 +22,7 @@ pub const LEVELS: [(&str, f64, u64); 5] =
 const COLUMNS: &str = "--inputs u1_V,u2_V --outputs y1_nm,y2_nm";
 
 /// Two actuators, two sensors, modes at 130 and 250 Hz that fall by 3 % up to 0.5 V rms.
-fn device() -> ScheduledModes {
+pub fn device() -> ScheduledModes {
     let (modes, states) = ([(130.0, [1.0, 0.4]), (250.0, [0.5, -0.9])], 6);
     let mut d = ScheduledModes {
         inputs: 2,

@@ -7,6 +7,7 @@
 )]
 
 mod arm;
+mod axes;
 mod c_agrees;
 mod c_builds;
 mod fmu;

@@ -146,6 +146,20 @@ pub enum AxesError {
         /// Of the record \[Hz\].
         record_hz: f64,
     },
+    /// The model cannot be run at the rate of a controller.
+    #[error(
+        "the model, identified at {model_hz} Hz, cannot be run at {rate_hz} Hz{}: choose a rate that divides \
+         that of its steps, or one above its sample rate",
+        matched(*error)
+    )]
+    Rate {
+        /// Rate requested \[Hz\].
+        rate_hz: f64,
+        /// Sample rate of the model \[Hz\].
+        model_hz: f64,
+        /// Relative error of the linear response; infinite where it was not fitted.
+        error: f64,
+    },
     /// A settled start needs a period within the record.
     #[error("a settled start needs a period of 2 to {samples} samples, found {period_samples}")]
     Period {
@@ -209,5 +223,14 @@ impl AxesError {
             Self::NotUniform { .. } => Some(Advice::Resample),
             _ => None,
         }
+    }
+}
+
+/// How well the linear response is matched at another rate.
+fn matched(error: f64) -> String {
+    if error.is_finite() {
+        format!(" (its linear response is matched to {error:.2} only)")
+    } else {
+        String::new()
     }
 }

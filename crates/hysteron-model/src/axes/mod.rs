@@ -26,14 +26,15 @@ pub use influence::InfluenceMatrix;
 #[doc(hidden)]
 pub use modes::pole;
 pub use modes::{
-    AtLevel, FeedbackStrain, LevelLaw, LevelTracker, Mode, ScheduledModes, StrainLaw, Streaming, Trajectory,
-    simulate_steady,
+    AtLevel, FeedbackStrain, HeldModes, HeldSimulation, LevelLaw, LevelTracker, Mode, ScheduledModes,
+    StrainLaw, Streaming, Trajectory, simulate_steady,
 };
 #[doc(hidden)]
 pub use modes::{LARGEST_POLE, POWERS, frequency, linear_states};
 pub use record::AxesRecord;
 pub use score::AxesScores;
 pub use steady::SteadyPeriod;
+pub(crate) use steady::level;
 #[doc(hidden)]
 pub use steady::remove_means;
 pub use vector_fit::{CommonPoles, VectorFit, spread_poles};

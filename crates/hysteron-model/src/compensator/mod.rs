@@ -16,7 +16,7 @@
 mod controller;
 mod parts;
 mod prediction;
-mod riccati;
+pub(crate) mod riccati;
 #[cfg(test)]
 mod tests;
 

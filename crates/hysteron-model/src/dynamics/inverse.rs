@@ -75,20 +75,10 @@ impl SimulationPlan {
     /// [`DynamicsError::Parameter`] for an error that is not between 0 and 1.
     pub fn inverse(&self, plant: &Response, aim: InverseAim) -> Result<Inverse, DynamicsError> {
         check_length("response", plant.values.len(), self.bins())?;
+        let edge = self.edge(aim)?;
         let InverseAim { bandwidth_hz, error } = aim;
-        if !(error > 0.0 && error < 1.0) {
-            return Err(DynamicsError::Parameter {
-                name: "error at the bandwidth",
-                value: error,
-                allowed: "between 0 and 1",
-            });
-        }
         let refused = DynamicsError::Bandwidth { bandwidth_hz, highest_hz: 0.5 * self.sample_rate_hz };
-        if !(bandwidth_hz > 0.0 && bandwidth_hz < 0.5 * self.sample_rate_hz) {
-            return Err(refused);
-        }
         let length = self.transform_length() as f64;
-        let edge = (bandwidth_hz / self.sample_rate_hz * length).round().max(1.0) as usize;
         let passed = plant.values.get(edge).map_or(0.0, |p| p.norm_sqr());
         let weight = error / (1.0 - error) * passed / self.roughness(edge);
         if !(weight > 0.0 && weight.is_finite()) {
@@ -112,17 +102,36 @@ impl SimulationPlan {
         Ok(Inverse { response, weight, peak: peak.sqrt(), noise_gain: (sum / length).sqrt() })
     }
 
+    /// Bin of the bandwidth of a valid aim.
+    pub(super) fn edge(
+        &self,
+        InverseAim { bandwidth_hz, error }: InverseAim,
+    ) -> Result<usize, DynamicsError> {
+        if !(error > 0.0 && error < 1.0) {
+            return Err(DynamicsError::Parameter {
+                name: "error at the bandwidth",
+                value: error,
+                allowed: "between 0 and 1",
+            });
+        }
+        if !(bandwidth_hz > 0.0 && bandwidth_hz < 0.5 * self.sample_rate_hz) {
+            return Err(DynamicsError::Bandwidth { bandwidth_hz, highest_hz: 0.5 * self.sample_rate_hz });
+        }
+        let bin = bandwidth_hz / self.sample_rate_hz * self.transform_length() as f64;
+        Ok(bin.round().max(1.0) as usize)
+    }
+
     /// Angle of a bin \[rad\].
-    fn angle(&self, bin: usize) -> f64 {
+    pub(super) fn angle(&self, bin: usize) -> f64 {
         2.0 * PI * bin as f64 / self.transform_length() as f64
     }
 
     /// |1 − z|⁴.
-    fn roughness(&self, bin: usize) -> f64 {
+    pub(super) fn roughness(&self, bin: usize) -> f64 {
         (2.0 * (0.5 * self.angle(bin)).sin()).powi(4)
     }
 
-    fn make_ends_real(&self, values: &mut [Complex64]) {
+    pub(super) fn make_ends_real(&self, values: &mut [Complex64]) {
         let last = values.len() - 1;
         values[0].im = 0.0;
         if self.transform_length() == 2 * last {

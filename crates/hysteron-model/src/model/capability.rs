@@ -69,7 +69,9 @@ impl Capability {
         match (kind, self) {
             (Kind::Hammerstein, _)
             | (_, Self::Simulation | Self::Scores)
-            | (Kind::Oscillator, Self::StartOfFit) => true,
+            | (Kind::Oscillator, Self::StartOfFit)
+            | (Kind::Modes | Kind::Branches, Self::Inversion)
+            | (Kind::Modes, Self::Tracking | Self::Export) => true,
             (Kind::Oscillator | Kind::Force | Kind::Modes | Kind::Branches, _) => false,
         }
     }
@@ -83,7 +85,7 @@ impl fmt::Display for Capability {
 
 /// A kind of model does not support this yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{wanted} is not supported for a model of the kind \"{kind}\" yet")]
+#[error("{wanted} is not supported for a model of the kind \"{kind}\" yet{}", self.because())]
 pub struct Unsupported {
     /// The kind of the model.
     pub kind: Kind,
@@ -98,5 +100,52 @@ impl Unsupported {
     /// [`Unsupported`] where it does not.
     pub fn check(kind: Kind, wanted: Capability) -> Result<(), Self> {
         if wanted.of(kind) { Ok(()) } else { Err(Self { kind, wanted }) }
+    }
+
+    /// The reason, where it lies in the kind of model.
+    pub fn reason(&self) -> Option<&'static str> {
+        use Capability::{Export, Inversion, Realisation, Tracking};
+        match (self.kind, self.wanted) {
+            (Kind::Oscillator, Realisation | Export) => Some(
+                "its hysteresis is in feedback with the mass, so that it has no poles to realise: it is \
+                 integrated in steps that follow its stiffness",
+            ),
+            (Kind::Oscillator, Inversion | Tracking) => Some(
+                "the force for a motion takes the acceleration, two derivatives of the reference, and the \
+                 hysteresis of the displacement: the inverse of a voltage does not apply",
+            ),
+            (Kind::Force, Inversion | Tracking | Realisation | Export) => {
+                Some("its input is a motion, not a drive")
+            }
+            (Kind::Modes, Realisation) => {
+                Some("its modes run at the controller's rate as they are: export writes them")
+            }
+            _ => None,
+        }
+    }
+
+    fn because(&self) -> String {
+        self.reason().map_or_else(String::new, |reason| format!(": {reason}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_refusal_names_the_reason_where_it_lies_in_the_kind() {
+        let words = |kind, wanted| Unsupported { kind, wanted }.to_string();
+        let oscillator = words(Kind::Oscillator, Capability::Export);
+        assert!(
+            oscillator.starts_with("export is not supported for a model of the kind \"oscillator\" yet: ")
+        );
+        assert!(words(Kind::Oscillator, Capability::Inversion).contains("acceleration"));
+        assert!(words(Kind::Branches, Capability::Export).ends_with("\"branches\" yet"));
+        for kind in Kind::ALL {
+            for wanted in Capability::ALL {
+                assert_eq!(Unsupported::check(kind, wanted).is_ok(), wanted.of(kind));
+            }
+        }
     }
 }

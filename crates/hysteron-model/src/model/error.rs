@@ -1,6 +1,7 @@
 //! Errors of running a model on a record.
 
 use crate::axes::AxesError;
+use crate::decoupling::DecouplingError;
 use crate::hammerstein::SimulationError;
 use crate::model::Unsupported;
 use crate::model_file::Kind;
@@ -73,6 +74,9 @@ pub enum RunError {
     /// The kind does not support it.
     #[error(transparent)]
     Unsupported(#[from] Unsupported),
+    /// The references of several axes cannot be followed.
+    #[error(transparent)]
+    Decoupling(#[from] DecouplingError),
     /// The record cannot be scored.
     #[error(transparent)]
     Score(#[from] ScoreError),

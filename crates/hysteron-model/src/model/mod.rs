@@ -4,8 +4,10 @@
 //! [`Model::simulate`] and [`Model::score`] take every kind; an operation that a kind does not support gives
 //! the error [`Unsupported`].
 
+mod axes_tracking;
 mod capability;
 mod checked_realisation;
+mod decoupled;
 mod error;
 mod force_run;
 mod inverse_findings;
@@ -18,8 +20,10 @@ mod signals;
 mod simulation;
 mod verdict;
 
+pub use axes_tracking::{AxesControllerSummary, AxesTrackingSummary};
 pub use capability::{Capability, Unsupported};
 pub use checked_realisation::{CheckedRealisation, RealisationSummary, SectionSummary, Sweep};
+pub use decoupled::{ActuatorSummary, AxisSummary, DecoupledSummary};
 pub use error::{RunError, SignalRole};
 #[doc(hidden)]
 pub use inverse_findings::FAR_FROM_REST;

@@ -25,12 +25,16 @@
 //! levels (`docs/theory/scheduled-modes.md`). Linear in amplitude is the Rayleigh law of ferroelectric
 //! ceramics (D. A. Hall, *J. Mater. Sci.* 36 (2001) 4575, doi:10.1023/A:1017959111402).
 
+mod held;
+mod held_simulation;
 mod level;
 mod simulate;
 mod strain;
 mod streaming;
 mod trajectory;
 
+pub use held::HeldModes;
+pub use held_simulation::HeldSimulation;
 pub use level::{LevelLaw, LevelTracker};
 pub use simulate::simulate_steady;
 #[doc(hidden)]
@@ -171,8 +175,12 @@ impl ScheduledModes {
 
     /// Linear part of the response at e^(iωT), outputs × inputs row by row, at S.
     pub fn linear_response(&self, frequency_hz: f64, s: f64) -> Vec<Complex64> {
-        let at = self.at(s);
         let z = Complex64::from_polar(1.0, std::f64::consts::TAU * frequency_hz / self.step_rate_hz());
+        self.transfer(z, &self.at(s))
+    }
+
+    /// Linear part of the response at z, one step of the simulation, outputs × inputs row by row.
+    pub(crate) fn transfer(&self, z: Complex64, at: &AtLevel) -> Vec<Complex64> {
         let (n, states) = (self.inputs, self.states());
         let mut response: Vec<Complex64> = at.feedthrough.iter().map(|d| Complex64::new(*d, 0.0)).collect();
         for input in 0..n {

@@ -1,5 +1,7 @@
 //! Simulation, step by step.
 
+use std::borrow::Cow;
+
 use super::{AtLevel, ScheduledModes, Streaming};
 use crate::axes::steady::{level, repeats};
 use crate::axes::{AxesError, SteadyPeriod};
@@ -16,7 +18,7 @@ const SETTLED: f64 = 1e-6;
 /// State of a simulation.
 #[derive(Clone, Debug)]
 pub(super) struct Runner<'m> {
-    pub model: &'m ScheduledModes,
+    pub model: Cow<'m, ScheduledModes>,
     pub at: AtLevel,
     pub x: Vec<f64>,
     next: Vec<f64>,
@@ -34,11 +36,15 @@ pub(super) struct Runner<'m> {
 impl<'m> Runner<'m> {
     /// At rest at 0 without memory.
     pub(super) fn new(model: &'m ScheduledModes, s: f64) -> Self {
+        Self::of(Cow::Borrowed(model), s)
+    }
+
+    /// [`Self::new`] of a model, owned or not.
+    pub(super) fn of(model: Cow<'m, ScheduledModes>, s: f64) -> Self {
         let (n, x) = (model.inputs, model.states());
         let plays = model.feedback.as_ref().map_or(0, |f| n * f.plays());
         let terms = model.feedback.as_ref().map_or(0, |f| n * 2 * f.drive.terms());
         Self {
-            model,
             at: model.at(s),
             x: vec![0.0; x],
             next: vec![0.0; x],
@@ -48,6 +54,7 @@ impl<'m> Runner<'m> {
             terms: vec![0.0; terms],
             slopes: vec![0.0; 2 * n],
             moved: vec![0; 2 * n],
+            model,
         }
     }
 
@@ -115,9 +122,21 @@ impl<'m> Runner<'m> {
         self.advance(u);
     }
 
+    /// At 0 without memory.
+    pub(super) fn reset(&mut self) {
+        for list in [&mut self.x, &mut self.plays, &mut self.w] {
+            list.fill(0.0);
+        }
+    }
+
+    /// Steps after which every state has settled.
+    pub(super) fn settling(&self, s: f64) -> usize {
+        self.model.settling_steps(s, FORGOTTEN)
+    }
+
     /// Holds the inputs until every state has settled.
     pub(super) fn settle(&mut self, u: &[f64], s: f64) {
-        for _ in 0..self.model.settling_steps(s, FORGOTTEN) {
+        for _ in 0..self.settling(s) {
             self.step(u);
         }
     }

@@ -24,15 +24,10 @@ impl<'m> Streaming<'m> {
 
     /// From the state of `runner`, with the inputs `u` next, after a drive of rms `level` \[V\].
     pub(super) fn from(runner: Runner<'m>, u: &[f64], level: f64) -> Self {
-        let model = runner.model;
+        let model = runner.model.as_ref();
         let tracker = LevelTracker::new(&model.level, model.sample_rate_hz, u, level);
-        Self {
-            runner,
-            tracker,
-            last: u.to_vec(),
-            fine: vec![0.0; model.steps * model.inputs],
-            started: false,
-        }
+        let fine = vec![0.0; model.steps * model.inputs];
+        Self { runner, tracker, last: u.to_vec(), fine, started: false }
     }
 
     /// The next sample of the inputs, and the outputs at it.
@@ -47,6 +42,16 @@ impl<'m> Streaming<'m> {
         }
         let first = if self.started { 0 } else { fine.len() - u.len() };
         self.follow(&fine[first..], y);
+        self.fine = fine;
+    }
+
+    /// [`Self::step`] where the inputs are held from sample to sample: the present ones act from now on.
+    pub fn hold(&mut self, u: &[f64], y: &mut [f64]) {
+        let mut fine = std::mem::take(&mut self.fine);
+        fine.chunks_exact_mut(u.len().max(1)).for_each(|row| row.copy_from_slice(&self.last));
+        let newest = fine.len() - u.len();
+        fine[newest..].copy_from_slice(u);
+        self.follow(&fine[if self.started { 0 } else { newest }..], y);
         self.fine = fine;
     }
 

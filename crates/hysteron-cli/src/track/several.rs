@@ -1,0 +1,131 @@
+//! `hysteron track` of a model of several axes, on the simulated bench.
+
+use hysteron_io::write_record;
+use hysteron_model::axes::AxesRecord;
+use hysteron_model::control::slew_of_current;
+use hysteron_model::decoupling::{AxesTrackOptions, AxesTracking, track_axes};
+use hysteron_model::model::{AxesTrackingSummary, Capability};
+use hysteron_model::record::{Channel, Record, Unit};
+use hysteron_report::number::significant;
+use hysteron_rig::axes::{AxesRigStage, AxesTruth};
+
+use super::{PlantArg, Track};
+use crate::console;
+use crate::failure::Failure;
+use crate::invert::limits_of_actuators;
+use crate::model::Loaded;
+use crate::rig::read_settings;
+
+impl Track {
+    pub(super) fn several_axes(&self, loaded: &Loaded) -> Result<(), Failure> {
+        for (given, flag) in [
+            (self.plant == PlantArg::Model, "--plant model"),
+            (!self.controllers.is_empty(), "--controller"),
+            (self.predict_to.is_some(), "--predict-to"),
+            (self.virgin_voltage.is_some(), "--virgin-voltage"),
+            (self.lowest_frequency.is_some(), "--lowest-frequency"),
+            (self.sines.is_some(), "--sines"),
+            (self.result.has_report(), "--report"),
+        ] {
+            if given {
+                return Err(Failure::usage(format!("{flag} does not go with a model of several axes yet")));
+            }
+        }
+        let model = loaded.model();
+        let modes = loaded.scheduled_modes(Capability::Tracking)?;
+        let references =
+            loaded.read_references(&self.reference_file, self.columns.time(), &self.axes.of_record())?;
+        let truth: AxesTruth = match &self.truth {
+            Some(path) => read_settings(path, "truth")?,
+            None => AxesTruth::with_axes(modes.outputs)
+                .map_err(|e| Failure::new("cannot simulate the bench").because(e))?,
+        };
+        let of_current =
+            self.current.zip(self.capacitance).map(|(ma, uf)| slew_of_current(1e-3 * ma, 1e-6 * uf));
+        let slew: Vec<f64> = self.slew.or(of_current).into_iter().collect();
+        let options = AxesTrackOptions {
+            limits: limits_of_actuators(loaded, &self.range, &slew)?,
+            bandwidth_hz: self.bandwidth,
+            preview: self.preview,
+            skip_s: self.skip,
+        };
+        let stage = AxesRigStage { truth: &truth, seed: self.seed };
+        let found = track_axes(modes, &references.u, references.sample_rate_hz, &options, &stage)
+            .map_err(|e| loaded.cannot_follow(&self.reference_file, e.into()))?;
+        self.write_several(loaded, &references, &found)?;
+        let summary = AxesTrackingSummary::new(model, &found);
+        if self.result.json {
+            return console::json(&summary);
+        }
+        console::result(&text(&truth, &summary))
+    }
+
+    /// Refuses flags that only a model of several axes takes.
+    pub(super) fn refuse_flags_of_axes(&self) -> Result<(), Failure> {
+        if self.range.len() > 1 || self.axes.are_given() {
+            let words = "several ranges and --outputs go with models of several axes";
+            return Err(Failure::usage(words));
+        }
+        Ok(())
+    }
+
+    fn write_several(
+        &self,
+        loaded: &Loaded,
+        references: &AxesRecord,
+        found: &AxesTracking,
+    ) -> Result<(), Failure> {
+        let Some(out) = &self.out else { return Ok(()) };
+        let failure = || Failure::new(format!("cannot write the samples to {}", out.display()));
+        let units = loaded.model().units();
+        let (inputs, outputs) = loaded.model().channels().unwrap_or((&[], &[]));
+        let mut channels = Vec::new();
+        let mut add = |names: &[String], suffix: &str, unit: &str, lists: &[Vec<f64>]| {
+            let named = names.iter().zip(lists);
+            channels.extend(
+                named.map(|(name, list)| Channel::new(&format!("{name}{suffix}"), unit, list.clone())),
+            );
+        };
+        add(outputs, "_reference", &units.output, &references.u);
+        for run in &found.runs {
+            let suffix = format!("_{}", run.controller.name());
+            add(inputs, &suffix, &units.input, &run.drive);
+            add(outputs, &suffix, &units.output, &run.displacement);
+        }
+        let record = Record::new(&out.display().to_string(), references.time.clone(), channels)
+            .map_err(|e| failure().because(e))?;
+        write_record(out, &record).map_err(|e| failure().because(e))?;
+        console::message(&format!("wrote {} simulated samples to {}", record.len(), out.display()));
+        Ok(())
+    }
+}
+
+fn text(truth: &AxesTruth, s: &AxesTrackingSummary) -> String {
+    let unit = Unit::new(&s.output_unit).to_string();
+    let mut header = vec!["controller".to_owned()];
+    header.extend(s.axes.iter().map(|axis| console::in_unit(&format!("{axis}, rms"), &unit)));
+    header.extend(
+        ["rms [% of stroke]", "largest [% of stroke]", "cross-coupling, rms [%]", "largest [%]"]
+            .map(str::to_owned),
+    );
+    header.push("samples at a limit".to_owned());
+    let mut table = console::table(&header.iter().map(String::as_str).collect::<Vec<_>>());
+    for run in &s.controllers {
+        let mut row = vec![run.controller.name().to_owned()];
+        row.extend(run.rms.iter().map(|x| significant(*x, 3)));
+        let percent = |x: Option<f64>| x.map_or_else(|| "–".to_owned(), |x| significant(x, 3));
+        row.extend(
+            [run.rms_percent, run.max_percent, run.cross_rms_percent, run.cross_max_percent].map(percent),
+        );
+        row.push(run.samples_at_limits.to_string());
+        table.add_row(row);
+    }
+    format!(
+        "Simulated on the bench of several axes ({}).\n\n{table}\n\nErrors are those of the true \
+         displacement, their mean removed; per cent of the stroke of the axis, the worst axis. \
+         Cross-coupling: motion of an axis that is to stay while another moves along its reference alone, in \
+         per cent of that stroke, the worst pair. Integral: crossover {} Hz.\n",
+        truth.describe(),
+        significant(s.integral_crossover_hz, 3)
+    )
+}

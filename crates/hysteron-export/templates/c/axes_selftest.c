@@ -1,0 +1,84 @@
+/* Self-test of $name: hysteron export's golden vectors, and what happens with bad numbers. Exit code 0:
+   passed. */
+#include <stdio.h>
+
+#include "$name.h"
+
+typedef $name_real real;
+
+#define VECTORS $VECTORS
+/* Samples that a vector lasts: a quarter of them is longer than the preview. */
+#define HOLD $HOLDL
+#define GIVEN $N_GIVEN
+#define FOUND $N_FOUND
+
+/* What goes in, and what the library puts out at the end of each. */
+static const real given[VECTORS][GIVEN] = {
+$GIVEN
+};
+static const real wanted[VECTORS][FOUND] = {
+$WANTED
+};
+/* Largest difference allowed: 1e-9 of the range of what comes out. */
+static const real tolerance = $TOLERANCE;
+
+static $name_state state;
+
+static real size(real x)
+{
+    return x < R(0) ? -x : x;
+}
+
+static int golden(void)
+{
+    real found[FOUND], worst = R(0);
+    int i, k;
+    $name_init(&state);
+    for (k = 0; k < VECTORS; k++) {
+        long held;
+        for (held = 0; held < HOLD; held++) {
+            if ($name_step(&state, given[k], found) < $NAME_OK) {
+                return 0;
+            }
+        }
+        for (i = 0; i < FOUND; i++) {
+            /* Written so that a NaN is a difference. */
+            if (!(size(found[i] - wanted[k][i]) <= worst)) {
+                worst = size(found[i] - wanted[k][i]);
+            }
+        }
+    }
+    printf("golden vectors: %d of %ld samples, largest difference %.2e, allowed %.2e\n", VECTORS, VECTORS * HOLD, (double)worst,
+           (double)tolerance);
+    return worst <= tolerance;
+}
+
+static int bad_numbers(void)
+{
+    const real zero = given[0][0] - given[0][0];
+    real found[FOUND], bad[GIVEN];
+    int i, k, good = 1;
+    $name_init(&state);
+    for (k = 0; k < VECTORS; k++) {
+        const int is_bad = k % 7 == 3;
+        $name_status status;
+        for (i = 0; i < GIVEN; i++) {
+            bad[i] = is_bad ? (k % 2 == 0 ? zero / zero : R(1) / zero) : given[k][i];
+        }
+        status = $name_step(&state, bad, found);
+        good = good && (status == $NAME_NOT_FINITE) == is_bad;
+        for (i = 0; i < FOUND; i++) {
+            good = good && found[i] - found[i] == R(0);
+        }
+    }
+    return good;
+}
+
+int main(void)
+{
+    const int numbers = golden(), whatever = bad_numbers();
+    printf("%s: golden vectors\n%s: bad numbers are not used\n", numbers ? "passed" : "FAILED",
+           whatever ? "passed" : "FAILED");
+    printf("%s: %s\n", numbers && whatever ? "PASSED" : "FAILED", "$name");
+    return numbers && whatever ? 0 : 1;
+}

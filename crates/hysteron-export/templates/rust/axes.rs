@@ -1,0 +1,177 @@
+$DESCRIPTION
+#![no_std]
+#![forbid(unsafe_code)]
+#![allow(clippy::needless_range_loop, clippy::excessive_precision, clippy::unreadable_literal)]
+
+//{ has_inverse
+pub mod inverse;
+
+//}
+/// Samples a second \[Hz\]. The coefficients belong to this rate.
+pub const SAMPLE_RATE_HZ: f64 = $RATE;
+/// Actuators.
+pub const INPUTS: usize = $N_INPUTS;
+/// Axes.
+pub const OUTPUTS: usize = $N_OUTPUTS;
+const MODES: usize = $N_MODES;
+const STATES: usize = 2 * MODES + INPUTS;
+/// Steps of the model in one sample, and those after which every state has settled.
+const STEPS: usize = $N_STEPS;
+const SETTLES: usize = $N_SETTLES;
+//{ strains
+const PLAYS: usize = $N_PLAYS;
+//}
+
+$TABLES
+/// The model. A step allocates nothing.
+#[derive(Clone, Debug)]
+pub struct Model {
+    x: [f64; STATES],
+    held: [f64; INPUTS],
+    strain: [f64; INPUTS],
+//{ strains
+    plays: [[f64; PLAYS]; 2 * INPUTS],
+//}
+    output: [f64; OUTPUTS],
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sum = 0.0;
+    for (a, b) in a.iter().zip(b) {
+        sum += a * b;
+    }
+    sum
+}
+
+impl Default for Model {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Model {
+    /// At rest under voltages of 0.
+    pub fn new() -> Self {
+        let mut model = Self {
+            x: [0.0; STATES],
+            held: [0.0; INPUTS],
+            strain: [0.0; INPUTS],
+//{ strains
+            plays: [[0.0; PLAYS]; 2 * INPUTS],
+//}
+            output: [0.0; OUTPUTS],
+        };
+        model.settle([0.0; INPUTS]);
+        model
+    }
+
+    /// At rest under these voltages \[$INPUT_UNIT\]: simulates until every state has settled. Not for real
+    /// time. Those that are not finite count as 0.
+    pub fn rest_at(&mut self, voltages: [f64; INPUTS]) -> [f64; OUTPUTS] {
+        self.settle(voltages.map(|u| if u.is_finite() { u } else { 0.0 }));
+        self.output
+    }
+
+    /// One sample: these voltages \[$INPUT_UNIT\] are held from now on; returns the outputs \[$OUTPUT_UNIT\]
+    /// now. One that is not finite is replaced by the last.
+    pub fn step(&mut self, voltages: [f64; INPUTS]) -> [f64; OUTPUTS] {
+        let mut u = voltages;
+        for (u, held) in u.iter_mut().zip(&self.held) {
+            if !u.is_finite() {
+                *u = *held;
+            }
+        }
+        self.next_sample();
+        self.apply(u);
+        self.output
+    }
+
+    fn settle(&mut self, u: [f64; INPUTS]) {
+        self.x = [0.0; STATES];
+        self.strain = [0.0; INPUTS];
+//{ strains
+        self.plays = [[0.0; PLAYS]; 2 * INPUTS];
+//}
+        self.held = u;
+        for _ in 0..SETTLES {
+//{ strains
+            self.strains();
+//}
+            self.advance();
+        }
+        self.apply(u);
+    }
+
+//{ strains
+    /// The strains of the actuators under the voltages held; moves the plays.
+    fn strains(&mut self) {
+        self.strain = [0.0; INPUTS];
+        for i in 0..2 * INPUTS {
+            let (of_states, of_voltages) = ROWS[i].split_at(STATES);
+            let z = dot(of_states, &self.x) + dot(of_voltages, &self.held);
+            let square = z * z - VARIANCE[i];
+            let cube = z * z * z - 3.0 * VARIANCE[i] * z;
+            let mut value = POWERS[i][0] * square + POWERS[i][1] * cube;
+//{ plays
+            for j in 0..PLAYS {
+                let play = &mut self.plays[i][j];
+                if z - RADII[i][j] > *play {
+                    *play = z - RADII[i][j];
+                } else if z + RADII[i][j] < *play {
+                    *play = z + RADII[i][j];
+                }
+                value += WEIGHTS[i][j] * (*play - SLOPES[i][j] * z);
+            }
+//}
+            self.strain[i % INPUTS] += value;
+        }
+    }
+
+//}
+    /// One step of the modes and lags under the voltages held.
+    fn advance(&mut self) {
+        let mut next = [0.0; STATES];
+        for k in 0..STATES {
+            next[k] = dot(&INPUT[k], &self.held) + dot(&STRAIN_INPUT[k], &self.strain);
+        }
+        for k in 0..MODES {
+            let (a, b) = (TRANSITION[2 * k], TRANSITION[2 * k + 1]);
+            let (re, im) = (self.x[2 * k], self.x[2 * k + 1]);
+            next[2 * k] += a * re - b * im;
+            next[2 * k + 1] += a * im + b * re;
+        }
+        for k in 2 * MODES..STATES {
+            next[k] += TRANSITION[k] * self.x[k];
+        }
+        self.x = next;
+    }
+
+    fn next_sample(&mut self) {
+//{ strains
+        for step in 0..STEPS {
+            if step > 0 {
+                self.strains();
+            }
+            self.advance();
+        }
+//}
+//{ !strains
+        for _ in 0..STEPS {
+            self.advance();
+        }
+//}
+    }
+
+    /// Holds voltages from the present sample on.
+    fn apply(&mut self, u: [f64; INPUTS]) {
+        self.held = u;
+//{ strains
+        self.strains();
+//}
+        for m in 0..OUTPUTS {
+            self.output[m] = dot(&OUTPUT[m], &self.x)
+                + dot(&FEEDTHROUGH[m], &self.held)
+                + dot(&STRAIN_FEEDTHROUGH[m], &self.strain);
+        }
+    }
+}

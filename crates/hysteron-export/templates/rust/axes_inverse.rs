@@ -1,0 +1,104 @@
+$DESCRIPTION
+#![allow(clippy::needless_range_loop, clippy::excessive_precision, clippy::unreadable_literal)]
+
+use crate::{INPUTS, Model, OUTPUTS, STATES, dot};
+
+/// Samples that the references handed to a step are ahead of those that its voltages are for.
+pub const PREVIEW: usize = $N_PREVIEW;
+/// Share by which the change of the strains moves to the newest one.
+const SMOOTHING: f64 = $SMOOTHING;
+
+$TABLES
+/// The inverse, sample by sample: references in, voltages out. A step allocates nothing.
+#[derive(Clone, Debug)]
+pub struct Inverse {
+    model: Model,
+    before: [f64; INPUTS],
+    predicted: [f64; INPUTS],
+    rate: [f64; INPUTS],
+    window: [[f64; OUTPUTS]; PREVIEW + 1],
+    present: usize,
+}
+
+impl Default for Inverse {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Inverse {
+    /// At rest under the voltages within the limits that are nearest to 0.
+    pub fn new() -> Self {
+        let mut inverse = Self {
+            model: Model::new(),
+            before: [0.0; INPUTS],
+            predicted: [0.0; INPUTS],
+            rate: [0.0; INPUTS],
+            window: [[0.0; OUTPUTS]; PREVIEW + 1],
+            present: 0,
+        };
+        inverse.rest_at([0.0; INPUTS]);
+        inverse
+    }
+
+    /// At rest under these voltages \[$INPUT_UNIT\], moved into the limits; the references known are the
+    /// outputs \[$OUTPUT_UNIT\] there, which it returns. Not for real time.
+    pub fn rest_at(&mut self, voltages: [f64; INPUTS]) -> [f64; OUTPUTS] {
+        let mut u = voltages;
+        for i in 0..INPUTS {
+            u[i] = if u[i].is_finite() { u[i].clamp(LOW[i], HIGH[i]) } else { 0.0_f64.clamp(LOW[i], HIGH[i]) };
+        }
+        let outputs = self.model.rest_at(u);
+        self.before = u;
+        self.predicted = self.model.strain;
+        self.rate = [0.0; INPUTS];
+        self.window = [outputs; PREVIEW + 1];
+        self.present = 0;
+        outputs
+    }
+
+    /// Takes the newest references without moving: called [`PREVIEW`] times before the first step, oldest
+    /// first. One that is not finite is replaced by the last.
+    pub fn know(&mut self, references: [f64; OUTPUTS]) {
+        let last = self.window[(self.present + PREVIEW) % (PREVIEW + 1)];
+        for m in 0..OUTPUTS {
+            self.window[self.present][m] = if references[m].is_finite() { references[m] } else { last[m] };
+        }
+        self.present = (self.present + 1) % (PREVIEW + 1);
+    }
+
+    /// One sample: the voltages \[$INPUT_UNIT\] to be held from now on, within their limits. `references`
+    /// \[$OUTPUT_UNIT\] are the newest known, [`PREVIEW`] samples ahead.
+    pub fn step(&mut self, references: [f64; OUTPUTS]) -> [f64; INPUTS] {
+        self.know(references);
+        let last_strain = self.model.strain;
+        self.model.next_sample();
+        let x: &[f64; STATES] = &self.model.x;
+        let last = self.model.held;
+        let mut u = last;
+        for i in 0..INPUTS {
+            let mut wanted = dot(&LAW_STATES[i], x)
+                + dot(&LAW_LAST[i], &last)
+                + dot(&LAW_BEFORE[i], &self.before)
+                + dot(&LAW_STRAINS[i], &self.predicted)
+                + dot(&LAW_RATES[i], &self.rate);
+            for (j, gains) in LAW_REFERENCES.iter().enumerate() {
+                wanted += dot(&gains[i], &self.window[(self.present + j) % (PREVIEW + 1)]);
+            }
+            let ranged = wanted.clamp(LOW[i], HIGH[i]);
+            u[i] = ranged.clamp(last[i] - STEP[i], last[i] + STEP[i]);
+        }
+        self.before = last;
+        self.model.apply(u);
+        for i in 0..INPUTS {
+            self.rate[i] += SMOOTHING * (self.model.strain[i] - last_strain[i] - self.rate[i]);
+            self.predicted[i] = self.model.strain[i] + self.rate[i];
+        }
+        u
+    }
+
+    /// Outputs of the model at the last step \[$OUTPUT_UNIT\].
+    pub fn output(&self) -> [f64; OUTPUTS] {
+        self.model.output
+    }
+}

@@ -1,0 +1,43 @@
+//! Self-test of $name: hysteron export's golden vectors, and what happens with bad numbers.
+#![allow(clippy::excessive_precision, clippy::unreadable_literal)]
+
+use $crate::$type;
+
+/// Samples that a vector lasts.
+const HOLD: usize = $HOLD;
+/// What goes in, and what the library puts out at the end of each.
+const GIVEN: [[f64; $N_GIVEN]; $VECTORS] = [
+$GIVEN
+];
+const WANTED: [[f64; $N_FOUND]; $VECTORS] = [
+$WANTED
+];
+/// Largest difference allowed: 1e-9 of the range of what comes out.
+const TOLERANCE: f64 = $TOLERANCE;
+
+#[test]
+fn golden_vectors() {
+    let mut one = <$type>::new();
+    let mut worst = 0.0_f64;
+    for (given, wanted) in GIVEN.into_iter().zip(WANTED) {
+        for _ in 1..HOLD {
+            one.step(given);
+        }
+        for (found, wanted) in one.step(given).into_iter().zip(wanted) {
+            assert!(found.is_finite());
+            worst = worst.max((found - wanted).abs());
+        }
+    }
+    println!("largest difference {worst:e}, allowed {TOLERANCE:e}");
+    assert!(worst <= TOLERANCE, "{worst:e}");
+}
+
+#[test]
+fn bad_numbers_are_not_used() {
+    let mut one = <$type>::new();
+    for (k, given) in GIVEN.into_iter().enumerate() {
+        let bad = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY][k % 3];
+        let found = one.step(if k % 7 == 3 { [bad; $N_GIVEN] } else { given });
+        assert!(found.iter().all(|x| x.is_finite()));
+    }
+}
