@@ -229,9 +229,9 @@ class Model:
         if band_of not in ("measurement", "output"):
             raise OptionError('band_of: expected "measurement" or "output"', code="band")
         y = outputs[0] if len(outputs) == 1 else np.column_stack(outputs)
-        of_measurement = band_of == "measurement"
-        half = None if widths is None else widths[0 if of_measurement else 1]
-        rests_on = widths[2] if widths is not None and of_measurement else []
+        of_measurement, of_output, rests_on = widths or (None, None, [])
+        is_of_measurement = band_of == "measurement"
+        half = of_measurement if is_of_measurement else of_output
         return Prediction(
             t=record.t,
             y=y,
@@ -242,7 +242,10 @@ class Model:
             offset=per_output(offsets),
             measured=measured,
             level=level,
-            remarks=(*(with_arguments(*remark) for remark in remarks), *rests_on),
+            remarks=(
+                *(with_arguments(*remark) for remark in remarks),
+                *(rests_on if is_of_measurement else []),
+            ),
             name=record.name,
         )
 

@@ -370,7 +370,7 @@ fn forecast_in_words(forecast: &ErrorForecast, output: &Unit) -> Vec<String> {
         format!("Parameter uncertainty: up to ± {} {output} (95 %).", significant(*band_of_model, 3));
     let device = band_of_measurement.zip(*expected_rms).map(|(band, rms)| {
         format!(
-            "Expected error on the device: {} {output} rms, within ± {} {output} at the widest of its 95 % band.",
+            "Expected error on the device: {} {output} rms; its 95 % band is ± {} {output} at its widest.",
             significant(rms, 3),
             significant(band, 3)
         )

@@ -46,7 +46,8 @@ pub fn page(models: &[Validated<'_>], maker: &Maker) -> Page {
              The sensor offset was estimated from each record, unless that of the model applies.",
         ))
         .block(scores(models))
-        .blocks(verdicts(models));
+        .blocks(verdicts(models))
+        .blocks(bands(models));
     let curves = models.iter().flat_map(|Validated { path, records, .. }| {
         records.iter().map(move |(signals, score)| {
             let figures = match signals {
@@ -74,6 +75,36 @@ fn verdicts(models: &[Validated<'_>]) -> Option<Table> {
             let verdict = score.verdict.as_ref()?;
             let (model, record) = (path.display().to_string(), score.record.clone());
             Some([model, record, verdict.judgement.name().to_owned(), verdict.why.clone()])
+        })
+    });
+    let mut rows = rows.peekable();
+    rows.peek()?;
+    Some(rows.fold(Table::new(columns), Table::row))
+}
+
+/// Table of the coverage by the 95 % bands of a new measurement, and what they rest on, where they were asked
+/// for.
+fn bands(models: &[Validated<'_>]) -> Option<Table> {
+    let columns = [
+        Column::text("model"),
+        Column::text("record"),
+        Column::number("within the 95 % band", "%"),
+        Column::number("widest half", ""),
+        Column::text("unit"),
+        Column::text("rests on other devices"),
+    ];
+    let rows = models.iter().flat_map(|Validated { path, records, .. }| {
+        records.iter().filter_map(move |(_, score)| {
+            let band = score.band.as_ref()?;
+            let rests_on: Vec<&str> = band.findings.iter().map(|finding| finding.text.as_str()).collect();
+            Some([
+                path.display().to_string(),
+                score.record.clone(),
+                significant(band.inside_percent, 3),
+                significant(band.measurement, 3),
+                score.unit.to_string(),
+                if rests_on.is_empty() { "no".to_owned() } else { rests_on.join(" ") },
+            ])
         })
     });
     let mut rows = rows.peekable();

@@ -8,6 +8,8 @@
 mod evidence;
 mod reference;
 
+use std::sync::Arc;
+
 use hysteron_model::hammerstein::Model;
 use hysteron_model::misfit::{Basis, COLUMNS, ColumnGroup, MisfitError, MisfitModel, UniformDrive};
 use hysteron_model::record::Timing;
@@ -18,8 +20,9 @@ use crate::facts::amplitudes;
 use crate::{Finding, FindingKind, Identification, RecordFit};
 use evidence::{Posterior, Sums};
 
-/// Rows of all records together from which records are averaged in blocks.
-const MOST_ROWS: usize = 24_000;
+/// Rows of all records together from which records are averaged in blocks, as far as the reference frequency
+/// allows, and from which they are whatever it is: the columns must fit in memory.
+const MOST_ROWS: (usize, usize) = (24_000, 96_000);
 /// Least rows in a period of the reference frequency.
 const LEAST_RATE: f64 = 6.0;
 /// Longest time that counts as one independent residual, in periods of the reference frequency and in seconds.
@@ -45,7 +48,7 @@ pub enum Misfit {
         explained: f64,
     },
     /// There is none.
-    Absent(std::sync::Arc<MisfitError>),
+    Absent(Arc<MisfitError>),
 }
 
 /// Topic of the findings.
@@ -96,7 +99,7 @@ impl Identification {
                 Misfit::Outside(Box::new(stored(basis, &found, one_amplitude)))
             }
             Ok(found) => Misfit::InsideClass { explained: found.map_or(0.0, |(_, found)| found.explained) },
-            Err(error) => Misfit::Absent(std::sync::Arc::new(error)),
+            Err(error) => Misfit::Absent(Arc::new(error)),
         }
     }
 }
@@ -127,7 +130,7 @@ fn posterior(
     let mut sums = Sums::new(COLUMNS);
     for (record, rate_hz) in records.iter().zip(rates) {
         let most = (rate_hz / (LEAST_RATE * frequency_hz)).floor().max(1.0) as usize;
-        let factor = samples.div_ceil(MOST_ROWS).clamp(1, most);
+        let factor = samples.div_ceil(MOST_ROWS.0).clamp(1, most).max(samples.div_ceil(MOST_ROWS.1));
         let timing = Timing::Rate(rate_hz);
         let drive = UniformDrive::new(&record.data.u, timing, &record.start)?;
         let columns = basis.columns(model, &drive, factor)?;

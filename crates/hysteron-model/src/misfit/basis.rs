@@ -145,7 +145,9 @@ impl Basis {
         let mut columns = respond(memory)?;
 
         let settled = prologue > 0;
-        let output = means(&model.simulate(samples_v, Some(rate_hz), start)?, factor, |y| y);
+        let simulated = model.simulate(samples_v, Some(rate_hz), start)?;
+        let first = simulated.first().copied().unwrap_or(0.0);
+        let output = means(&simulated, factor, |y| y - first);
         let lagged = |x: &[f64], time_s: f64| lag(x, time_s * rate_hz_of_rows, settled);
         let per_s = std::f64::consts::TAU * self.frequency_hz;
         for (corner, orders) in DERIVATIVES {

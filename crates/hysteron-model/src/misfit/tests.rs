@@ -100,9 +100,9 @@ fn without_misfit_the_band_is_that_of_the_noise() {
 
 #[test]
 fn a_long_drive_is_averaged_and_taken_back_to_every_sample() {
-    let (of, drive, start) = (misfit(), drive(130_001), Start::AsIdentified);
+    let (of, drive, start) = (misfit(), drive(70_001), Start::AsIdentified);
     let found = of.predict(&model(), &drive, Timing::Rate(20_000.0), &start).unwrap();
-    assert_eq!((found.discrepancy.len(), found.std_dev.len()), (130_001, 130_001));
+    assert_eq!((found.discrepancy.len(), found.std_dev.len()), (70_001, 70_001));
     let uniform = UniformDrive { samples_v: &drive, rate_hz: 20_000.0, start: &start };
     let columns = of.basis.columns(&model(), &uniform, 1).unwrap();
     let exact: Vec<f64> = (0..drive.len())

@@ -313,7 +313,8 @@ fn about_structures(found: &Identification, others: &Result<Neighbours, Identify
 fn band(fit: &RecordFit, file: &ModelFile) -> Option<BandWidths> {
     let of_file = || {
         let band = PredictionBand::of_file(file, &fit.data.u, &fit.data.time, &fit.start).ok()?;
-        Some(PredictionBand { noise: fit.scores.rmse, ..band })
+        // A training record has its own residual; the misfit is for records of another kind.
+        Some(PredictionBand { noise: fit.scores.rmse, misfit: None, ..band })
     };
     let band = fit.band.clone().or_else(of_file)?;
     Some(BandWidths { model: band.of_output(), measurement: band.of_measurement() })
