@@ -184,7 +184,18 @@ export function Compare() {
               </button>
             }
           >
-            <b>The comparison was {job.state} before a structure was finished.</b>
+            {partial ? (
+              <>
+                <b>
+                  The comparison was {job.state}; {count(partial.candidates.length, 'structure')} finished.
+                </b>{' '}
+                {job.resumable
+                  ? 'Going on fits the others, and the one that ran anew; the result is that of a comparison without a break.'
+                  : ''}
+              </>
+            ) : (
+              <b>The comparison was {job.state} before a structure was finished.</b>
+            )}
           </Finding>
         )}
       </div>
