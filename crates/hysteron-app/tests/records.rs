@@ -287,7 +287,8 @@ fn files_as_spreadsheets_and_old_machines_write_them_are_read() {
     server.upload("mac.csv", format!("t_s,u_V,y_um\n{rows}").replace('\n', "\r").as_bytes()).done();
     for id in ["units.csv", "mac.csv"] {
         let detail = server.get(&format!("/api/v1/records/{id}")).done();
-        assert_eq!(detail["entry"]["samples"], 60, "{detail}");
+        let read = (&detail["samples"], &detail["input_unit"], &detail["output_unit"]);
+        assert_eq!(read, (&json!(60), &json!("V"), &json!("µm")), "{detail}");
     }
 }
 

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use hysteron_identify::Searches;
 use hysteron_io::{save_json, save_model};
+use hysteron_model::model::Signals;
 use hysteron_model::record::{InputOutput, find_periods};
 use hysteron_model::validate::{Scoring, score};
 use hysteron_model::{Model, Start};
@@ -19,7 +20,7 @@ use crate::draw::{Along, over, over_time};
 use crate::notice::Notice;
 
 /// Samples that are simulated for a drawing: a millisecond or two.
-const MOST_SAMPLES: usize = 4_000;
+const MOST_SAMPLES: usize = 2_000;
 /// Width of the drawings \[pixels\].
 const PIXELS: usize = 400;
 /// Time between two drawings, in times of the work for one: the fit has the processors for the rest.
@@ -149,7 +150,10 @@ fn run(
 struct Easel {
     record: String,
     data: InputOutput,
+    signals: Signals,
     stage: Option<usize>,
+    /// Start of the record, found once a stage.
+    start: Start,
     residual_axis: Axis,
 }
 
@@ -163,7 +167,9 @@ impl Easel {
             let whole = (MOST_SAMPLES / period.max(1)).max(1) * period.max(1);
             data.cropped(0..whole.min(MOST_SAMPLES)).ok()?
         };
-        Some(Self { record, data, stage: None, residual_axis: Axis::default() })
+        let signals = data.clone().into();
+        let residual_axis = Axis::default();
+        Some(Self { record, data, signals, stage: None, start: Start::AsIdentified, residual_axis })
     }
 
     fn measured(&self) -> Curve {
@@ -174,7 +180,10 @@ impl Easel {
 
     fn draw(&mut self, model: &Model, stage: usize) -> Option<LiveLoop> {
         let data = &self.data;
-        let found = model.simulate(&data.clone().into(), Start::AsIdentified).ok()?;
+        let is_new_stage = self.stage != Some(stage);
+        let start = if is_new_stage { Start::AsIdentified } else { self.start };
+        let found = model.simulate(&self.signals, start).ok()?;
+        self.start = found.start;
         let simulated = found.outputs.first()?;
         let scores = score(data, simulated, &Scoring::default()).ok()?;
         let shown: Vec<f64> = simulated.iter().map(|y| y + scores.offset).collect();
@@ -185,7 +194,7 @@ impl Easel {
         let all = 0..data.len();
         let residual_curve = over_time(&data.time, &e, all.clone(), PIXELS);
         // Axes change only where a stage begins.
-        if self.stage != Some(stage) {
+        if is_new_stage {
             self.stage = Some(stage);
             let reach = scores.max_abs_error;
             let up = residual_curve.up.clone();

@@ -227,7 +227,14 @@ export type JobRequest =
       outputs?: string[];
       report?: boolean;
     }
-  | { kind: 'compare'; records: string[]; candidates?: string[]; quick?: boolean; report?: string };
+  | {
+      kind: 'compare';
+      records: string[];
+      candidates?: string[];
+      quick?: boolean;
+      time_limit_s?: number | null;
+      report?: string;
+    };
 
 export interface Stage {
   name: string;

@@ -34,8 +34,17 @@ export function Compare() {
   const device = named || !compared ? records && deviceOf(query, records) : compared.device;
   const usable = ofOneKind(records?.filter((r) => r.device === device && isFit(r)) ?? []);
   const quick = query.get('search') === null;
-  const request: JobRequest = { kind: 'compare', records: usable.map((record) => record.id), quick };
-  const preview = useAnswer<Command>(usable.length > 0 ? 'commands' : null, request).value;
+  const names = (query.get('structures') ?? '').split(/[\s,]+/).filter(Boolean);
+  const limit = Number(query.get('limit')) || null;
+  const request: JobRequest = {
+    kind: 'compare',
+    records: usable.map((record) => record.id),
+    candidates: names,
+    quick: quick && names.length === 0,
+    time_limit_s: limit,
+  };
+  const planned = useAnswer<Command>(usable.length > 0 ? 'commands' : null, request);
+  const preview = planned.value;
   useEffect(() => {
     command.value = job?.command ?? preview ?? null;
   }, [job?.id, preview]);
@@ -122,9 +131,39 @@ export function Compare() {
         )}
       </Head>
       <div class="stack">
-        {problem && <Failure problem={problem} />}
+        {(planned.error ?? problem) && <Failure problem={planned.error?.complaint ?? problem!} />}
         {job?.error && <Failure problem={job.error} />}
         {job && runs && <Race job={job} />}
+        {!runs && (
+          <details>
+            <summary>Which structures, for how long</summary>
+            <div class="row wrap gaps">
+              <label class="row">
+                <span class="soft">Structures</span>
+                <input
+                  placeholder="all usual ones"
+                  size={40}
+                  title="As the ranking names them, e.g. none, fractional+creep, integer2+degree2, separated by commas"
+                  value={query.get('structures') ?? ''}
+                  onChange={(event) => settle({ structures: event.currentTarget.value || null })}
+                />
+              </label>
+              <label class="row">
+                <span class="soft">End after</span>
+                <input
+                  type="number"
+                  class="short"
+                  min="1"
+                  step="any"
+                  placeholder="no limit"
+                  value={query.get('limit') ?? ''}
+                  onChange={(event) => settle({ limit: event.currentTarget.value || null })}
+                />
+                s
+              </label>
+            </div>
+          </details>
+        )}
         {!job && (
           <p class="soft">
             Each record is left out in turn and every structure is fitted to the others:{' '}
@@ -145,7 +184,18 @@ export function Compare() {
               </button>
             }
           >
-            <b>The comparison was {job.state} before a structure was finished.</b>
+            {partial ? (
+              <>
+                <b>
+                  The comparison was {job.state}; {count(partial.candidates.length, 'structure')} finished.
+                </b>{' '}
+                {job.resumable
+                  ? 'Going on fits the others, and the one that ran anew; the result is that of a comparison without a break.'
+                  : ''}
+              </>
+            ) : (
+              <b>The comparison was {job.state} before a structure was finished.</b>
+            )}
           </Finding>
         )}
       </div>

@@ -16,6 +16,8 @@ export interface Limits {
   high: string;
   slew: string;
   bandwidth: string;
+  rest: string;
+  periodic: boolean;
 }
 
 export function ReferenceForm(props: {
@@ -96,7 +98,12 @@ function canFollow(record: RecordEntry): boolean {
 }
 
 export function LimitsForm({ limits, detail }: { limits: Limits; detail: ModelDetail }) {
-  const field = (name: keyof Limits, label: string, placeholder: string, key: string) => (
+  const field = (
+    name: Exclude<keyof Limits, 'periodic'>,
+    label: string,
+    placeholder: string,
+    key: string,
+  ) => (
     <input
       type="number"
       step="any"
@@ -125,6 +132,26 @@ export function LimitsForm({ limits, detail }: { limits: Limits; detail: ModelDe
         <span class="soft">Follows up to</span>
         {field('bandwidth', 'Bandwidth in Hz', 'as usual', 'bandwidth')} Hz
       </span>
+      <label class="row">
+        <input
+          type="checkbox"
+          checked={limits.periodic}
+          onChange={(event) => settle({ periodic: event.currentTarget.checked ? '1' : null, rest: null })}
+        />
+        repeats, in its steady state
+      </label>
+      {!limits.periodic && (
+        <span class="row">
+          <span class="soft">Rests before at</span>
+          {field(
+            'rest',
+            `Drive at which the device rests before, in ${unit}`,
+            'the first value',
+            'rest',
+          )}{' '}
+          {unit}
+        </span>
+      )}
     </div>
   );
 }

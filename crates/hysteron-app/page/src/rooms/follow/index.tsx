@@ -130,6 +130,8 @@ function Ready(props: {
     high: asked.get('high') ?? '',
     slew: asked.get('slew') ?? '',
     bandwidth: asked.get('bandwidth') ?? '',
+    rest: asked.get('rest') ?? '',
+    periodic: asked.get('periodic') !== null,
   };
   const [from, to] = [limits.low || detail.drive_range?.[0], limits.high || detail.drive_range?.[1]];
   const rate = detail.sample_rate_hz ?? 1000;
@@ -143,6 +145,8 @@ function Ready(props: {
     range: from != null && to != null && (limits.low || limits.high) ? [Number(from), Number(to)] : null,
     slew_per_s: limits.slew ? Number(limits.slew) : null,
     bandwidth_hz: limits.bandwidth ? Number(limits.bandwidth) : null,
+    periodic: limits.periodic,
+    rest_voltage: limits.rest && !limits.periodic ? Number(limits.rest) : null,
   };
   const at = path('models', model.id);
   const answer = useAnswer<Followed>(`${at}/follow`, request);
