@@ -71,6 +71,7 @@ mod tests {
             noise: 0.5,
             unexcited: 0.0,
             unexcited_group: ColumnGroup::Memory,
+            one_amplitude: false,
         };
         // The first error is what the discrepancy makes up for: ((0 + 0) + (1 + 4))/2 + 0.25.
         let found = PredictionBand { misfit: Some(misfit), ..class }.expected_rms(&[2.0, 3.0], &[1.0, 3.0]);

@@ -241,10 +241,9 @@ mod tests {
 
     #[test]
     fn units_scale_with_the_residual() {
-        let (columns, residual, prior) = problem(60, 0.4);
-        let one = sums(&columns, &residual, 0.3).posterior(&prior).unwrap();
-        let thousand =
-            sums(&columns, &(&residual * 1e3), 0.3).posterior(&super::tests::prior(1e3, 0.0)).unwrap();
+        let (columns, residual, unit) = problem(60, 0.4);
+        let one = sums(&columns, &residual, 0.3).posterior(&unit).unwrap();
+        let thousand = sums(&columns, &(&residual * 1e3), 0.3).posterior(&prior(1e3, 0.0)).unwrap();
         assert!((thousand.noise / one.noise / 1e3 - 1.0).abs() < 1e-9);
         assert!((&thousand.mean / 1e3 - &one.mean).norm() < 1e-9 * one.mean.norm());
         assert!((thousand.explained - one.explained).abs() < 1e-9);
