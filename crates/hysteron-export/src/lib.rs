@@ -10,8 +10,8 @@
 //! * [`Form`]: the list of all these, and the files of each.
 //! * [`Inverse`], [`inverse_files`], [`inverse_fmu_files`]: the inverse, reference in and voltage out, in the
 //!   same forms.
-//! * [`AxesSubject`], [`axes_files`], [`axes_inverse_files`], [`axes_rust_files`]: a model of several axes and
-//!   its inverse, as C and Rust.
+//! * [`AxesSubject`], [`axes_files`], [`axes_inverse_files`], [`axes_rust_files`]: a model of several axes
+//!   and its inverse, as C and Rust.
 //! * [`write_folder`]: all files or none.
 //!
 //! The arithmetic of the exported source is that of `hysteron-rt`, operation by operation: in double

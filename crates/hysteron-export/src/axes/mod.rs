@@ -273,7 +273,8 @@ pub fn axes_inverse_files(subject: &AxesSubject) -> Result<Vec<NamedFile>, Expor
 pub fn axes_rust_files(subject: &AxesSubject, inverse: bool) -> Result<Vec<NamedFile>, ExportError> {
     let manifest = format!(
         "# Written by hysteron export {}.\n[package]\nname = {}\nversion = \"0.1.0\"\nedition = \
-         \"2024\"\npublish = false\n\n[dependencies]\n\n# Not part of any workspace around it.\n[workspace]\n",
+         \"2024\"\npublish = false\n\n[dependencies]\n\n\
+         # Not part of any workspace around it.\n[workspace]\n",
         env!("CARGO_PKG_VERSION"),
         toml_string(&subject.name)
     );
@@ -282,13 +283,13 @@ pub fn axes_rust_files(subject: &AxesSubject, inverse: bool) -> Result<Vec<Named
     let mut files =
         vec![NamedFile::new("Cargo.toml", manifest), NamedFile::new("src/lib.rs", filling.fill(RUST_MODEL)?)];
     subject.golden()?.fill(&mut filling, Language::Rust);
-    filling.key("type", "Model");
+    filling.key("type", "Model").key("PLACE", "Model");
     files.push(NamedFile::new("tests/selftest.rs", filling.fill(RUST_SELFTEST)?));
     if inverse {
         let mut filling = subject.filling(true, Language::Rust);
         files.push(NamedFile::new("src/inverse.rs", filling.fill(RUST_INVERSE)?));
         subject.golden_inverse()?.fill(&mut filling, Language::Rust);
-        filling.key("type", "inverse::Inverse");
+        filling.key("type", "Inverse").key("PLACE", "inverse::Inverse");
         files.push(NamedFile::new("tests/inverse_selftest.rs", filling.fill(RUST_SELFTEST)?));
     }
     Ok(files)

@@ -48,8 +48,8 @@ static int golden(void)
             }
         }
     }
-    printf("golden vectors: %d of %ld samples, largest difference %.2e, allowed %.2e\n", VECTORS, VECTORS * HOLD, (double)worst,
-           (double)tolerance);
+    printf("golden vectors: %d of %ld samples, largest difference %.2e, allowed %.2e\n", VECTORS,
+           VECTORS * HOLD, (double)worst, (double)tolerance);
     return worst <= tolerance;
 }
 

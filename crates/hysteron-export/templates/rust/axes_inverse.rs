@@ -46,7 +46,8 @@ impl Inverse {
     pub fn rest_at(&mut self, voltages: [f64; INPUTS]) -> [f64; OUTPUTS] {
         let mut u = voltages;
         for i in 0..INPUTS {
-            u[i] = if u[i].is_finite() { u[i].clamp(LOW[i], HIGH[i]) } else { 0.0_f64.clamp(LOW[i], HIGH[i]) };
+            let wanted = if u[i].is_finite() { u[i] } else { 0.0 };
+            u[i] = wanted.clamp(LOW[i], HIGH[i]);
         }
         let outputs = self.model.rest_at(u);
         self.before = u;

@@ -1,7 +1,7 @@
 //! Self-test of $name: hysteron export's golden vectors, and what happens with bad numbers.
 #![allow(clippy::excessive_precision, clippy::unreadable_literal)]
 
-use $crate::$type;
+use $crate::$PLACE;
 
 /// Samples that a vector lasts.
 const HOLD: usize = $HOLD;
@@ -17,7 +17,7 @@ const TOLERANCE: f64 = $TOLERANCE;
 
 #[test]
 fn golden_vectors() {
-    let mut one = <$type>::new();
+    let mut one = $type::new();
     let mut worst = 0.0_f64;
     for (given, wanted) in GIVEN.into_iter().zip(WANTED) {
         for _ in 1..HOLD {
@@ -34,7 +34,7 @@ fn golden_vectors() {
 
 #[test]
 fn bad_numbers_are_not_used() {
-    let mut one = <$type>::new();
+    let mut one = $type::new();
     for (k, given) in GIVEN.into_iter().enumerate() {
         let bad = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY][k % 3];
         let found = one.step(if k % 7 == 3 { [bad; $N_GIVEN] } else { given });

@@ -6,8 +6,8 @@
 //! u_k = K_x x_k + K₁ u_(k−1) + K₂ u_(k−2) + K_w w + K_δ δ + Σ_j F_j r_(k+j), j = 0 … preview
 //!
 //! with w the strains of the hysteresis, taken to change by δ a sample for ever: exact at rest. δ is the
-//! change of the last samples, smoothed over the reach of K_δ, so that the loop through the hysteresis keeps its
-//! small gain. Beyond the preview the reference is taken to stay. λ is that of [`super::decouple`].
+//! change of the last samples, smoothed over the reach of K_δ, so that the loop through the hysteresis keeps
+//! its small gain. Beyond the preview the reference is taken to stay. λ is that of [`super::decouple`].
 
 use nalgebra::DMatrix;
 
