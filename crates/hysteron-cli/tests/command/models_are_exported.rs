@@ -168,7 +168,7 @@ fn a_model_without_delay_says_so() {
     assert_eq!(run.exit_code, 0, "{run:?}");
     let header = std::fs::read_to_string(bench.path("out/model.h")).unwrap();
     assert!(header.contains("#define MODEL_DELAY 0\n"), "{header}");
-    assert!(header.contains("limit it to what the amplifier can do"), "{header}");
+    assert!(header.contains("limit it to what the amplifier can deliver"), "{header}");
 }
 
 #[test]
