@@ -196,6 +196,12 @@ def test_other_kinds_agree(command: Path, tmp_path: Path, kind: str) -> None:
         # The offset of each output is its own mean residual; the model is in µm.
         means = [1e-3 * records[-1][name].mean() for name in ("y1", "y2")]
         assert np.allclose(predicted.y.mean(axis=0), means, rtol=1e-9)
+    if kind == "modes":
+        t = np.arange(1024) / records[0].fs
+        references = [0.01 * np.sin(2 * np.pi * 5 * t), np.zeros_like(t)]
+        drives = stage.model_.decouple(references, limits=[(-0.2, 0.2)] * 2, periodic=True)
+        assert drives.u.shape == drives.predicted.shape == drives.reference.shape == (2, 1024)
+        assert np.abs(drives.u).max() <= 0.2 and np.isfinite(drives.predicted).all()
     simulated = tmp_path / "y.csv"
     subprocess.run([str(command), "simulate", str(out), str(paths[-1]), "-o", str(simulated)], check=True)
     ours = stage.model_.simulate(hy.read(paths[-1])).y

@@ -105,16 +105,11 @@ fn a_long_drive_is_averaged_and_taken_back_to_every_sample() {
     assert_eq!((found.discrepancy.len(), found.std_dev.len()), (70_001, 70_001));
     let uniform = UniformDrive { samples_v: &drive, rate_hz: 20_000.0, start: &start };
     let columns = of.basis.columns(&model(), &uniform, 1).unwrap();
-    let exact: Vec<f64> = (0..drive.len())
-        .map(|t| {
-            columns
-                .iter()
-                .zip(&of.mean)
-                .map(|(c, b)| b * (c[t] - c.iter().sum::<f64>() / c.len() as f64))
-                .sum()
-        })
-        .step_by(9973)
-        .collect();
+    let means: Vec<f64> = columns.iter().map(|c| c.iter().sum::<f64>() / c.len() as f64).collect();
+    let at = |t: usize| -> f64 {
+        columns.iter().zip(&means).zip(&of.mean).map(|((c, mean), b)| b * (c[t] - mean)).sum()
+    };
+    let exact: Vec<f64> = (0..drive.len()).step_by(9973).map(at).collect();
     let largest = found.discrepancy.iter().fold(0.0f64, |m, x| m.max(x.abs()));
     for (place, exact) in exact.iter().enumerate() {
         assert!((found.discrepancy[place * 9973] - exact).abs() < 0.01 * largest, "{place}");
