@@ -64,6 +64,7 @@ fn the_page_reads_what_the_server_answers() {
     let mut schemas = document["components"]["schemas"].clone();
     // What an event carries is no answer of a route.
     schemas["LiveUpdate"] = schemars::schema_for!(hysteron_app::api::LiveUpdate).to_value();
+    schemas["RequestProgress"] = schemars::schema_for!(hysteron_app::api::RequestProgress).to_value();
     let schemas = &schemas;
     let mut wrong = Vec::new();
     let mut checked = 0;

@@ -159,7 +159,7 @@ def compared(name, write, sheets, columns, refused=(), **how):
     cases.append({"file": path.name, "columns": told, "refused": list(refused)})
 
 
-def doubles(rows=12, low=-300, high=300):
+def doubles(rows=12, low=-300, high=98):
     return [float(x) for x in random.normal(size=rows) * 10.0 ** random.integers(low, high, rows)]
 
 
