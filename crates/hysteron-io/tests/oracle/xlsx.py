@@ -223,7 +223,7 @@ def variants():
         (),
         (),
     )
-    yield "large", *plain({"u_V": doubles(12, 290, 307), "y_um": whole(12, 2**62)}), (), ()
+    yield "large", *plain({"u_V": doubles(12, 80, 98), "y_um": whole(12, 2**62)}), (), ()
     mixed = [value for pair in zip(whole(6), doubles(6)) for value in pair]
     yield "mixed", *plain({"u_V": mixed, "y_um": [1, 2.5, 3, -4, 0, 7e-9] * 2}), (), ()
     flags = [bool(k % 3) for k in range(12)]
