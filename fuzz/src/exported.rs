@@ -96,7 +96,11 @@ fn built(subject: &Subject) -> Running {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let files = c_files(subject).expect("a model of the tests");
     write_folder(folder.path(), &files).expect("a temporary folder takes files");
-    let driver = include_str!("driver.c").replace("MODEL", &subject.name);
+    // Answers at once, where the one of the tests is asked everything first.
+    let driver = include_str!("../../crates/hysteron-export/tests/export/driver.c")
+        .replace("1, stdout) != 1", "1, stdout) != 1 || fflush(stdout) != 0")
+        .replace("MODEL", &subject.name);
+    assert!(driver.contains("fflush"), "the driver of the tests of the exports has changed");
     std::fs::write(folder.path().join("driver.c"), driver).expect("a temporary folder takes files");
     let source = format!("{}.c", subject.name);
     let made = Command::new("cc")
