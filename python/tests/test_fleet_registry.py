@@ -177,7 +177,7 @@ def test_a_full_disk_is_waited_for_and_tears_no_row(tmp_path: Path) -> None:
     client = subprocess.Popen(arguments, env=environment, stderr=subprocess.PIPE, text=True)
     # No file of the client grows beyond this size, as on a disk without room.
     hard = resource.prlimit(client.pid, resource.RLIMIT_FSIZE)[1]
-    resource.prlimit(client.pid, resource.RLIMIT_FSIZE, (file.stat().st_size + 20_000, hard))
+    resource.prlimit(client.pid, resource.RLIMIT_FSIZE, (file.stat().st_size + 300_000, hard))
     assert client.stderr is not None
     said = client.stderr.readline()
     assert "cannot be written" in said and "trying again" in said, said
@@ -193,7 +193,7 @@ def test_a_disk_that_stays_full_ends_with_a_clear_error(tmp_path: Path) -> None:
     simulated_fleet.write(tmp_path / "records", 12)
     file, pattern = tmp_path / "fleet.sqlite", f"{tmp_path}/records/*.csv"
     fleet.Registry(file).close()
-    size = file.stat().st_size + 20_000
+    size = file.stat().st_size + 300_000
     arguments = [sys.executable, "-c", CLIENT, pattern, f"sqlite:///{file}", "0.5"]
     environment = os.environ | {"PYTHONPATH": os.path.dirname(__file__)}
     client = subprocess.Popen(arguments, env=environment, stderr=subprocess.PIPE, text=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import json
 import pickle
 import re
 import subprocess
@@ -31,14 +32,22 @@ def test_a_fit_tells_parameters_findings_and_scores(stack: hy.Record) -> None:
     assert any(finding.kind == "advice" for finding in stage.findings_)
 
 
-def test_unseen_records_are_predicted_within_the_band(stage: hy.Hammerstein, unseen: hy.Record) -> None:
+def test_unseen_records_are_predicted_within_the_band(
+    stage: hy.Hammerstein, unseen: hy.Record, tmp_path: Path
+) -> None:
     prediction = stage.predict(unseen, band=0.95)
     assert prediction.measured is not None and prediction.lower is not None and prediction.upper is not None
     assert np.sqrt(np.mean((prediction.measured - prediction.y) ** 2)) < 0.02 * np.ptp(prediction.measured)
     assert np.all(prediction.lower < prediction.upper) and prediction.start
     narrow = stage.predict(unseen, band=0.5)
     width = prediction.upper - prediction.lower
-    assert np.allclose((narrow.upper - narrow.lower) / width, 0.674489750196 / 1.959963984540, rtol=1e-9)
+    assert np.all(narrow.upper - narrow.lower < width)
+    # In the class, where the band is that of a normal distribution about the model's output.
+    file = tmp_path / "class.json"
+    file.write_text(json.dumps({**stage.model_.data, "misfit": None}))
+    wide, narrow = (hy.load(file).predict(unseen, band=level) for level in (0.95, 0.5))
+    ratio = (narrow.upper - narrow.lower) / (wide.upper - wide.lower)
+    assert np.allclose(ratio, 0.674489750196 / 1.959963984540, rtol=1e-9)
     score = stage.scores(unseen)
     assert isinstance(score, hy.Score) and score.series is not None
     assert np.isclose(score.rmse, np.sqrt(np.mean(score.series["residual"] ** 2)), rtol=1e-12)
