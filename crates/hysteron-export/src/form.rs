@@ -94,7 +94,8 @@ impl Form {
     /// The files of a model, and of its inverse where there is one.
     ///
     /// # Errors
-    /// Those of the form: [`c_files`], [`rust_files`], [`fmu_files`], [`matlab_files`].
+    /// Those of the form: [`c_files`], [`rust_files`], [`matlab_files`]; of a compiler for an FMU;
+    /// [`ExportError::Stopped`] by the listener.
     pub fn files(
         self,
         subject: &Subject,

@@ -2,8 +2,8 @@
 //!
 //! The residuals of the training records cannot give the band of a record of another kind, whose error lies in
 //! directions that the training did not excite; no factor repairs that at a fair width. A Gaussian model of the
-//! misfit can ([`hysteron_model::misfit`]): its coefficients by Bayesian linear regression ([`evidence`]), the
-//! scale of their prior by evidence, on columns scaled by a fixed reference drive ([`reference`]).
+//! misfit can ([`hysteron_model::misfit`]): its coefficients by Bayesian linear regression (`evidence`), the
+//! scale of their prior by evidence, on columns scaled by a fixed reference drive (`reference`).
 
 mod evidence;
 mod reference;

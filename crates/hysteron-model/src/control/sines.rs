@@ -98,7 +98,7 @@ impl Loop {
     /// Plays one sine of whole periods; the response is the coherent one, Σ y e^(−jωt)/Σ r e^(−jωt).
     ///
     /// # Errors
-    /// Those of [`play`]; [`ControlError::Sine`] below [`Sines::lowest_hz`].
+    /// Those of [`super::play`]; [`ControlError::Sine`] below [`Sines::lowest_hz`].
     pub fn sine(
         &self,
         sines: &Sines,

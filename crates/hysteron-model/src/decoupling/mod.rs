@@ -5,7 +5,7 @@
 //! [`crate::invert`]; sample by sample, with a preview or without, a [`DecouplingLaw`] does, run by a
 //! [`DecouplingController`].
 //!
-//! [`decouple`] takes [`ScheduledModes`]. The hysteresis is in feedback with the modes and cannot be inverted
+//! [`decouple`] takes [`crate::axes::ScheduledModes`]. The hysteresis is in feedback with the modes and cannot be inverted
 //! in one step: it counts as a disturbance d(u) = y(u) − P u of the linear response P, which depends on the
 //! drive u, and u = W (r − d(u)) is iterated, W the regularised inverse of P
 //! ([`SimulationPlan::inverse_matrix`]). A round contracts the error by about the share of the hysteresis in
