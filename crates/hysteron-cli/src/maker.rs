@@ -2,7 +2,7 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use hysteron_model::model_file::{Maker, timestamp};
+use hysteron_model::model_file::{self, Maker, timestamp};
 
 /// This program, the current time and the command line.
 pub fn maker() -> Maker {
@@ -16,7 +16,7 @@ pub fn maker() -> Maker {
 /// Today in UTC, or the day that `SOURCE_DATE_EPOCH` says, so that a build can be repeated.
 pub fn day() -> String {
     let given = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|seconds| seconds.parse().ok());
-    timestamp(given.unwrap_or_else(now)).chars().take("2025-01-31".len()).collect()
+    model_file::day(given.unwrap_or_else(now))
 }
 
 fn now() -> u64 {

@@ -11,7 +11,7 @@ use hysteron_model::realise::{RealiseOptions, realise};
 use zip::write::SimpleFileOptions;
 
 use crate::api::{DownloadQuery, ExportFile, Preview};
-use crate::clock::now;
+use crate::clock::today;
 use crate::command;
 use crate::refused::{Answer, Refused};
 use crate::workspace::{Workspace, stem_of};
@@ -54,7 +54,7 @@ fn exported(
     let name = name_of(id);
     let subject = Subject::new(&name, precision, body.data(), realisation, options.accuracy);
     let mut subject = subject.map_err(Refused::cannot)?;
-    subject.origin.date = Some(now().chars().take("2025-01-31".len()).collect());
+    subject.origin.date = Some(today());
     let inverse = if query.inverse { Some(inverted(body, &subject, rate, query)?) } else { None };
     let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
     let means = Means { compiler: &compiler, listener };

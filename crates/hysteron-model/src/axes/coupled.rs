@@ -107,17 +107,24 @@ pub fn start(u: &[f64], settled: Option<usize>) -> Start {
     }
 }
 
+impl Path {
+    /// Its pair of poles.
+    pub(crate) fn pair(&self) -> SecondOrder {
+        SecondOrder {
+            gain: self.gain,
+            natural_frequency_hz: self.natural_frequency_hz,
+            damping: self.damping,
+            alpha2: 2.0,
+            alpha1: 1.0,
+            alpha0: 0.0,
+        }
+    }
+}
+
 /// Hysteresis and dynamics of a path.
 #[doc(hidden)]
 pub fn branch(actuator: &ArticleOperator, path: &Path) -> Result<Model, SimulationError> {
-    let pair = SecondOrder {
-        gain: path.gain,
-        natural_frequency_hz: path.natural_frequency_hz,
-        damping: path.damping,
-        alpha2: 2.0,
-        alpha1: 1.0,
-        alpha0: 0.0,
-    };
+    let pair = path.pair();
     Ok(Model {
         hysteresis: Hysteresis::from(actuator.clone()),
         dynamics: Dynamics::Integer(pair.to_transfer_function()?),

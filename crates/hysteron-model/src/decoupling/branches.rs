@@ -6,9 +6,7 @@ use super::linear::right_inverse;
 use super::{AxesDrive, DecouplingError, DecouplingOptions, check};
 use crate::axes::CoupledHammerstein;
 use crate::compensator::Limits;
-use crate::dynamics::{
-    InterSample, InverseAim, ResponseMatrix, Sampling, Scheme, SecondOrder, SimulationPlan,
-};
+use crate::dynamics::{InterSample, InverseAim, ResponseMatrix, Sampling, Scheme, SimulationPlan};
 use crate::hammerstein::SETTLING_PERIODS;
 use crate::hysteresis::{DriveLimits, Hysteresis};
 use crate::invert::BANDWIDTH_SHARE;
@@ -107,16 +105,8 @@ fn held_paths(model: &CoupledHammerstein, plan: &SimulationPlan) -> Result<Respo
             entries.push(plan.empty_response(0));
             continue;
         }
-        let pair = SecondOrder {
-            gain: path.gain,
-            natural_frequency_hz: path.natural_frequency_hz,
-            damping: path.damping,
-            alpha2: 2.0,
-            alpha1: 1.0,
-            alpha0: 0.0,
-        };
         let mut entry = plan.empty_response(0);
-        plan.response(&pair.to_transfer_function()?, path.delay_s, sampling, &mut entry)?;
+        plan.response(&path.pair().to_transfer_function()?, path.delay_s, sampling, &mut entry)?;
         entries.push(entry);
     }
     Ok(ResponseMatrix { rows: model.outputs(), columns: model.inputs(), entries })

@@ -71,7 +71,7 @@ pub use misfit::MisfitEntry;
 pub use modes::{HysteresisEntry, InfluenceEntry, LawEntry, LevelEntry, ModesFile, ModesScoreEntry};
 pub use oscillator::{OscillatorFile, OscillatorParameters};
 pub use parameters::Parameters;
-pub use provenance::{Maker, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, timestamp};
+pub use provenance::{Maker, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, day, timestamp};
 pub use quantity::{Interval, Quantity, typographic};
 pub use schema::json_schema;
 use start::StartEntry;

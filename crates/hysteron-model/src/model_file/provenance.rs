@@ -169,6 +169,13 @@ impl ScoreEntry {
     }
 }
 
+/// The day of a time in seconds since 1970, in UTC: `2025-01-31`.
+pub fn day(seconds: u64) -> String {
+    let mut day = timestamp(seconds);
+    day.truncate("2025-01-31".len());
+    day
+}
+
 /// A time in seconds since 1970 as RFC 3339 in UTC, to the second: `2025-01-31T09:30:00Z`.
 pub fn timestamp(seconds: u64) -> String {
     let (days, rest) = (seconds / 86_400, seconds % 86_400);
