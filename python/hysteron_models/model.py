@@ -496,6 +496,8 @@ class Model:
         fs: float | None = None,
         float_type: Literal["f32", "f64"] = "f64",
         name: str = "model",
+        accuracy: float | None = None,
+        lowest_frequency: float | None = None,
         date: str | None = None,
         inverse: bool = False,
         limits: tuple[float, float] | None = None,
@@ -514,6 +516,9 @@ class Model:
             fs: the controller's rate [Hz]; that of the identification if not given.
             float_type: number type of the source.
             name: beginning of every name in it.
+            accuracy: largest error of the realised dynamics, as a share of the gain at rest; a tenth of the
+                model's least error on a record if not given, from 1e-5 to 1e-3.
+            lowest_frequency: frequency down to which unbounded creep is realised [Hz].
             date: day in the headers; none if not given, and the source is the same on every day.
             inverse: write the inverse, too; the other arguments are those of :meth:`invert`.
             limits: least and largest drive.
@@ -527,9 +532,10 @@ class Model:
             "sample_rate_hz": fs,
             "float": float_type,
             "name": name,
+            "accuracy": accuracy,
+            "lowest_frequency_hz": lowest_frequency,
             "date": date,
-            "inverse": inverse,
-            "inverting": _inverting(limits, slew, bandwidth, preview, predict_to),
+            "inverse": _inverting(limits, slew, bandwidth, preview, predict_to) if inverse else None,
         }
         return self._native.export(folder, json.dumps(options))
 

@@ -123,6 +123,7 @@ pub(crate) fn remedy(advice: &Advice) -> String {
         Advice::Hold { parameter: Some(parameter) } => format!("Hold {parameter} at a known value."),
         Advice::Hold { parameter: None } => "Hold a parameter that is known.".to_owned(),
         Advice::SearchLonger => "Give the search more generations, or the usual optimiser.".to_owned(),
+        Advice::GiveLowestFrequency => "Give the lowest frequency to realise.".to_owned(),
         Advice::GiveExponent => "Give the exponent.".to_owned(),
     }
 }

@@ -60,6 +60,15 @@ fn the_chain_from_record_to_code() {
     assert!((largest - residual["scores"]["max_abs_error"].as_f64().unwrap()).abs() < 1e-9, "{largest}");
     assert!(scored["records"][1]["error"]["what"].as_str().unwrap().contains("none.csv"));
     assert!(scored["definitions"].as_array().unwrap().len() > 5);
+    let saved = json!({"records": ["unseen.csv"], "save": "scored.csv"});
+    let saved = server.post("/api/v1/models/stage.json/scores", &saved).done();
+    let shell = saved["command"]["shell"].as_str().unwrap();
+    assert!(shell.contains("validate stage.json unseen.csv -o scored.csv"), "{shell}");
+    let series = std::fs::read_to_string(server.path("scored.csv")).unwrap();
+    assert_eq!(series.lines().count(), 801, "{}", &series[..200]);
+    let two = json!({"records": ["unseen.csv", "loop.csv"], "save": "scored.csv"});
+    let two = server.post("/api/v1/models/stage.json/scores", &two).done();
+    assert!(two["records"][0]["error"]["what"].as_str().unwrap().contains("of one record"), "{two}");
     let run = json!({"records": ["unseen.csv"], "continued": true});
     let run = server.post("/api/v1/models/stage.json/scores", &run).done();
     let names: Vec<&str> =
@@ -79,10 +88,25 @@ fn the_chain_from_record_to_code() {
     let again = server.post("/api/v1/models/stage.json/follow", &again).done();
     assert_eq!(again["drive_high"], followed["drive_high"]);
     let options = json!({"controllers": ["uncompensated", "feedforward"]});
-    let track = json!({"reference": waveform(10.0), "on_model": true, "options": options});
+    let track =
+        json!({"reference": waveform(10.0), "on_model": true, "options": options, "save": "track.csv"});
     let tracked = server.post("/api/v1/models/stage.json/track", &track).done();
+    let shell = "hysteron track stage.json track-reference.csv -o track.csv --controller uncompensated \
+                 --controller feedforward --plant model";
+    assert_eq!((&tracked["command"]["shell"], &tracked["file"]), (&json!(shell), &json!("track.csv")));
+    let written = std::fs::read_to_string(server.path("track.csv")).unwrap();
+    assert!(written.contains("reference_um,u_uncompensated_V,y_uncompensated_um"), "{}", &written[..200]);
     let rms = |k: usize| tracked["controllers"][k]["rms"].as_f64().unwrap();
     assert!(rms(1) < rms(0), "{} {}", rms(0), rms(1));
+    let query = "as=c&inverse=true&name=axis&accuracy=0.001&bandwidth_hz=5&preview=3&low=0&high=12";
+    let named = server.get(&format!("/api/v1/models/stage.json/preview?{query}")).done();
+    let shell = "hysteron export stage.json --to c -o axis --name axis --accuracy 0.001 --inverse --range \
+                 0:12 --bandwidth 5 --preview 3";
+    assert_eq!(named["command"]["shell"], shell);
+    assert_eq!(named["files"][0]["name"], "axis.h");
+    let text = named["files"][0]["text"].as_str().unwrap();
+    let file = std::fs::read(server.path("stage.json")).unwrap();
+    assert!(text.contains(&hysteron_io::sha256(&file)), "the header names the file: {text}");
     let preview = server.get("/api/v1/models/stage.json/preview?as=c&inverse=true").done();
     let names: Vec<&str> =
         preview["files"].as_array().unwrap().iter().map(|f| f["name"].as_str().unwrap()).collect();
@@ -285,4 +309,31 @@ fn a_race_shows_who_has_arrived_and_the_winner_can_be_taken() {
     let take = json!({"kind": "identify", "records": [made["records"][0]], "structure": name});
     let command = server.post("/api/v1/commands", &take).done();
     assert!(command["shell"].as_str().unwrap().contains("--dynamics"), "{command}");
+}
+
+#[test]
+fn a_drive_by_sample_and_one_that_learns_are_those_of_the_command() {
+    let server = with_model();
+    let at = "/api/v1/models/stage.json/follow";
+    let inverse = json!({"preview": 4, "virgin_voltage": 0.0, "range": [0.0, 12.0]});
+    let ahead = json!({"reference": waveform(10.0), "inverse": inverse, "save": "drive.csv"});
+    let ahead = server.post(at, &ahead).done();
+    let shell = "hysteron invert stage.json drive-reference.csv -o drive.csv --range 0:12 --virgin-voltage 0 \
+                 --preview 4";
+    assert_eq!(ahead["command"]["shell"], shell);
+    assert!(ahead["preview_samples"].as_u64().unwrap() <= 4, "{ahead}");
+    let inverse = json!({"preview": 4, "predict_to_hz": -1.0});
+    server.post(at, &json!({"reference": waveform(10.0), "inverse": inverse})).refused(422);
+    // The model's own output as the last run: nothing is left to learn.
+    let reference = json!({"from": "record", "id": "drive-reference.csv"});
+    let whole = json!({"reference": reference, "save": "first.csv"});
+    let first = server.post(at, &whole).done();
+    let learned = json!({"reference": reference, "learn_from": "first.csv"});
+    let learned = server.post(at, &learned).done();
+    let shell = learned["command"]["shell"].as_str().unwrap();
+    assert!(shell.ends_with("--learn-from first.csv"), "{shell}");
+    let high = |of: &Value| of["drive_high"].as_f64().unwrap();
+    assert!((high(&learned) - high(&first)).abs() < 1e-3, "{} {}", high(&learned), high(&first));
+    let both = json!({"reference": reference, "learn_from": "first.csv", "inverse": {"preview": 1}});
+    server.post(at, &both).refused(422);
 }

@@ -74,7 +74,8 @@ fn records_are_prepared_into_a_new_one() {
 #[test]
 fn a_drive_is_simulated_with_its_band() {
     let server = with_model();
-    let request = json!({"record": "loop.csv", "options": {"band": "measurement"}, "save": "simulated.csv"});
+    let request =
+        json!({"records": ["loop.csv"], "options": {"band": "measurement"}, "save": "simulated.csv"});
     let found = server.post("/api/v1/models/stage.json/simulate", &request).done();
     let names: Vec<&str> = found["figures"][0]["series"]
         .as_array()
@@ -92,7 +93,7 @@ fn a_drive_is_simulated_with_its_band() {
         loops(300).lines().fold(String::new(), |all, line| all + line.rsplit_once(',').unwrap().0 + "\n");
     server.upload("drive.csv", drive.as_bytes());
     std::fs::write(server.path("drive.csv"), drive).unwrap();
-    let found = server.post("/api/v1/models/stage.json/simulate", &json!({"record": "drive.csv"})).done();
+    let found = server.post("/api/v1/models/stage.json/simulate", &json!({"records": ["drive.csv"]})).done();
     assert_eq!(found["figures"][0]["series"].as_array().unwrap().len(), 1);
     assert_eq!(found["files"], json!([]));
 }

@@ -52,6 +52,7 @@ pub fn in_flags_of_columns(advice: &Advice, choose_columns: &str) -> String {
         Advice::Widen { parameter } => format!("--bound {parameter}=LOW:HIGH"),
         Advice::Hold { parameter } => format!("--fix {}=VALUE", parameter.as_deref().unwrap_or("NAME")),
         Advice::SearchLonger => "--generations N, or leave --optimizer out".to_owned(),
+        Advice::GiveLowestFrequency => "--lowest-frequency HZ".to_owned(),
         Advice::GiveExponent => "--exponent P".to_owned(),
     }
 }

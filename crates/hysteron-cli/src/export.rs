@@ -8,15 +8,15 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use hysteron_export::{
-    ExportError, ExportSummary, Form, Inverse, Means, NamedFile, Precision, RUNTIME, Rounding, Subject,
+    ExportError, ExportRequest, ExportSummary, Exported, Form, Means, Precision, RUNTIME, export, name_of,
     write_folder,
 };
 use hysteron_identify::Listener;
-use hysteron_model::compensator::{Compensation, CompensatorOptions, Prediction};
-use hysteron_model::model::Capability;
-use hysteron_model::realise::RealiseOptions;
-use hysteron_report::number::significant;
+use hysteron_model::invert::InversionError;
+use hysteron_model::model::{Capability, InverseRequest};
+use hysteron_model::record::Source;
 
+use crate::advice;
 use crate::choices::one_of;
 use crate::console;
 use crate::failure::Failure;
@@ -27,7 +27,6 @@ use crate::model::{Loaded, LoadedModel};
 use crate::numbers::{positive, share, whole};
 use crate::output;
 use crate::progress;
-use crate::realise::{along_sweep, realised, where_creep_stops};
 
 /// Write a model as C99 source, a Rust crate, an FMU, or for MATLAB and Simulink.
 #[derive(Args)]
@@ -55,11 +54,10 @@ pub struct Export {
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     sample_rate: Option<f64>,
 
-    /// Maximum error of the realised dynamics, as a fraction of the range
-    #[arg(
-        long, value_name = "SHARE", default_value_t = 1e-5, value_parser = share, allow_hyphen_values = true,
-    )]
-    accuracy: f64,
+    /// Maximum error of the realised dynamics, as a fraction of the range [default: a tenth of the model's
+    /// least error on a record, 1e-5 to 1e-3]
+    #[arg(long, value_name = "SHARE", value_parser = share, allow_hyphen_values = true)]
+    accuracy: Option<f64>,
 
     /// Lowest frequency to realise, for a model with unbounded creep
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
@@ -126,6 +124,15 @@ enum Float {
     F64,
 }
 
+impl Float {
+    fn precision(self) -> Precision {
+        match self {
+            Self::F32 => Precision::F32,
+            Self::F64 => Precision::F64,
+        }
+    }
+}
+
 impl Export {
     pub fn run(&self) -> Result<(), Failure> {
         output::check_folder("the source", &self.out_dir)?;
@@ -142,39 +149,21 @@ impl Export {
             return Err(Failure::usage("several limits and --level go with models of several axes"));
         }
         let loaded = LoadedModel::of(loaded, Capability::Export)?;
-        let rate = self.sample_rate.or(loaded.body().data().sample_rate_hz).ok_or_else(|| {
-            Failure::new(format!("cannot export {}", self.model.display()))
-                .because("it was identified from records without a sample rate, and the source runs at one")
-                .hint("give the controller's with --sample-rate HZ")
-        })?;
-        let options = RealiseOptions { accuracy: self.accuracy, lowest_frequency_hz: self.lowest_frequency };
-        let realisation = realised(&self.model, &loaded, rate, &options)?;
-        let precision = match self.float {
-            Float::F32 => Precision::F32,
-            Float::F64 => Precision::F64,
-        };
-        let name = self.name.clone().unwrap_or_else(|| name_of(&self.model));
-        let mut subject = Subject::new(&name, precision, loaded.body().data(), realisation, self.accuracy)
-            .map_err(|e| self.cannot(&e))?;
-        subject.origin.model_sha256.clone_from(&loaded.source().sha256);
-        subject.origin.date = match self.date.as_deref() {
-            Some("none") => None,
-            Some(date) => Some(date.to_owned()),
-            None => Some(maker::day()),
-        };
-        remark_rounding("displacement", &subject.output_unit, subject.rounding);
-        subject.along_sweep = Some(along_sweep(&self.model, &loaded, &subject.realisation, self.accuracy)?);
-        let inverse = if self.inverse { Some(self.inverted(&loaded, &subject, &options)?) } else { None };
         let interrupt = Interrupt::listen("no file is written")?;
         let watch = progress::watch(&interrupt);
         let teller = watch.teller();
-        let files = self.files(&subject, inverse.as_ref(), Listener::new(&teller));
+        let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
+        let means = Means { compiler: &compiler, listener: Listener::new(&teller) };
+        let exported = export(loaded.body(), &self.request(loaded.source()), means);
         drop(teller);
         drop(watch);
-        let files = files.map_err(|e| match e {
+        let Exported { subject, files, findings } = exported.map_err(|e| match e {
             ExportError::Stopped => interrupt.told(Failure::new("the export was interrupted")),
             e => self.cannot(&e),
         })?;
+        for finding in &findings {
+            console::note(&advice::text(finding));
+        }
         write_folder(&self.out_dir, &files).map_err(|e| self.cannot(&e))?;
         if let Some(range) = loaded.model().valid_range() {
             console::note(&range.in_words());
@@ -195,56 +184,51 @@ impl Export {
         console::result(&lines.concat())
     }
 
-    fn files(
-        &self,
-        subject: &Subject,
-        inverse: Option<&Inverse>,
-        listener: Listener<'_>,
-    ) -> Result<Vec<NamedFile>, ExportError> {
-        let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-        self.to.files(subject, inverse, Means { compiler: &compiler, listener })
+    fn request(&self, source: &Source) -> ExportRequest {
+        let inverse = self.inverse.then(|| InverseRequest {
+            range: self.range.first().copied(),
+            slew_per_s: self.slew.first().copied(),
+            bandwidth_hz: self.bandwidth,
+            preview: self.preview,
+            predict_to_hz: self.predict_to,
+            ..InverseRequest::default()
+        });
+        ExportRequest {
+            form: self.to,
+            float: self.float.precision(),
+            name: self.name(),
+            sample_rate_hz: self.sample_rate,
+            accuracy: self.accuracy,
+            lowest_frequency_hz: self.lowest_frequency,
+            inverse,
+            model_sha256: Some(source.sha256.clone()),
+            date: self.date(),
+        }
     }
 
-    /// The inverse of the model within its limits.
-    fn inverted(
-        &self,
-        loaded: &LoadedModel,
-        subject: &Subject,
-        realise: &RealiseOptions,
-    ) -> Result<Inverse, Failure> {
-        let range = self.range.first().copied().or(loaded.body().drive_range()).ok_or_else(|| {
-            Failure::new(format!("cannot invert {}", self.model.display()))
-                .because("the model file does not say which range it was identified in")
-                .hint("give the amplifier's with --range LOW:HIGH")
-        })?;
-        let rate = subject.realisation.sample_rate_hz;
-        let options = CompensatorOptions {
-            bandwidth_hz: self.bandwidth,
-            preview: self.preview.or(self.predict_to.map(|_| 0)),
-            prediction: Prediction::up_to(self.predict_to),
-            realise: where_creep_stops(loaded, rate, *realise),
-            ..CompensatorOptions::default()
-        };
-        let compensation = Compensation::new(loaded.law(), rate, &options);
-        let compensation = compensation.map_err(|e| self.cannot(&e.into()))?;
-        if let Some(wanted) = self.preview.filter(|wanted| *wanted > compensation.preview) {
-            let used = compensation.preview;
-            console::note(&format!(
-                "of the preview of {wanted} samples {used} are used, beyond which no voltage depends on the \
-                 reference: give the reference {used} samples ahead, not {wanted} (the source names the \
-                 number)"
-            ));
+    /// Beginning of every name in the source: given, else from the file's name.
+    fn name(&self) -> String {
+        let stem = || self.model.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+        self.name.clone().unwrap_or_else(|| name_of(&stem().unwrap_or_default()))
+    }
+
+    /// Day in the headers.
+    fn date(&self) -> Option<String> {
+        match self.date.as_deref() {
+            Some("none") => None,
+            Some(date) => Some(date.to_owned()),
+            None => Some(maker::day()),
         }
-        let inverse =
-            Inverse::new(subject, compensation, range, self.slew.first().copied().unwrap_or(f64::INFINITY))
-                .map_err(|e| self.cannot(&e))?;
-        remark_rounding("voltage", &subject.input_unit, inverse.rounding);
-        Ok(inverse)
     }
 
     fn cannot(&self, error: &ExportError) -> Failure {
         let failure = Failure::new(format!("cannot export {}", self.model.display())).because(error);
         match error {
+            ExportError::SampleRate => failure.hint("give the controller's with --sample-rate HZ"),
+            ExportError::Inverse(InversionError::RangeUnknown) => {
+                failure.hint("give the amplifier's with --range LOW:HIGH")
+            }
+            ExportError::Realise(error) => crate::realise::with_remedy(failure, error),
             ExportError::Name { .. } if self.name.is_some() => {
                 Failure::usage("--name is no name of the source").because(error).hint("e.g. --name stage")
             }
@@ -290,21 +274,4 @@ fn help() -> String {
          Example: hysteron export model.json --to c -o firmware/stage --float f32 --sample-rate 10000",
         forms.join("\n")
     )
-}
-
-/// Prints a note if single precision costs much accuracy.
-fn remark_rounding(what: &str, unit: &str, rounding: Rounding) {
-    if rounding.share > Rounding::NOTED {
-        console::note(&format!(
-            "single precision may move the {what} by {} {unit}, {} % of its range (--float f64 does not)",
-            significant(rounding.bound, 2),
-            significant(100.0 * rounding.share, 2)
-        ));
-    }
-}
-
-/// Name in the source derived from a file name: lower case, _ for all but letters and digits.
-fn name_of(path: &Path) -> String {
-    let stem = path.file_stem().map(|s| s.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-    stem.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
 }

@@ -7,18 +7,14 @@ pub use several::limits_of_actuators;
 use std::path::PathBuf;
 
 use clap::Args;
-use hysteron_identify::{Listener, PredictionBand};
+use hysteron_identify::{ForecastDrive, Listener, drive_for};
 use hysteron_io::write_record;
-use hysteron_model::compensator::{Compensation, CompensatorOptions, Prediction};
 use hysteron_model::dynamics::DynamicsError;
 use hysteron_model::hammerstein::SimulationError;
-use hysteron_model::invert::{
-    BANDWIDTH_SHARE, ERROR_AT_BANDWIDTH, InverseDrive, InverseOptions, InversionError, LastRun,
-};
-use hysteron_model::model::{Capability, ErrorForecast, InverseSummary, SignalRole};
-use hysteron_model::realise::RealiseOptions;
+use hysteron_model::invert::{BANDWIDTH_SHARE, InverseDrive, InversionError, LastRun};
+use hysteron_model::model::{Capability, ErrorForecast, InverseRequest, InverseSummary, SignalRole};
 use hysteron_model::record::{Channel, Record, TimeBase, Unit};
-use hysteron_model::{Advice, FindingKind, Start};
+use hysteron_model::{Advice, FindingKind};
 use hysteron_numeric::display::short;
 use hysteron_report::number::significant;
 
@@ -32,11 +28,7 @@ use crate::model::{Loaded, LoadedModel};
 use crate::numbers::{number, positive, whole};
 use crate::output::{self, OutFile};
 use crate::progress;
-use crate::realise::where_creep_stops;
 use crate::remarks;
-
-/// Share of the time that the drive takes; the rest is its uncertainty.
-const SHARE_OF_DRIVE: f64 = 0.5;
 
 /// Compute the drive that makes a model's output follow a reference
 #[derive(Args)]
@@ -178,118 +170,40 @@ impl Invert {
                 .because("the reference has no uniform sample rate, which sets the controller's")
                 .advised(Some(Advice::Resample)));
         };
-        let range_v = self.range.first().copied().or(model.body().drive_range()).ok_or_else(|| {
-            failure()
-                .because("the model file does not say which voltages it was identified with")
-                .hint("give the range of the drive, e.g. --range 0:100")
-        })?;
-        let options = InverseOptions {
-            bandwidth_hz: self.bandwidth,
-            error_at_bandwidth: ERROR_AT_BANDWIDTH,
-            range_v,
-            slew_v_per_s: self.slew.first().copied().unwrap_or(f64::INFINITY),
-            start: match self.rest_voltage {
-                _ if self.periodic => Start::PERIODIC,
-                Some(voltage_v) => Start::Rest { voltage_v },
-                None => Start::AsIdentified,
-            },
-            virgin_v: self.virgin_voltage.or(InverseOptions::switched_on(range_v)),
-        };
         let remarks = model.body().remarks_on_reference(&reference.samples, sample_rate_hz);
         remarks::tell(&self.reference_file, model.model(), &remarks);
+        let run = self.learn_from.as_ref().map(|path| self.columns.read_run(path)).transpose()?;
+        let last = run.as_ref().map(|run| LastRun { drive: &run.u, measured: &run.y });
         let interrupt = Interrupt::listen("no drive is written")?;
         let watch = progress::watch(&interrupt);
         let teller = watch.teller();
         let listener = Listener::new(&teller);
-        let found = match &self.learn_from {
-            None if self.preview.is_some() || self.predict_to.is_some() => {
-                self.sample_by_sample(&model, &reference.samples, sample_rate_hz, &options)
-            }
-            None => {
-                let listener = listener.part(0.0, SHARE_OF_DRIVE);
-                model.law().invert_told(&reference.samples, sample_rate_hz, &options, listener)
-            }
-            Some(path) => {
-                let run = self.columns.read_run(path)?;
-                let last = LastRun { drive: &run.u, measured: &run.y };
-                model.law().learn(&reference.samples, last, sample_rate_hz, &options)
-            }
-        };
-        let interrupted = || interrupt.told(Failure::new("the computation was interrupted"));
-        let found = found.map_err(|e| {
-            if e == InversionError::Stopped {
-                return interrupted();
-            }
-            let input = Unit::new(&model.body().data().units.input);
-            let failure = failure().because(e.in_units(&input, &unit));
-            match e {
-                InversionError::Begins { .. } => failure.hint(
-                    "change the reference's offset, widen --range, or say where the device rests with \
-                     --rest-voltage VOLTS",
-                ),
-                InversionError::Simulation(SimulationError::SampleRate { model_hz, .. }) => {
-                    failure.hint(format!(
-                        "sample the reference at {model_hz} Hz, or identify the model without \
-                        --scheme grunwald-letnikov and ARX"
-                    ))
-                }
-                InversionError::Dynamics(DynamicsError::InfiniteDcGain { .. }) => failure
-                    .because(
-                        "the model's creep is unbounded: under a periodic drive its output drifts, so \
-                        there is no periodic steady state",
-                    )
-                    .hint(
-                        "leave --periodic out and give several periods of the reference, or identify the \
-                         model with bounded creep (--creep kelvin-voigt, or --dynamics integer)",
-                    ),
-                InversionError::Dynamics(DynamicsError::Bandwidth { .. }) => failure.hint(format!(
-                    "the bandwidth is {} of the sample rate unless --bandwidth HZ says otherwise",
-                    short(BANDWIDTH_SHARE)
-                )),
-                _ => failure,
-            }
-        })?;
-        let told = listener.part(SHARE_OF_DRIVE, 1.0);
-        let forecast =
-            PredictionBand::forecast(model.body().data(), &reference.samples, &found, sample_rate_hz, told)
-                .map_err(|_| interrupted())?;
+        let found =
+            drive_for(model.body(), &reference.samples, sample_rate_hz, &self.request(), last, listener);
         drop(teller);
         drop(watch);
-        let units = &model.body().data().units;
-        let findings = model.body().findings_on_drive(&found, range_v);
-        let summary =
-            InverseSummary::new(&reference.samples, &found, sample_rate_hz, forecast, findings, units);
-        self.write(reference.time, &reference.samples, &unit, &model.body().data().units.input, found)?;
+        let input = Unit::new(&model.body().data().units.input);
+        let ForecastDrive { drive, summary } = found.map_err(|e| {
+            if e == InversionError::Stopped {
+                return interrupt.told(Failure::new("the computation was interrupted"));
+            }
+            with_remedy(failure().because(e.in_units(&input, &unit)), &e)
+        })?;
+        self.write(reference.time, &reference.samples, &unit, input.symbol(), drive)?;
         if self.json { console::json(&summary) } else { console::result(&text(&summary)) }
     }
 
-    /// Computes the drive by the controller's law, with limited preview.
-    fn sample_by_sample(
-        &self,
-        model: &LoadedModel,
-        reference: &[f64],
-        sample_rate_hz: f64,
-        options: &InverseOptions,
-    ) -> Result<InverseDrive, InversionError> {
-        let wanted = CompensatorOptions {
+    fn request(&self) -> InverseRequest {
+        InverseRequest {
+            range: self.range.first().copied(),
+            slew_per_s: self.slew.first().copied(),
             bandwidth_hz: self.bandwidth,
-            preview: Some(self.preview.unwrap_or(0)),
-            prediction: Prediction::up_to(self.predict_to),
-            realise: where_creep_stops(model, sample_rate_hz, RealiseOptions::default()),
-            ..CompensatorOptions::default()
-        };
-        let law = Compensation::new(model.law(), sample_rate_hz, &wanted)?;
-        console::message(&format!(
-            "sample by sample: preview of {} samples, of {} that affect the drive",
-            law.preview, law.useful_preview
-        ));
-        if let Some(wanted) = self.preview.filter(|wanted| *wanted > law.preview) {
-            console::note(&format!(
-                "{} of the {wanted} samples ahead are used: later ones do not affect the drive",
-                law.preview
-            ));
+            periodic: self.periodic,
+            rest_voltage: self.rest_voltage,
+            virgin_voltage: self.virgin_voltage,
+            preview: self.preview,
+            predict_to_hz: self.predict_to,
         }
-        law.follow(reference, options)
     }
 
     fn write(
@@ -314,6 +228,35 @@ impl Invert {
     }
 }
 
+/// The failure with what to change, in flags.
+fn with_remedy(failure: Failure, error: &InversionError) -> Failure {
+    match error {
+        InversionError::RangeUnknown => failure.hint("e.g. --range 0:100"),
+        InversionError::Begins { .. } => failure.hint(
+            "change the reference's offset, widen --range, or say where the device rests with --rest-voltage \
+             VOLTS",
+        ),
+        InversionError::Simulation(SimulationError::SampleRate { model_hz, .. }) => failure.hint(format!(
+            "sample the reference at {model_hz} Hz, or identify the model without --scheme \
+             grunwald-letnikov and ARX"
+        )),
+        InversionError::Dynamics(DynamicsError::InfiniteDcGain { .. }) => failure
+            .because(
+                "the model's creep is unbounded: under a periodic drive its output drifts, so there is no \
+                 periodic steady state",
+            )
+            .hint(
+                "leave --periodic out and give several periods of the reference, or identify the model with \
+                 bounded creep (--creep kelvin-voigt, or --dynamics integer)",
+            ),
+        InversionError::Dynamics(DynamicsError::Bandwidth { .. }) => failure.hint(format!(
+            "the bandwidth is {} of the sample rate unless --bandwidth HZ says otherwise",
+            short(BANDWIDTH_SHARE)
+        )),
+        _ => failure,
+    }
+}
+
 fn text(s: &InverseSummary) -> String {
     let (input, output) = (Unit::new(&s.input_unit), Unit::new(&s.output_unit));
     let mut lines = vec![match s.rest {
@@ -322,6 +265,12 @@ fn text(s: &InverseSummary) -> String {
         }
         None => "The reference repeats; the drive is that of its steady state.".to_owned(),
     }];
+    if let Some(preview) = s.preview {
+        lines.push(format!(
+            "Computed sample by sample: preview of {} samples, of {} that affect the drive.",
+            preview.samples, preview.useful
+        ));
+    }
     lines.push(format!(
         "Drive: {} to {} {input}, at most {} {input}/s, each value held for {} s.",
         significant(s.drive_low, 4),

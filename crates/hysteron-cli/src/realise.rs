@@ -1,13 +1,13 @@
 //! `hysteron realise`: a model as real poles and pole pairs that run sample by sample.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
-use hysteron_model::model::{Capability, CheckedRealisation, Sweep};
-use hysteron_model::realise::{Realisation, RealiseError, RealiseOptions, Verification, realise, verify};
-use hysteron_report::number::significant;
+use hysteron_model::model::{Capability, CheckedRealisation};
+use hysteron_model::realise::{RealiseError, RealiseOptions};
 use hysteron_report::results::realisation::{facts, sections};
 
+use crate::advice;
 use crate::console;
 use crate::console::clock;
 use crate::failure::Failure;
@@ -54,76 +54,22 @@ impl Realise {
     pub fn run(&self) -> Result<(), Failure> {
         let loaded = LoadedModel::read(&self.model, Capability::Realisation)?;
         let options = RealiseOptions { accuracy: self.accuracy, lowest_frequency_hz: self.lowest_frequency };
-        let realisation = realised(&self.model, &loaded, self.sample_rate, &options)?;
+        let cannot = |e: RealiseError| {
+            let failure = Failure::new(format!("cannot realise {}", self.model.display())).because(&e);
+            with_remedy(failure, &e)
+        };
+        let (realisation, creep) = loaded.body().realised(self.sample_rate, options).map_err(cannot)?;
         let found = CheckedRealisation::new(realisation, loaded.body().data(), self.accuracy, &clock())
-            .map_err(|e| cannot(&self.model, &e))?;
-        remark_sweep(&found.verification, self.accuracy);
+            .map_err(cannot)?;
+        for finding in creep.iter().chain(&found.verification.finding(self.accuracy)) {
+            console::note(&advice::text(finding));
+        }
         if self.json { console::json(&found) } else { console::result(&text(&found)) }
     }
 }
 
-/// Deviation of a realisation from the batch simulation along a sweep over the model's range, and the sweep's
-/// frequencies \[Hz\]; with a note if the deviation exceeds the accuracy.
-///
-/// # Errors
-/// Those of [`verify`].
-pub fn along_sweep(
-    path: &Path,
-    loaded: &LoadedModel,
-    realisation: &Realisation,
-    accuracy: f64,
-) -> Result<(Verification, (f64, f64)), Failure> {
-    let sweep = Sweep::over(loaded.body().data().valid_range.as_ref(), realisation.sample_rate_hz);
-    let found = verify(realisation, &sweep.drive).map_err(|e| cannot(path, &e))?;
-    remark_sweep(&found, accuracy);
-    Ok((found, sweep.frequencies_hz))
-}
-
-fn remark_sweep(found: &Verification, accuracy: f64) {
-    if found.largest > accuracy {
-        console::note(&format!(
-            "along the sweep the difference to the batch simulation is {} of the range, more than {}: the \
-             excess over the error of the dynamics arises between the samples (see \
-             docs/theory/realisation.md)",
-            significant(found.largest, 2),
-            significant(accuracy, 2)
-        ));
-    }
-}
-
-/// The realisation of a loaded model. With unbounded creep and no lowest frequency given, that is derived
-/// from its records.
-///
-/// # Errors
-/// Those of [`realise`], with a remedy.
-pub fn realised(
-    path: &Path,
-    loaded: &LoadedModel,
-    sample_rate_hz: f64,
-    options: &RealiseOptions,
-) -> Result<Realisation, Failure> {
-    let stopped = where_creep_stops(loaded, sample_rate_hz, *options);
-    if let (None, Some(low)) = (options.lowest_frequency_hz, stopped.lowest_frequency_hz) {
-        console::note(&format!(
-            "the model creeps for ever; realised down to {} Hz, a thousandth of the lowest frequency of its \
-             records (--lowest-frequency says otherwise)",
-            significant(low, 3)
-        ));
-    }
-    realise(loaded.law(), sample_rate_hz, &stopped).map_err(|e| cannot(path, &e))
-}
-
-/// `options`, with a lowest frequency from the model's records if its creep is unbounded and none is given.
-pub fn where_creep_stops(
-    loaded: &LoadedModel,
-    sample_rate_hz: f64,
-    options: RealiseOptions,
-) -> RealiseOptions {
-    loaded.body().realise_options(sample_rate_hz, options)
-}
-
-fn cannot(model: &Path, error: &RealiseError) -> Failure {
-    let failure = Failure::new(format!("cannot realise {}", model.display())).because(error);
+/// The failure with what to change, in flags.
+pub fn with_remedy(failure: Failure, error: &RealiseError) -> Failure {
     match error {
         RealiseError::LowestFrequency => failure
             .hint("give --lowest-frequency HZ, e.g. the inverse of the longest time the controller runs"),

@@ -13,7 +13,7 @@ use hysteron_model::control::{ControlError, Plant, RequiredMargins, slew_of_curr
 use hysteron_model::invert::InversionError;
 use hysteron_model::model::{Capability, SignalRole};
 use hysteron_model::realise::{RealiseError, RealiseOptions};
-use hysteron_model::record::{Channel, Record, Signal, TimeBase, Unit};
+use hysteron_model::record::{Signal, TimeBase, Unit};
 use hysteron_model::tracking::{Controller, PlantDescription, TrackOptions, Tracking, track_told};
 use hysteron_numeric::display::short;
 use hysteron_report::tracking as report;
@@ -220,7 +220,7 @@ impl Track {
         for (controller, error) in &found.left_out {
             console::note(&format!("{} is left out: {error}", controller.name()));
         }
-        self.write(reference.time, &found)?;
+        self.write(&found)?;
         self.result.write(|| report::page(&found, &maker()))?;
         if self.result.json { console::json(&found) } else { console::result(&text(&found)) }
     }
@@ -280,18 +280,10 @@ impl Track {
         }
     }
 
-    fn write(&self, time: TimeBase, found: &Tracking) -> Result<(), Failure> {
+    fn write(&self, found: &Tracking) -> Result<(), Failure> {
         let Some(out) = &self.out else { return Ok(()) };
         let failure = || Failure::new(format!("cannot write the samples to {}", out.display()));
-        let (input, output) = (found.input.symbol(), found.output.symbol());
-        let mut channels = vec![Channel::new("reference", output, found.reference.clone())];
-        for run in &found.runs {
-            let name = run.controller.name();
-            channels.push(Channel::new(&format!("u_{name}"), input, run.played.drive.clone()));
-            channels.push(Channel::new(&format!("y_{name}"), output, run.played.displacement.clone()));
-        }
-        let record =
-            Record::new(&out.display().to_string(), time, channels).map_err(|e| failure().because(e))?;
+        let record = found.to_record(&out.display().to_string()).map_err(|e| failure().because(e))?;
         write_record(out, &record).map_err(|e| failure().because(e))?;
         console::message(&format!(
             "wrote {} simulated samples of {} controllers to {}",

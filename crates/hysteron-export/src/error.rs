@@ -40,6 +40,9 @@ pub enum ExportError {
         /// The name.
         name: String,
     },
+    /// No sample rate is known.
+    #[error("the model was identified from records without a sample rate, and a controller runs at one")]
+    SampleRate,
     /// The model cannot be realised.
     #[error(transparent)]
     Realise(#[from] RealiseError),

@@ -1,6 +1,7 @@
 //! Identified models for where they are used: C99 source, a `no_std` Rust crate, functional mock-up
 //! units, functions of MATLAB, Simulink S-functions.
 //!
+//! * [`export`]: the files of a model as they are asked for, by an [`ExportRequest`].
 //! * [`Subject`]: a model realised at one sample rate, with its name, units, range and scores.
 //! * [`c_files`]: one header, one source without `malloc`, and a self-test with golden vectors.
 //! * [`rust_files`]: a `no_std` crate on top of `hysteron-rt`, with the same golden vectors.
@@ -29,6 +30,7 @@ mod matlab;
 mod number;
 mod operator;
 mod origin;
+mod request;
 mod rust_crate;
 mod simulink;
 mod subject;
@@ -46,6 +48,7 @@ pub use inverse::{GoldenInverse, Inverse, inverse_files};
 pub use matlab::{matlab_files, matlab_inverse_files};
 pub use number::Precision;
 pub use origin::Origin;
+pub use request::{ExportRequest, Exported, export, name_of};
 pub use rust_crate::{RUNTIME, rust_files};
 pub use simulink::{simulink_files, simulink_inverse_files};
 pub use subject::Subject;

@@ -33,6 +33,8 @@ pub struct Subject {
     pub scores: Vec<ScoreEntry>,
     /// The accuracy the realisation was asked for.
     pub accuracy: f64,
+    /// True if it follows from the model's own error.
+    pub accuracy_by_error: bool,
     /// Bound on the rounding error of the displacement.
     pub rounding: Rounding,
     /// Deviation of the realisation from the batch simulation along a sweep between two frequencies \[Hz\],
@@ -70,6 +72,7 @@ impl Subject {
             range: file.valid_range.clone(),
             scores: file.scores.clone(),
             accuracy,
+            accuracy_by_error: false,
             rounding: Rounding { bound: 0.0, share: 0.0 },
             along_sweep: None,
         };
@@ -121,11 +124,15 @@ impl Subject {
             );
         }
         lines.push(format!(
-            "Accuracy of H: {} of the gain over {} to {} Hz ({} asked for).",
+            "Accuracy of H: {} of the gain over {} to {} Hz ({}{}).",
             number(linear.frequency_error),
             number(linear.band_hz.0),
             number(linear.band_hz.1),
-            number(self.accuracy)
+            number(self.accuracy),
+            match self.accuracy_by_error {
+                true => ", a tenth of the model's own error on its records",
+                false => " asked for",
+            }
         ));
         if let Some((found, (low, high))) = &self.along_sweep {
             lines.push(format!(

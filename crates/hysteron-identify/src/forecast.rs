@@ -1,12 +1,52 @@
-//! Error to expect when a drive that was computed for a reference is played on the device.
+//! The drive for a reference, and the error to expect when it is played on the device.
 
 use hysteron_model::Start;
-use hysteron_model::invert::InverseDrive;
-use hysteron_model::model::ErrorForecast;
+use hysteron_model::invert::{InverseDrive, InversionError, LastRun};
+use hysteron_model::model::{ErrorForecast, Hammerstein, InverseRequest, InverseSummary};
 use hysteron_model::model_file::ModelFile;
 use hysteron_numeric::Listener;
 
 use crate::{IdentifyError, PredictionBand};
+
+/// Share of the time that the drive takes; the rest is its uncertainty.
+const SHARE_OF_DRIVE: f64 = 0.5;
+
+/// A drive for a reference, with the error to expect on the device.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ForecastDrive {
+    /// The drive.
+    pub drive: InverseDrive,
+    /// Its figures, with findings about it.
+    pub summary: InverseSummary,
+}
+
+/// The drive for a reference \[output unit\] at a controller's rate \[Hz\], as it is asked for, corrected by
+/// the error of the `last` run where there is one ([`Hammerstein::drive_for`]), and the error to expect when it
+/// is played on the device.
+///
+/// # Errors
+/// [`InversionError`]; [`InversionError::Stopped`] where the listener ends it.
+pub fn drive_for(
+    model: &Hammerstein,
+    reference: &[f64],
+    sample_rate_hz: f64,
+    request: &InverseRequest,
+    last: Option<LastRun<'_>>,
+    listener: Listener<'_>,
+) -> Result<ForecastDrive, InversionError> {
+    let told = listener.part(0.0, SHARE_OF_DRIVE);
+    let (drive, preview) = model.drive_for(reference, sample_rate_hz, request, last, told)?;
+    let told = listener.part(SHARE_OF_DRIVE, 1.0);
+    let forecast = PredictionBand::forecast(model.data(), reference, &drive, sample_rate_hz, told)
+        .map_err(|_| InversionError::Stopped)?;
+    let limits = request.limits(model)?;
+    let mut findings = model.findings_on_drive(&drive, [limits.low, limits.high]);
+    findings.extend(preview.and_then(|preview| preview.finding(request.preview)));
+    let units = &model.data().units;
+    let summary =
+        InverseSummary::new(reference, (&drive, preview), sample_rate_hz, forecast, findings, units);
+    Ok(ForecastDrive { drive, summary })
+}
 
 impl PredictionBand {
     /// Forecast of the error of the drive `found` for a reference \[output unit\]; `None` for a file without

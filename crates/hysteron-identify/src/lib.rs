@@ -63,6 +63,7 @@ pub use fit::{
     Fit, FitDetails, FitParameter, FitRecords, FitSummary, ModeSummary, Place, ReductionSummary,
     SearchSummary, Task, fit, fit_on,
 };
+pub use forecast::{ForecastDrive, drive_for};
 pub use hysteron_model::{Finding, FindingKind};
 pub use joint::{
     Covariance, InterSampleChoice, Interval, IntervalMethod, JointObjective, JointScratch, OutputUncertainty,

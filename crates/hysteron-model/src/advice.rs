@@ -75,6 +75,8 @@ pub enum Advice {
     },
     /// Let the search run longer, or leave the choice of the optimiser to the program.
     SearchLonger,
+    /// Give the lowest frequency to realise.
+    GiveLowestFrequency,
     /// Give the exponent of the modes' dependence on drive level.
     GiveExponent,
 }

@@ -3,17 +3,14 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use hysteron_export::{Form, Inverse, Means, Precision, Subject, write_folder};
+use hysteron_export::{ExportRequest, Means, export, write_folder};
 use hysteron_identify::Listener;
-use hysteron_model::compensator::Compensation;
 use hysteron_model::model::{Capability, CheckedRealisation};
 use hysteron_model::realise::{RealiseOptions, realise};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
-use serde::Deserialize;
 
-use crate::errors::{from_json, option, raised, to_json};
-use crate::inverse::Inverting;
+use crate::errors::{from_json, raised, to_json};
 use crate::model::Model;
 use crate::signals::{Samples, samples};
 use crate::work;
@@ -68,45 +65,16 @@ impl Model {
 
     /// Source for a controller, written into a folder: names of the files.
     fn export(&self, py: Python<'_>, folder: PathBuf, options: &str) -> PyResult<Vec<String>> {
-        let asked: Exporting = from_json(options)?;
+        let asked: ExportRequest = from_json(options)?;
         let body = self.core().hammerstein(Capability::Export).map_err(raised)?;
-        let unknown = "the model was identified from records without a sample rate: give the controller's";
-        let rate = asked.sample_rate_hz.or(body.data().sample_rate_hz).ok_or_else(|| option(unknown))?;
-        let realise_options = body.realise_options(rate, RealiseOptions::default());
-        let range = if asked.inverse { Some(self.range(asked.inverting.range)?) } else { None };
-        let compensator =
-            asked.inverting.compensator(self, rate, asked.inverting.predict_to_hz.map(|_| 0))?;
         let files = work::run(py, || {
-            let realisation = realise(body.law(), rate, &realise_options)?;
-            let accuracy = realise_options.accuracy;
-            let mut subject = Subject::new(&asked.name, asked.float, body.data(), realisation, accuracy)?;
-            subject.origin.date = asked.date;
-            let slew = asked.inverting.slew_per_s.unwrap_or(f64::INFINITY);
-            let inverse = range.map(|range| {
-                let compensation = Compensation::new(body.law(), rate, &compensator)?;
-                Inverse::new(&subject, compensation, range, slew)
-            });
-            let inverse = inverse.transpose()?;
             let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
             let means = Means { compiler: &compiler, listener: Listener::silent() };
-            let files = asked.to.files(&subject, inverse.as_ref(), means)?;
+            let files = export(body, &asked, means)?.files;
             write_folder(&folder, &files)?;
             Ok::<_, hysteron_export::ExportError>(files)
         })?;
         let files = files.map_err(raised)?;
         Ok(files.into_iter().map(|file| file.name).collect())
     }
-}
-
-/// Options of an export.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Exporting {
-    to: Form,
-    sample_rate_hz: Option<f64>,
-    float: Precision,
-    name: String,
-    date: Option<String>,
-    inverse: bool,
-    inverting: Inverting,
 }

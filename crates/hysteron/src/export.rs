@@ -3,10 +3,9 @@
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-use hysteron_export::{Form, Means, NamedFile, Precision, Subject, write_folder};
+use hysteron_export::{ExportRequest, Form, Means, NamedFile, Precision, export, write_folder};
 use hysteron_identify::Listener;
-use hysteron_model::model::{Body, Capability};
-use hysteron_model::realise::{RealiseOptions, realise};
+use hysteron_model::model::Capability;
 
 use crate::{Error, Model};
 
@@ -74,13 +73,12 @@ impl Model {
     /// # Errors
     /// [`Error::Model`], [`Error::Export`].
     pub fn export(&self, sample_rate_hz: f64, target: Target) -> Result<Export, Error> {
-        let body: &Body<_, _> = self.core().hammerstein(Capability::Export)?;
-        let options = body.realise_options(sample_rate_hz, RealiseOptions::default());
-        let realisation = realise(body.law(), sample_rate_hz, &options)?;
+        let body = self.core().hammerstein(Capability::Export)?;
         let (form, float) = target.form();
-        let subject = Subject::new("model", float, body.data(), realisation, options.accuracy)?;
+        let sample_rate_hz = Some(sample_rate_hz);
+        let request = ExportRequest { float, sample_rate_hz, ..ExportRequest::new(form, "model") };
         let means = Means { compiler: "cc", listener: Listener::silent() };
-        let files = form.files(&subject, None, means)?;
+        let files = export(body, &request, means)?.files;
         Ok(Export { files })
     }
 }

@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
+use hysteron_identify::Listener;
 use hysteron_io::{load_model, save_model};
 use hysteron_model::axes::AxesRecord;
-use hysteron_model::compensator::{CompensatorOptions, Controller, Limits};
+use hysteron_model::compensator::{Controller, Limits};
 use hysteron_model::control::{Plant, Stage};
 use hysteron_model::decoupling::{DecouplingController, DecouplingLaw, DecouplingOptions, LawOptions};
-use hysteron_model::invert::InverseOptions;
-use hysteron_model::model::{Capability, RunScore, Score, Signals};
+use hysteron_model::model::{Capability, InverseRequest, RunScore, Score, Signals};
 use hysteron_model::model_file::Kind;
 use hysteron_model::realise::RealiseOptions;
 use hysteron_model::record::{ChannelChoice, MeasurementRun, Record, Signal, TimeBase, Unit};
@@ -97,15 +97,13 @@ impl Model {
     /// # Errors
     /// [`Error::Model`], [`Error::NoSampleRate`].
     pub fn invert(&self, reference: &Signal, limits: Limits) -> Result<Signal, Error> {
-        let law = self.0.hammerstein(Capability::Inversion)?.law();
+        let body = self.0.hammerstein(Capability::Inversion)?;
         let TimeBase::Uniform { sample_rate_hz, .. } = reference.time else {
             return Err(Error::NoSampleRate { name: reference.name.clone() });
         };
-        let options = InverseOptions {
-            slew_v_per_s: limits.slew_v_per_s,
-            ..InverseOptions::within([limits.low, limits.high])
-        };
-        let found = law.invert(&reference.samples, sample_rate_hz, &options)?;
+        let request = InverseRequest::within(limits);
+        let (found, _) =
+            body.drive_for(&reference.samples, sample_rate_hz, &request, None, Listener::silent())?;
         Ok(Signal {
             samples: found.drive,
             unit: Unit::new(&self.0.units().input),
@@ -122,12 +120,9 @@ impl Model {
     /// [`Error::Model`].
     pub fn controller(&self, sample_rate_hz: f64, limits: Limits) -> Result<Controller, Error> {
         let body = self.0.hammerstein(Capability::Inversion)?;
-        let options = CompensatorOptions {
-            preview: Some(0),
-            realise: body.realise_options(sample_rate_hz, RealiseOptions::default()),
-            ..CompensatorOptions::default()
-        };
-        Ok(Controller::new(body.law(), sample_rate_hz, limits, &options)?)
+        let request = InverseRequest::within(limits);
+        let law = request.law(body, sample_rate_hz, RealiseOptions::default(), Some(0))?;
+        Ok(Controller::of_law(law, request.limits(body)?)?)
     }
 
     /// The drives (zero-order hold) of all actuators of a model of several axes, decoupled: with them its

@@ -62,7 +62,9 @@ class Workers:
         context = multiprocessing.get_context("spawn")
         pool = ProcessPoolExecutor(self._count, mp_context=context)
         try:
-            pool.submit(is_alive).result()
+            # As many as there are workers, so that all start at once: the pool makes one a call.
+            for started in [pool.submit(is_alive) for _ in range(self._count)]:
+                started.result()
         except BrokenExecutor:
             pool.shutdown()
             raise HysteronError(

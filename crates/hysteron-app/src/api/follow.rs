@@ -1,6 +1,7 @@
 //! Following a reference.
 
 use hysteron_model::Finding;
+use hysteron_model::model::InverseRequest;
 use hysteron_model::tracking::TrackOptions;
 use hysteron_rig::Truth;
 use hysteron_rig::excitation::ExcitationSpec;
@@ -41,21 +42,12 @@ pub enum Reference {
 pub struct FollowRequest {
     /// Reference.
     pub reference: Reference,
-    /// Least and greatest drive; left out: the range that the model was identified in.
+    /// Limits and knowledge of the reference.
     #[serde(default)]
-    pub range: Option<[f64; 2]>,
-    /// Largest slew rate, in the unit of the drive per second.
+    pub inverse: InverseRequest,
+    /// Record of a run with the same reference, whose error corrects the drive.
     #[serde(default)]
-    pub slew_per_s: Option<f64>,
-    /// Frequency up to which the output follows \[Hz\].
-    #[serde(default)]
-    pub bandwidth_hz: Option<f64>,
-    /// The reference is periods of a periodic motion.
-    #[serde(default)]
-    pub periodic: bool,
-    /// Voltage at rest before it.
-    #[serde(default)]
-    pub rest_voltage: Option<f64>,
+    pub learn_from: Option<String>,
     /// File to write the drive to: `drive.csv`, `.npz`, `.mat`.
     #[serde(default)]
     pub save: Option<String>,
@@ -91,6 +83,8 @@ pub struct Followed {
     pub samples_at_range: usize,
     /// Samples limited by the slew rate.
     pub samples_at_slew: usize,
+    /// Samples known ahead by a law that works sample by sample.
+    pub preview_samples: Option<usize>,
     /// Predicted error, rms, of the model with itself.
     pub predicted_rms_error: f64,
     /// Largest predicted error.
@@ -127,6 +121,9 @@ pub struct TrackRequest {
     /// Truth of the bench; left out: its defaults.
     #[serde(default)]
     pub truth: Option<Truth>,
+    /// File to write reference, drives and displacements to: `track.csv`, `.npz`, `.mat`.
+    #[serde(default)]
+    pub save: Option<String>,
     /// Simulate on the model itself instead of the bench.
     #[serde(default)]
     pub on_model: bool,
@@ -153,6 +150,10 @@ pub struct Tracked {
     pub controllers: Vec<TrackedController>,
     /// Controllers that could not be simulated, with the reason.
     pub left_out: Vec<String>,
+    /// File that was written.
+    pub file: Option<String>,
+    /// Commands that write the same.
+    pub command: Command,
 }
 
 /// A controller on a simulated plant.

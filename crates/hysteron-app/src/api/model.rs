@@ -1,7 +1,9 @@
 //! Models, what they do on records, and their exports.
 
+use hysteron_export::name_of;
 use hysteron_identify::{GainPhase, Interval};
 use hysteron_model::Finding;
+use hysteron_model::model::InverseRequest;
 use hysteron_model::model_file::Kind;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -9,6 +11,7 @@ use serde_json::Value;
 
 use super::curve::pixels;
 use super::{Command, Curve, Problem};
+use crate::workspace::stem_of;
 
 /// A model in the list.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -128,7 +131,7 @@ pub struct Score {
 }
 
 /// Records to score a model on.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ScoresRequest {
     /// Identifiers of the records.
@@ -143,6 +146,12 @@ pub struct ScoresRequest {
     /// offset. Each run as a whole follows behind its parts, with the name `whole run`.
     #[serde(default)]
     pub continued: bool,
+    /// Column of the rate of the input, for a model of the kind force.
+    #[serde(default)]
+    pub rate: Option<String>,
+    /// File to write the scored samples to, of one record or one run: `scored.csv`, `.npz`, `.mat`.
+    #[serde(default)]
+    pub save: Option<String>,
 }
 
 /// Scores of a model on records.
@@ -330,6 +339,38 @@ pub struct DownloadQuery {
     pub high: Option<f64>,
     /// Largest slew rate of the inverse's voltage \[V/s\].
     pub slew_per_s: Option<f64>,
+    /// Frequency up to which the inverse follows \[Hz\].
+    pub bandwidth_hz: Option<f64>,
+    /// Samples of the reference that the inverse knows ahead; left out: as many as affect the drive.
+    pub preview: Option<usize>,
+    /// Frequency up to which the reference is predicted from its past \[Hz\].
+    pub predict_to_hz: Option<f64>,
+    /// Largest error of the realised dynamics, as a share of the gain at rest; left out: what the model's own
+    /// error is worth.
+    pub accuracy: Option<f64>,
+    /// Lowest frequency to realise, for unbounded creep \[Hz\].
+    pub lowest_frequency_hz: Option<f64>,
+    /// Beginning of every name in the source; left out: from the model's name.
+    pub name: Option<String>,
+}
+
+impl DownloadQuery {
+    /// The inverse that is asked for.
+    pub(crate) fn inverse_request(&self) -> InverseRequest {
+        InverseRequest {
+            range: self.low.zip(self.high).map(|(low, high)| [low, high]),
+            slew_per_s: self.slew_per_s,
+            bandwidth_hz: self.bandwidth_hz,
+            preview: self.preview,
+            predict_to_hz: self.predict_to_hz,
+            ..InverseRequest::default()
+        }
+    }
+
+    /// Beginning of every name in the source of the model `id`.
+    pub(crate) fn name_for(&self, id: &str) -> String {
+        self.name.clone().unwrap_or_else(|| name_of(stem_of(id)))
+    }
 }
 
 /// The files of an export.
@@ -341,6 +382,8 @@ pub struct Preview {
     pub states: Option<usize>,
     /// Error of the realised dynamics over the range.
     pub error: Option<f64>,
+    /// What was decided, and what to know of the source.
+    pub findings: Vec<Finding>,
     /// Command that writes the same.
     pub command: Command,
 }

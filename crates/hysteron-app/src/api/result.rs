@@ -108,8 +108,8 @@ pub struct SimulateOptions {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SimulateRequest {
-    /// Record that holds the drive.
-    pub record: String,
+    /// Record that holds the drive; several: parts of one run, in the order of their time.
+    pub records: Vec<String>,
     /// Options.
     #[serde(default)]
     pub options: SimulateOptions,

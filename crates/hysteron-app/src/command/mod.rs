@@ -1,16 +1,16 @@
 //! The commands that do what the page does, for a shell in the workspace's folder and in Python.
 
 mod fit;
+mod model;
 mod operation;
 mod script;
 
 pub(crate) use fit::{compare, identify};
+pub(crate) use model::{export, invert, track, validate};
 pub(crate) use operation::{adapt, frequency_response, prepare, realise, recalibrate, simulate};
 pub(crate) use script::scripts;
 
-use crate::api::{
-    Command, DownloadQuery, FollowRequest, RecordEntry, RecordSettings, Reference, Role, ScoresRequest,
-};
+use crate::api::{Command, RecordEntry, RecordSettings, Role};
 
 /// A word quoted for a shell.
 pub(crate) fn quoted(word: &str) -> String {
@@ -165,68 +165,6 @@ fn beside(command: Command, records: &[RecordEntry]) -> Command {
 pub(crate) fn inspect(records: &[RecordEntry]) -> Command {
     let shell = Words::new("inspect").words(ids(records)).columns(records).done();
     beside(Command { shell, python: format!("print(hy.inspect({}))", read(records)) }, records)
-}
-
-/// `hysteron validate`.
-pub(crate) fn validate(model: &str, records: &[RecordEntry], request: &ScoresRequest) -> Command {
-    let words = Words::new("validate").word(model).words(ids(records));
-    let words = words.maybe("--skip", request.skip_s).when("--fixed-offset", request.fixed_offset);
-    let words = words.when("--continued", request.continued);
-    let arguments = Arguments::default()
-        .plain(read(records))
-        .value("skip", request.skip_s)
-        .when("fixed_offset", request.fixed_offset)
-        .when("continued", request.continued);
-    let python = format!("print(hy.load({}).scores({}))", text(model), arguments.done());
-    beside(Command { shell: words.columns(records).done(), python }, records)
-}
-
-/// `hysteron invert`.
-pub(crate) fn invert(model: &str, request: &FollowRequest, reference: &str) -> Command {
-    let file = request.save.as_deref().unwrap_or("drive.csv");
-    let range = request.range.map(|[low, high]| format!("{low}:{high}"));
-    let words = Words::new("invert").word(model).word(reference).with("-o", file);
-    let words = words.maybe("--range", range).maybe("--slew", request.slew_per_s);
-    let words = words.maybe("--bandwidth", request.bandwidth_hz).when("--periodic", request.periodic);
-    let arguments = Arguments::default()
-        .plain(format!("hy.read({})", text(reference)))
-        .value("limits", request.range.map(|[low, high]| format!("({low}, {high})")))
-        .value("slew", request.slew_per_s)
-        .value("bandwidth", request.bandwidth_hz)
-        .when("periodic", request.periodic)
-        .value("rest", request.rest_voltage);
-    let mut command = Command {
-        shell: words.maybe("--rest-voltage", request.rest_voltage).done(),
-        python: format!("drive = hy.load({}).invert({})", text(model), arguments.done()),
-    };
-    if request.save.is_none() && !matches!(request.reference, Reference::Record { .. }) {
-        let note = format!("  # the download of the drive writes {}", quoted(reference));
-        command.shell += &note;
-        command.python += &note;
-    }
-    command
-}
-
-/// `hysteron export`.
-pub(crate) fn export(model: &str, name: &str, query: &DownloadQuery) -> Command {
-    let Some(source) = query.form.source() else { return Command::default() };
-    let (form, single) = (source.name(), query.single && source.has_single_precision());
-    let range = query.low.zip(query.high).filter(|_| query.inverse);
-    let words = Words::new("export").word(model).with("--to", form).with("-o", name);
-    let words = if single { words.with("--float", "f32") } else { words };
-    let words = words.maybe("--sample-rate", query.sample_rate_hz).when("--inverse", query.inverse);
-    let words = words.maybe("--range", range.map(|(low, high)| format!("{low}:{high}")));
-    let arguments = Arguments::default()
-        .plain(text(name))
-        .plain(text(form))
-        .value("fs", query.sample_rate_hz)
-        .value("float_type", single.then_some("\"f32\""))
-        .when("inverse", query.inverse)
-        .value("limits", range.map(|(low, high)| format!("({low}, {high})")));
-    Command {
-        shell: words.maybe("--slew", query.slew_per_s.filter(|_| query.inverse)).done(),
-        python: format!("hy.load({}).export({})", text(model), arguments.done()),
-    }
 }
 
 /// `hysteron rig`.

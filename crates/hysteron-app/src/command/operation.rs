@@ -81,7 +81,10 @@ pub(crate) fn simulate(
         BandOf::Measurement => Some("measurement"),
     };
     let words = Words::new("simulate").word(model).words(ids(records)).with("-o", save);
-    let words = words.maybe("--band", band).maybe("--rest-voltage", options.rest_voltage);
+    let words = words
+        .when("--continued", records.len() > 1)
+        .maybe("--band", band)
+        .maybe("--rest-voltage", options.rest_voltage);
     let first = records.first().map(|record| record.settings.clone()).unwrap_or_default();
     let shell = words.maybe("--time", first.time).maybe("--input", first.input).done();
     let of = match options.band {

@@ -19,12 +19,12 @@ use crate::api::{Axis, CostPoint, Curve, LiveLoop, LiveUpdate};
 use crate::draw::{Along, over, over_time};
 use crate::notice::Notice;
 
-/// Samples that are simulated for a drawing: a millisecond or two.
-const MOST_SAMPLES: usize = 2_000;
+/// Samples that are simulated for a drawing: a millisecond or two, and more than three a pixel.
+const MOST_SAMPLES: usize = 1_500;
 /// Width of the drawings \[pixels\].
 const PIXELS: usize = 400;
 /// Time between two drawings, in times of the work for one: the fit has the processors for the rest.
-const REST: u32 = 30;
+const REST: u32 = 24;
 /// Time after which the pages hear from a fit that reports nothing.
 const SILENCE: Duration = Duration::from_millis(180);
 

@@ -96,12 +96,7 @@ fn scored(workspace: &Workspace, model: &Model, id: &str, record: &str) -> Answe
 /// Command that scores the model on the record.
 fn command_of(workspace: &Workspace, id: &str, record: &str) -> Answer<Command> {
     let entry = workspace.entry(record)?;
-    let request = ScoresRequest {
-        records: vec![record.to_owned()],
-        skip_s: None,
-        fixed_offset: false,
-        continued: false,
-    };
+    let request = ScoresRequest { records: vec![record.to_owned()], ..ScoresRequest::default() };
     Ok(command::validate(id, &[entry], &request))
 }
 

@@ -2,38 +2,21 @@
 
 use std::io::{Cursor, Write};
 
-use hysteron_export::{Form, Inverse, Means, NamedFile, Precision, Subject};
+use hysteron_export::{ExportRequest, Exported, Form, Means, NamedFile, Precision, export};
 use hysteron_identify::Listener;
-use hysteron_model::compensator::Compensation;
-use hysteron_model::compensator::CompensatorOptions;
 use hysteron_model::model::{Capability, Hammerstein};
-use hysteron_model::realise::{RealiseOptions, realise};
 use zip::write::SimpleFileOptions;
 
 use crate::api::{DownloadQuery, ExportFile, Preview};
 use crate::clock::today;
 use crate::command;
 use crate::refused::{Answer, Refused};
-use crate::workspace::{Workspace, stem_of};
-
-/// Name in the source, of the model's: lower case, `_` for all but letters and digits.
-fn name_of(id: &str) -> String {
-    let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' };
-    let name: String = stem_of(id).chars().map(plain).collect();
-    if name.starts_with(|c: char| c.is_ascii_alphabetic()) { name } else { format!("model_{name}") }
-}
+use crate::workspace::Workspace;
 
 /// The form of source code that is asked for.
 fn source(query: &DownloadQuery) -> Answer<Form> {
     let none = || Refused::bad("only source code can be looked at before the download");
     query.form.source().ok_or_else(none)
-}
-
-struct Exported {
-    name: String,
-    files: Vec<NamedFile>,
-    states: usize,
-    error: f64,
 }
 
 fn exported(
@@ -43,23 +26,21 @@ fn exported(
     listener: Listener<'_>,
 ) -> Answer<Exported> {
     let form = source(query)?;
-    let model = workspace.model(id)?;
+    let (model, read) = workspace.model_and_source(id)?;
     let body = model.hammerstein(Capability::Export).map_err(Refused::cannot)?;
-    let rate = rate(body, query.sample_rate_hz)?;
-    let options = body.realise_options(rate, RealiseOptions::default());
-    let realisation = realise(body.law(), rate, &options).map_err(Refused::bad)?;
-    let (states, error) = (realisation.dynamics.states(), realisation.dynamics.frequency_error);
     let single = query.single && form.has_single_precision();
-    let precision = if single { Precision::F32 } else { Precision::F64 };
-    let name = name_of(id);
-    let subject = Subject::new(&name, precision, body.data(), realisation, options.accuracy);
-    let mut subject = subject.map_err(Refused::cannot)?;
-    subject.origin.date = Some(today());
-    let inverse = if query.inverse { Some(inverted(body, &subject, rate, query)?) } else { None };
+    let request = ExportRequest {
+        float: if single { Precision::F32 } else { Precision::F64 },
+        sample_rate_hz: query.sample_rate_hz,
+        accuracy: query.accuracy,
+        lowest_frequency_hz: query.lowest_frequency_hz,
+        inverse: query.inverse.then(|| query.inverse_request()),
+        model_sha256: Some(read.sha256),
+        date: Some(today()),
+        ..ExportRequest::new(form, &query.name_for(id))
+    };
     let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-    let means = Means { compiler: &compiler, listener };
-    let files = form.files(&subject, inverse.as_ref(), means).map_err(Refused::cannot)?;
-    Ok(Exported { name, files, states, error })
+    export(body, &request, Means { compiler: &compiler, listener }).map_err(Refused::cannot)
 }
 
 /// Sample rate of the controller: given, else that of the model's records.
@@ -73,20 +54,6 @@ pub(super) fn rate(body: &Hammerstein, given: Option<f64>) -> Answer<f64> {
     })
 }
 
-fn inverted(body: &Hammerstein, subject: &Subject, rate: f64, query: &DownloadQuery) -> Answer<Inverse> {
-    let given = query.low.zip(query.high).map(|(low, high)| [low, high]);
-    let range = given.or(body.drive_range()).filter(|[low, high]| low < high).ok_or_else(|| {
-        Refused::bad("the range of the inverse's voltage is not known").hint("Give its lowest and highest.")
-    })?;
-    let options = CompensatorOptions {
-        realise: body.realise_options(rate, RealiseOptions::default()),
-        ..CompensatorOptions::default()
-    };
-    let compensation = Compensation::new(body.law(), rate, &options).map_err(Refused::cannot)?;
-    let slew = query.slew_per_s.unwrap_or(f64::INFINITY);
-    Inverse::new(subject, compensation, range, slew).map_err(Refused::cannot)
-}
-
 /// The files of an export, to look at.
 ///
 /// # Errors
@@ -97,7 +64,8 @@ pub(crate) fn preview(
     query: &DownloadQuery,
     listener: Listener<'_>,
 ) -> Answer<Preview> {
-    let Exported { name, files, states, error } = exported(workspace, id, query, listener)?;
+    let Exported { subject, files, findings } = exported(workspace, id, query, listener)?;
+    let dynamics = &subject.realisation.dynamics;
     let shown = |file: NamedFile| ExportFile {
         name: file.name,
         bytes: file.bytes.len(),
@@ -105,9 +73,10 @@ pub(crate) fn preview(
     };
     Ok(Preview {
         files: files.into_iter().map(shown).collect(),
-        states: Some(states),
-        error: Some(error),
-        command: command::export(id, &name, query),
+        states: Some(dynamics.states()),
+        error: Some(dynamics.frequency_error),
+        findings,
+        command: command::export(id, &subject.name, query),
     })
 }
 
@@ -121,7 +90,8 @@ pub(crate) fn archive(
     query: &DownloadQuery,
     listener: Listener<'_>,
 ) -> Answer<(String, Vec<u8>)> {
-    let Exported { name, files, .. } = exported(workspace, id, query, listener)?;
+    let Exported { subject, files, .. } = exported(workspace, id, query, listener)?;
+    let name = subject.name;
     workspace.history.add_action(&command::export(id, &name, query))?;
     let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
     for file in &files {

@@ -1,18 +1,17 @@
 //! The drive for a reference, and controllers that follow it on a simulated plant.
 
-use hysteron_identify::{Listener, PredictionBand};
+use hysteron_identify::{ForecastDrive, Listener, drive_for};
 use hysteron_io::{ReadOptions, read_reference, write_record};
+use hysteron_model::Model;
 use hysteron_model::control::Plant;
-use hysteron_model::invert::{InverseDrive, InverseOptions};
-use hysteron_model::model::{Capability, Hammerstein, InverseSummary, SignalRole};
+use hysteron_model::invert::{InverseDrive, LastRun};
+use hysteron_model::model::{Capability, SignalRole};
 use hysteron_model::record::{Channel, Record, Signal, TimeBase, Unit};
 use hysteron_model::tracking::{ControllerRun, PlantDescription, track_told as play};
-use hysteron_model::{Model, Start};
 use hysteron_rig::{Dac, RigStage, Truth};
 
 use crate::api::{
-    FollowRequest, Followed, Problem, RecordSettings, Reference, Role, TrackRequest, Tracked,
-    TrackedController, TrackedCurve,
+    FollowRequest, Followed, Problem, Reference, Role, TrackRequest, Tracked, TrackedController, TrackedCurve,
 };
 use crate::command;
 use crate::draw::{Along, over_time};
@@ -22,8 +21,6 @@ use crate::workspace::{Kind, Workspace};
 
 /// Width of drawings unless given \[pixels\].
 const PIXELS: usize = 800;
-/// Share of the time of an answer that the drive takes; the rest is its uncertainty.
-const SHARE_OF_DRIVE: f64 = 0.5;
 /// Most samples of a reference.
 const MOST_SAMPLES: usize = 10_000_000;
 
@@ -79,15 +76,6 @@ fn wanted(workspace: &Workspace, model: &Model, reference: &Reference) -> Answer
     }
 }
 
-/// Range of the drive: given, else that of the identification.
-fn range_of(body: &Hammerstein, given: Option<[f64; 2]>) -> Answer<[f64; 2]> {
-    let range = given.or(body.drive_range()).ok_or_else(|| {
-        Refused::bad("the model does not say which voltages it was identified with")
-            .hint("Give the range of the drive.")
-    })?;
-    if range[0] < range[1] { Ok(range) } else { Err(Refused::bad("the range of the drive is empty")) }
-}
-
 /// The drive for a reference with its predicted error.
 ///
 /// # Errors
@@ -101,37 +89,21 @@ pub(crate) fn follow(
     let model = workspace.model(id)?;
     let body = model.hammerstein(Capability::Inversion).map_err(Refused::cannot)?;
     let mut wanted = wanted(workspace, &model, &request.reference)?;
-    let range_v = range_of(body, request.range)?;
-    let options = InverseOptions {
-        bandwidth_hz: request.bandwidth_hz,
-        slew_v_per_s: request.slew_per_s.unwrap_or(f64::INFINITY),
-        start: match request.rest_voltage {
-            _ if request.periodic => Start::PERIODIC,
-            Some(voltage_v) => Start::Rest { voltage_v },
-            None => Start::AsIdentified,
-        },
-        // As the command, whose drive this is to be.
-        virgin_v: InverseOptions::switched_on(range_v),
-        ..InverseOptions::within(range_v)
-    };
     let told = body.remarks_on_reference(&wanted.samples, wanted.rate);
     wanted.remarks.extend(told.iter().map(|remark| remark.in_words(&model).0));
     let units = &body.data().units;
-    let found =
-        body.law().invert_told(&wanted.samples, wanted.rate, &options, listener.part(0.0, SHARE_OF_DRIVE));
-    let found = found.map_err(|e| {
+    let run = request.learn_from.as_deref().map(|id| workspace.read(id)).transpose()?;
+    let run = run.as_ref().map(|run| run.data()).transpose()?;
+    let last = run.map(|run| LastRun { drive: &run.u, measured: &run.y });
+    let found = drive_for(body, &wanted.samples, wanted.rate, &request.inverse, last, listener);
+    let ForecastDrive { drive: found, summary } = found.map_err(|e| {
         let (output, input) = (Unit::new(&units.output), Unit::new(&units.input));
         Refused::cannot(Problem::new(e.in_units(&input, &output), None))
     })?;
-    let told = listener.part(SHARE_OF_DRIVE, 1.0);
-    let forecast = PredictionBand::forecast(body.data(), &wanted.samples, &found, wanted.rate, told);
-    let forecast = forecast.map_err(Refused::cannot)?;
-    let (band, band_of_measurement, expected_rms_error) = match &forecast {
+    let (band, band_of_measurement, expected_rms_error) = match &summary.forecast {
         Some(f) => (Some(f.band_of_model), f.band_of_measurement, f.expected_rms),
         None => (None, None, None),
     };
-    let findings = body.findings_on_drive(&found, range_v);
-    let summary = InverseSummary::new(&wanted.samples, &found, wanted.rate, forecast, findings, units);
     let command = match &request.reference {
         Reference::Record { id: reference, .. } => command::invert(id, request, reference),
         _ => {
@@ -163,6 +135,7 @@ pub(crate) fn follow(
         drive_high: summary.drive_high,
         samples_at_range: summary.samples_at_range,
         samples_at_slew: summary.samples_at_slew,
+        preview_samples: summary.preview.map(|preview| preview.samples),
         predicted_rms_error: summary.predicted_rms_error,
         predicted_max_error: summary.predicted_max_error,
         predicted_rms_percent_of_stroke: summary.predicted_rms_percent_of_stroke,
@@ -192,11 +165,8 @@ fn save(
     request: &FollowRequest,
 ) -> Answer<()> {
     let path = workspace.to_write(file, Kind::Record)?;
-    let said = |id: &str, role| {
-        workspace.history.keep_settings(id, &RecordSettings { role, ..RecordSettings::default() })
-    };
     // It holds what the model predicts: no fit may learn from it.
-    said(file, Role::Unused)?;
+    workspace.history.say_role(file, Role::Unused)?;
     let time = TimeBase::uniform(wanted.rate);
     let symbol = wanted.unit.symbol();
     let channels = vec![
@@ -207,14 +177,18 @@ fn save(
     let record = Record::new(file, time.clone(), channels).map_err(Refused::cannot)?;
     write_record(&path, &record).map_err(Refused::failed)?;
     if !matches!(request.reference, Reference::Record { .. }) {
-        let name = reference_beside(file);
-        said(&name, Role::Reference)?;
-        let channels = vec![Channel::new("reference", symbol, wanted.samples.clone())];
-        let record = Record::new(&name, time, channels).map_err(Refused::cannot)?;
-        write_record(&workspace.path(&name)?, &record).map_err(Refused::failed)?;
+        write_reference(workspace, &reference_beside(file), wanted)?;
     }
     workspace.look();
     Ok(())
+}
+
+/// The reference of a waveform or a drawing as a record, for the commands that repeat what was done.
+fn write_reference(workspace: &Workspace, name: &str, wanted: &Wanted) -> Answer<()> {
+    workspace.history.say_role(name, Role::Reference)?;
+    let channels = vec![Channel::new("reference", wanted.unit.symbol(), wanted.samples.clone())];
+    let record = Record::new(name, TimeBase::uniform(wanted.rate), channels).map_err(Refused::cannot)?;
+    write_record(&workspace.path(name)?, &record).map_err(Refused::failed)
 }
 
 /// Controllers that follow a reference on the simulated bench or the model itself.
@@ -231,8 +205,13 @@ pub(crate) fn track(
     let body = model.hammerstein(Capability::Tracking).map_err(Refused::cannot)?;
     let wanted = wanted(workspace, &model, &request.reference)?;
     let time = TimeBase::uniform(wanted.rate);
-    let Wanted { samples, unit, name, rate, .. } = wanted;
-    let reference = Signal { samples, unit, name, time: time.clone(), notes: Vec::new() };
+    let reference = Signal {
+        samples: wanted.samples.clone(),
+        unit: wanted.unit.clone(),
+        name: wanted.name.clone(),
+        time: time.clone(),
+        notes: Vec::new(),
+    };
     let truth = Truth { dac: Dac::Hold, ..request.truth.clone().unwrap_or_default() };
     let bench = RigStage { truth: &truth, seed: request.seed, stream: 0 };
     let plant = if request.on_model {
@@ -271,12 +250,30 @@ pub(crate) fn track(
         }
     });
     let left_out = found.left_out.iter().map(|(controller, e)| format!("{}: {e}", controller.name()));
+    let file = request.save.as_deref().unwrap_or("track.csv");
+    let reference = match &request.reference {
+        Reference::Record { id, .. } => id.clone(),
+        _ => reference_beside(file),
+    };
+    let command = command::track(id, request, &reference);
+    if let Some(file) = &request.save {
+        let path = workspace.to_write(file, Kind::Record)?;
+        workspace.history.say_role(file, Role::Unused)?;
+        write_record(&path, &found.to_record(file).map_err(Refused::cannot)?).map_err(Refused::failed)?;
+        if !matches!(request.reference, Reference::Record { .. }) {
+            write_reference(workspace, &reference, &wanted)?;
+        }
+        workspace.history.add_action(&command)?;
+        workspace.look();
+    }
     Ok(Tracked {
         plant: found.plant.words.clone(),
         output_unit: found.output.to_string(),
-        sample_rate_hz: rate,
+        sample_rate_hz: wanted.rate,
         scored_s: [summary.scored_from_s, summary.scored_to_s],
         controllers: controllers.collect(),
         left_out: left_out.collect(),
+        file: request.save.clone(),
+        command,
     })
 }

@@ -1,18 +1,21 @@
 //! Scores of a model on records.
 
 use hysteron_identify::PredictionBand;
+use hysteron_io::write_record;
 use hysteron_model::axes::AxesRecord;
+use hysteron_model::force::with_rate;
 use hysteron_model::model::{BandScore, Capability, Remark, Score as Found, Signals};
+use hysteron_model::model_file::Kind as ModelKind;
 use hysteron_model::record::{InputOutput, MeasurementRun, TimeBase};
 use hysteron_model::validate::{OffsetTreatment, Scoring, definitions};
 use hysteron_model::{Model, Start};
 use hysteron_report::record_curves::is_simulated;
 
-use crate::api::{Judged, Problem, Score, ScoreDefinition, Scored, ScoresRequest};
+use crate::api::{Judged, Problem, Role, Score, ScoreDefinition, Scored, ScoresRequest};
 use crate::command;
 use crate::problem::remedy;
 use crate::refused::{Answer, Refused};
-use crate::workspace::Workspace;
+use crate::workspace::{Kind, Workspace};
 
 /// Inputs and outputs of a record, in the order of the model.
 ///
@@ -70,14 +73,43 @@ fn in_band(model: &Model, record: &InputOutput, found: &Found, skip_s: f64) -> O
     (band.noise > 0.0).then(|| band.holds(record, found, skip_s))
 }
 
-fn judged(workspace: &Workspace, model: &Model, id: &str, scoring: &Scoring) -> Answer<Judged> {
-    let signals = signals(workspace, model, id)?;
+fn judged(
+    workspace: &Workspace,
+    model: &Model,
+    id: &str,
+    request: &ScoresRequest,
+    scoring: &Scoring,
+) -> Answer<Judged> {
+    let signals = match (signals(workspace, model, id)?, &request.rate) {
+        (Signals::Single(data), Some(column)) => {
+            let read = workspace.read(id)?;
+            with_rate(data, &read.record, column).map_err(Refused::bad)?.into()
+        }
+        (signals, _) => signals,
+    };
     let found = model.score(&signals, Start::AsIdentified, scoring).map_err(Refused::cannot)?;
+    if let Some(file) = &request.save {
+        if request.records.len() != 1 {
+            return Err(Refused::bad("a file of scored samples is of one record, or of one run"));
+        }
+        write_series(workspace, file, &found, &signals)?;
+    }
     let band = match &signals {
         Signals::Single(record) => in_band(model, record, &found, scoring.skip_s.unwrap_or(0.0)),
         Signals::Several(_) => None,
     };
     Ok(described(model, id, &found, band.as_ref()))
+}
+
+/// Writes the samples that were scored: drive, measured output, model, residual.
+fn write_series(workspace: &Workspace, file: &str, found: &Found, signals: &Signals) -> Answer<()> {
+    let series = found.series(signals).map_err(Refused::failed)?;
+    let path = workspace.to_write(file, Kind::Record)?;
+    // It holds what the model predicts: no fit may learn from it.
+    workspace.history.say_role(file, Role::Unused)?;
+    write_record(&path, &series).map_err(Refused::failed)?;
+    workspace.look();
+    Ok(())
 }
 
 /// Scores of a model on records. A record that cannot be scored does not stop the others.
@@ -88,12 +120,15 @@ pub(crate) fn scores(workspace: &Workspace, id: &str, request: &ScoresRequest) -
     let model = workspace.model(id)?;
     let offset = if request.fixed_offset { OffsetTreatment::Fixed } else { OffsetTreatment::Estimated };
     let scoring = Scoring { skip_s: request.skip_s, offset };
+    if request.rate.is_some() && model.kind() != ModelKind::Force {
+        return Err(Refused::bad("a column of the rate goes with a model of the kind force"));
+    }
     if request.continued {
         let records = of_runs(workspace, &model, request, &scoring)?;
         return answer(workspace, id, request, records);
     }
     let one = |record: &String| {
-        judged(workspace, &model, record, &scoring)
+        judged(workspace, &model, record, request, &scoring)
             .unwrap_or_else(|refused| failed(record, refused.into_problem()))
     };
     let records = request.records.iter().map(one).collect();
@@ -117,13 +152,21 @@ fn of_runs(
     model.hammerstein(Capability::Runs).map_err(Refused::cannot)?;
     let read = |id: &String| Ok(workspace.read(id)?.data()?.clone());
     let data = request.records.iter().map(read).collect::<Answer<Vec<_>>>()?;
-    let mut judged = Vec::new();
+    let (mut judged, mut runs) = (Vec::new(), Vec::new());
     for run in MeasurementRun::of(&data).map_err(Refused::cannot)? {
         let found = model.score_run(&run, Start::AsIdentified, scoring).map_err(Refused::cannot)?;
         for part in &found.records {
             judged.push(described(model, &part.record, part, None));
         }
         judged.push(described(model, "whole run", &found.whole, None));
+        runs.push((run, found));
+    }
+    match (&request.save, runs.as_slice()) {
+        (None, _) => {}
+        (Some(file), [(run, found)]) => {
+            write_series(workspace, file, &found.whole, &run.data.clone().into())?;
+        }
+        _ => return Err(Refused::bad("a file of scored samples is of one record, or of one run")),
     }
     Ok(judged)
 }

@@ -3,11 +3,11 @@
 use hysteron_io::write_record;
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::model::{Capability, SignalRole, Signals, Simulation};
-use hysteron_model::record::{Driven, InputOutput, Unit};
+use hysteron_model::record::{Driven, InputOutput, MeasurementRun, Unit};
 use hysteron_model::{Model, Start};
 
 use super::score::{band, in_words};
-use crate::api::{BandOf, Figure, Outcome, RecordSettings, Role, Series, SimulateRequest};
+use crate::api::{BandOf, Figure, Outcome, Role, Series, SimulateRequest};
 use crate::command;
 use crate::draw::{Along, over_time};
 use crate::refused::{Answer, Refused};
@@ -23,7 +23,7 @@ const PIXELS: usize = 1000;
 pub(crate) fn simulate(workspace: &Workspace, id: &str, request: &SimulateRequest) -> Answer<Outcome> {
     let model = workspace.model(id)?;
     let options = &request.options;
-    let signals = drive(workspace, &model, &request.record)?;
+    let signals = drive(workspace, &model, &request.records)?;
     let start = options.rest_voltage.map_or(Start::AsIdentified, |voltage_v| Start::Rest { voltage_v });
     let found = model.simulate(&signals, start).map_err(Refused::cannot)?;
     let ends = ends(&model, &signals, &found, options.band)?;
@@ -34,13 +34,13 @@ pub(crate) fn simulate(workspace: &Workspace, id: &str, request: &SimulateReques
     let units = model.units();
     let figures = figures(&signals, &found, &names, &Unit::new(&units.output), ends.as_ref());
     let file = request.save.as_deref().unwrap_or("simulated.csv");
-    let command = command::simulate(id, &[workspace.entry(&request.record)?], options, file);
+    let entries = request.records.iter().map(|id| workspace.entry(id)).collect::<Answer<Vec<_>>>()?;
+    let command = command::simulate(id, &entries, options, file);
     if let Some(save) = &request.save {
         let record = found.to_record(save, &signals, &names, &units.output, ends).map_err(Refused::failed)?;
         let path = workspace.to_write(save, Kind::Record)?;
         // It holds what the model predicts: no fit may learn from it.
-        let said = RecordSettings { role: Role::Unused, ..RecordSettings::default() };
-        workspace.history.keep_settings(save, &said)?;
+        workspace.history.say_role(save, Role::Unused)?;
         write_record(&path, &record).map_err(Refused::failed)?;
         workspace.history.add_action(&command)?;
         workspace.look();
@@ -56,8 +56,26 @@ pub(crate) fn simulate(workspace: &Workspace, id: &str, request: &SimulateReques
     })
 }
 
-/// The drive of a record, with the output that was measured beside it where it has the model's unit.
-fn drive(workspace: &Workspace, model: &Model, id: &str) -> Answer<Signals> {
+/// The drive of a record or of the run that several form, with the output that was measured beside it where it
+/// has the model's unit.
+fn drive(workspace: &Workspace, model: &Model, ids: &[String]) -> Answer<Signals> {
+    let [one] = ids else {
+        let part = |id: &String| match drive_of(workspace, model, id)? {
+            Signals::Single(part) => Ok(part),
+            Signals::Several(_) => {
+                Err(Refused::bad("a record of several inputs and outputs is simulated by itself"))
+            }
+        };
+        let parts = ids.iter().map(part).collect::<Answer<Vec<_>>>()?;
+        let runs = MeasurementRun::of(&parts).map_err(Refused::cannot)?;
+        let [run] = <[MeasurementRun; 1]>::try_from(runs)
+            .map_err(|_| Refused::bad("the records are no run: each begins where the one before it ended"))?;
+        return Ok(Signals::Single(run.data));
+    };
+    drive_of(workspace, model, one)
+}
+
+fn drive_of(workspace: &Workspace, model: &Model, id: &str) -> Answer<Signals> {
     let read = workspace.read(id)?;
     if let Some((inputs, _)) = model.channels() {
         return Ok(AxesRecord::new(&read.record, inputs, &[]).map_err(Refused::bad)?.into());

@@ -8,7 +8,7 @@ use rusqlite::{Connection, OptionalExtension, params};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::api::{Command, Job, RecordSettings, Trashed};
+use crate::api::{Command, Job, RecordSettings, Role, Trashed};
 use crate::error::AppError;
 use crate::refused::Answer;
 
@@ -102,6 +102,11 @@ impl History {
     pub(crate) fn keep_settings(&self, record: &str, settings: &RecordSettings) -> rusqlite::Result<()> {
         self.connection().execute(KEEP_SETTINGS, params![record, json(settings)?])?;
         Ok(())
+    }
+
+    /// Says the role of a record that was written, and nothing else of it.
+    pub(crate) fn say_role(&self, record: &str, role: Role) -> rusqlite::Result<()> {
+        self.keep_settings(record, &RecordSettings { role, ..RecordSettings::default() })
     }
 
     /// What was found in a record when its file and its settings had this stamp.

@@ -3,6 +3,7 @@
 use hysteron_io::{load_model_and_source, save_model};
 use hysteron_model::Model;
 use hysteron_model::model_file::ModelFile;
+use hysteron_model::record::Source;
 
 use super::{Kind, Workspace};
 use crate::api::Problem;
@@ -14,8 +15,16 @@ impl Workspace {
     /// # Errors
     /// If there is none, or its file is not sound.
     pub(crate) fn model(&self, id: &str) -> Answer<Model> {
+        Ok(self.model_and_source(id)?.0)
+    }
+
+    /// A model and the file as it was read.
+    ///
+    /// # Errors
+    /// As there.
+    pub(crate) fn model_and_source(&self, id: &str) -> Answer<(Model, Source)> {
         let path = self.existing(id)?;
-        let loaded = load_model_and_source(&path).map(|(model, _)| model);
+        let loaded = load_model_and_source(&path);
         loaded.map_err(|e| Refused::cannot(Problem::of_file(&e, &path, id)))
     }
 

@@ -9,7 +9,7 @@ use hysteron_model::decoupling::{DecouplingLaw, LawOptions};
 use hysteron_model::model::Capability;
 use serde::Serialize;
 
-use super::{Export, Float, name_of};
+use super::{Export, Float};
 use crate::console;
 use crate::failure::Failure;
 use crate::invert::limits_of_actuators;
@@ -57,7 +57,7 @@ impl Export {
             Err(_) if !self.inverse => vec![Limits::range(-1.0, 1.0); modes.inputs],
             limits => limits?,
         };
-        let name = self.name.clone().unwrap_or_else(|| name_of(&self.model));
+        let name = self.name();
         let units = loaded.model().units();
         let subject =
             AxesSubject::new(&name, loaded.model().name(), (&units.input, &units.output), law, limits)

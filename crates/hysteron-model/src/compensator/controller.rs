@@ -67,10 +67,17 @@ impl Controller {
         limits: Limits,
         options: &CompensatorOptions,
     ) -> Result<Self, InversionError> {
-        let compensation = Compensation::new(model, sample_rate_hz, options)?;
+        Self::of_law(Compensation::new(model, sample_rate_hz, options)?, limits)
+    }
+
+    /// The controller of a law, at rest as [`Self::new`].
+    ///
+    /// # Errors
+    /// Those of [`CompensatorParts::new`].
+    pub fn of_law(compensation: Compensation, limits: Limits) -> Result<Self, InversionError> {
         let range = [limits.low, limits.high];
         let parts = CompensatorParts::new(&compensation, range, limits.slew_v_per_s)?;
-        let preview = compensation.preview;
+        let (preview, sample_rate_hz) = (compensation.preview, compensation.sample_rate_hz);
         let cell = Cell::try_new(MutBorrow::new(parts), |parts| parts.borrow_mut().compensator())?;
         Ok(Self { cell, preview, sample_rate_hz })
     }

@@ -37,6 +37,12 @@ pub enum InversionError {
         /// Samples of the reference.
         samples: usize,
     },
+    /// No range was given, and the model was identified in none.
+    #[error("the model does not say which drive it was identified with: give the range of the drive")]
+    RangeUnknown,
+    /// A last run was given to a law that works sample by sample.
+    #[error("a drive that learns from its last run is computed with the whole reference known ahead")]
+    LearnedBySample,
     /// No voltage gives the first value of the reference.
     #[error(
         "the reference begins at {}, which no input from {} to {} holds: at rest these give {} to {}; begin \

@@ -3,6 +3,7 @@
 use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize, Serializer};
 
+use super::Preview;
 use crate::Finding;
 use crate::invert::InverseDrive;
 use crate::model_file::SignalUnits;
@@ -34,6 +35,8 @@ pub struct InverseSummary {
     pub error_at_bandwidth: Option<f64>,
     /// Gain from white noise on the reference to noise on the hysteresis output, both rms.
     pub noise_gain: Option<f64>,
+    /// Preview of a law that works sample by sample; `None` where the whole reference is known.
+    pub preview: Option<Preview>,
     /// Rms error, the model assumed exact.
     pub predicted_rms_error: f64,
     /// Largest error, the model assumed exact.
@@ -69,7 +72,7 @@ impl InverseSummary {
     /// findings join the others.
     pub fn new(
         reference: &[f64],
-        found: &InverseDrive,
+        (found, preview): (&InverseDrive, Option<Preview>),
         sample_rate_hz: f64,
         mut forecast: Option<ErrorForecast>,
         mut findings: Vec<Finding>,
@@ -97,6 +100,7 @@ impl InverseSummary {
             bandwidth_hz: found.dynamics.map(|d| d.bandwidth_hz),
             error_at_bandwidth: found.dynamics.map(|d| d.error_at_bandwidth),
             noise_gain: found.dynamics.map(|d| d.noise_gain),
+            preview,
             predicted_rms_error: rms,
             predicted_max_error: errors().fold(0.0, f64::max),
             predicted_rms_percent_of_stroke: 100.0 * rms / (high - low).max(f64::MIN_POSITIVE),
@@ -122,7 +126,14 @@ impl Serialize for InverseSummary {
             .with("samples_at_slew", self.samples_at_slew)
             .with("bandwidth_hz", self.bandwidth_hz)
             .with("error_at_bandwidth", self.error_at_bandwidth)
-            .with("noise_gain", self.noise_gain)
+            .with("noise_gain", self.noise_gain);
+        let told = match self.preview {
+            Some(preview) => {
+                told.with("preview_samples", preview.samples).with("useful_preview_samples", preview.useful)
+            }
+            None => told,
+        };
+        let told = told
             .in_unit("predicted_rms_error", output, self.predicted_rms_error)
             .in_unit("predicted_max_error", output, self.predicted_max_error)
             .with("predicted_rms_percent_of_stroke", self.predicted_rms_percent_of_stroke)
@@ -166,6 +177,10 @@ impl<'de> Deserialize<'de> for InverseSummary {
             bandwidth_hz: keyed.get("bandwidth_hz")?,
             error_at_bandwidth: keyed.get("error_at_bandwidth")?,
             noise_gain: keyed.get("noise_gain")?,
+            preview: match keyed.get("preview_samples")? {
+                Some(samples) => Some(Preview { samples, useful: keyed.get("useful_preview_samples")? }),
+                None => None,
+            },
             predicted_rms_error: keyed.get_in_unit("predicted_rms_error", output)?,
             predicted_max_error: keyed.get_in_unit("predicted_max_error", output)?,
             predicted_rms_percent_of_stroke: keyed.get("predicted_rms_percent_of_stroke")?,

@@ -5,6 +5,8 @@ use std::f64::consts::TAU;
 use super::stream::StreamParts;
 use super::{Realisation, RealiseError};
 use crate::start::Start;
+use crate::{Finding, FindingKind};
+use hysteron_numeric::display::short_to;
 
 /// Deviation of a realisation from the batch simulation along one drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +19,22 @@ pub struct Verification {
     pub range: f64,
     /// Samples compared.
     pub samples: usize,
+}
+
+impl Verification {
+    /// What is to be said where the difference exceeds the accuracy of the dynamics.
+    pub fn finding(&self, accuracy: f64) -> Option<Finding> {
+        (self.largest > accuracy).then(|| {
+            let text = format!(
+                "Along the sweep the difference to the batch simulation is {} of the range, more than {}: the \
+                 excess over the error of the dynamics arises between the samples (see \
+                 docs/theory/realisation.md).",
+                short_to(self.largest, 2),
+                short_to(accuracy, 2)
+            );
+            Finding::new(FindingKind::Verdict, "sweep", text)
+        })
+    }
 }
 
 /// Share of a record at its end that is not compared under `band-limited`, which is not causal there.

@@ -19,7 +19,7 @@ use crate::hammerstein;
 use crate::invert::InverseOptions;
 use crate::model::Body;
 use crate::model_file::ModelFile;
-use crate::record::{Signal, TimeBase, Unit, range_of};
+use crate::record::{Channel, Record, RecordError, Signal, TimeBase, Unit, range_of};
 use run::Rehearsal;
 
 pub use controller::{Controller, ControllerFamily, ReferenceKnowledge};
@@ -63,6 +63,23 @@ pub struct Tracking {
     pub input: Unit,
     /// Unit of the displacement.
     pub output: Unit,
+}
+
+impl Tracking {
+    /// The samples as a record: reference, and drive and displacement by each controller.
+    ///
+    /// # Errors
+    /// Those of [`Record::new`].
+    pub fn to_record(&self, name: &str) -> Result<Record, RecordError> {
+        let (input, output) = (self.input.symbol(), self.output.symbol());
+        let mut channels = vec![Channel::new("reference", output, self.reference.clone())];
+        for run in &self.runs {
+            let name = run.controller.name();
+            channels.push(Channel::new(&format!("u_{name}"), input, run.played.drive.clone()));
+            channels.push(Channel::new(&format!("y_{name}"), output, run.played.displacement.clone()));
+        }
+        Record::new(name, TimeBase::uniform(self.sample_rate_hz), channels)
+    }
 }
 
 /// Name and description of a plant.

@@ -437,6 +437,7 @@ export interface Preview {
   files: { name: string; bytes: number; text: string | null }[];
   states: number | null;
   error: number | null;
+  findings: Finding[];
   command: Command;
 }
 
@@ -453,6 +454,7 @@ export interface Followed {
   drive_high: number;
   samples_at_range: number;
   samples_at_slew: number;
+  preview_samples: number | null;
   predicted_rms_error: number;
   predicted_max_error: number;
   predicted_rms_percent_of_stroke: number;
@@ -487,6 +489,8 @@ export interface Tracked {
   scored_s: [number, number];
   controllers: TrackedController[];
   left_out: string[];
+  file: string | null;
+  command: Command;
 }
 
 export interface History {

@@ -7,7 +7,7 @@ import { command, copy, Language } from '../components/dock';
 import { Icon } from '../components/icon';
 import { ModelChoice, NoModel, useModel } from '../components/models';
 import { Operation } from '../components/Operation';
-import { Failure, Head, Origin, Waiting } from '../components/words';
+import { Failure, Head, LibraryFinding, Origin, Waiting } from '../components/words';
 import { TableBox } from '../components/window';
 import { Working } from '../components/Working';
 import { bytes, count, fileName, integer, prose, significant } from '../format';
@@ -52,15 +52,28 @@ function Forms({ models, model }: { models: ModelEntry[]; model: ModelEntry }) {
   const forms: Form[] = [...sources.map((one): Form => [one.name, one.summary, one.contents]), ...OTHERS];
   const form = forms.find(([name]) => name === asked.get('form'))?.[0] ?? 'c';
   const code = !OTHERS.some(([name]) => name === form);
+  const at = path('models', model.id);
+  const detail = useLatest<ModelDetail>(at).value;
+  const inverse = code && asked.get('plain') === null;
+  const given = (of: boolean, key: string): string | undefined => (of && asked.get(key)) || undefined;
+  const [low, high] = detail?.drive_range ?? [];
+  const range = inverse && (asked.get('low') || asked.get('high'));
   const settings = {
     as: form,
-    sample_rate_hz: (code && asked.get('rate')) || undefined,
+    sample_rate_hz: given(code, 'rate'),
     single: source?.has_single_precision && asked.get('double') === null ? true : undefined,
-    inverse: code && asked.get('plain') === null ? true : undefined,
+    name: given(code, 'prefix'),
+    accuracy: given(code, 'accuracy'),
+    lowest_frequency_hz: given(code, 'lowest'),
+    inverse: inverse || undefined,
+    low: range ? (asked.get('low') ?? low) : undefined,
+    high: range ? (asked.get('high') ?? high) : undefined,
+    slew_per_s: given(inverse, 'slew'),
+    bandwidth_hz: given(inverse, 'bandwidth'),
+    preview: given(inverse, 'preview'),
+    predict_to_hz: given(inverse, 'predict'),
   };
-  const at = path('models', model.id);
   const preview = useLatest<Preview>(source ? `${at}/preview${query(settings)}` : null);
-  const detail = useLatest<ModelDetail>(at).value;
   useEffect(() => {
     command.value = (code && preview.value?.command) || null;
   }, [code, preview.value]);
@@ -85,6 +98,7 @@ function Forms({ models, model }: { models: ModelEntry[]; model: ModelEntry }) {
       <div class="cols g-home">
         <div class="stack">
           <Settings models={models} model={model} detail={detail} />
+          {code && <More detail={detail} inverse={inverse} />}
           <fieldset>
             <TableBox label="Forms">
               <table class="mid">
@@ -210,6 +224,50 @@ function Settings({
   );
 }
 
+/** Name and accuracy of the source, and the limits of the inverse: those of the drive in Follow. */
+function More({ detail, inverse }: { detail?: ModelDetail; inverse: boolean }) {
+  const { query: asked } = useSignal(route);
+  const unit = detail?.input_unit ?? '';
+  const [low, high] = detail?.drive_range ?? [];
+  const given = (key: string, usual: string) => ({
+    class: 'short',
+    placeholder: usual,
+    value: asked.get(key) ?? '',
+    onChange: (event: { currentTarget: HTMLInputElement }): void =>
+      settle({ [key]: event.currentTarget.value.trim() || null }),
+  });
+  const field = (key: string, label: string, usual: string, behind: string) => (
+    <label class="row">
+      <span class="soft">{label}</span>
+      <input type="number" step="any" {...given(key, usual)} />
+      {behind}
+    </label>
+  );
+  return (
+    <details>
+      <summary>Name, accuracy{inverse ? ', limits of the inverse' : ''}</summary>
+      <div class="row wrap gaps">
+        <label class="row">
+          <span class="soft">Names begin with</span>
+          <input type="text" {...given('prefix', 'the model’s')} />
+        </label>
+        {field('accuracy', 'Dynamics within', 'as good as the model', 'of the gain')}
+        {field('lowest', 'Creep down to', 'as usual', 'Hz')}
+        {inverse && (
+          <>
+            {field('low', 'Drive from', low != null ? significant(low) : '', unit)}
+            {field('high', 'to', high != null ? significant(high) : '', unit)}
+            {field('slew', 'Slew at most', 'no limit', `${unit}/s`)}
+            {field('bandwidth', 'Follows up to', 'as usual', 'Hz')}
+            {field('preview', 'Known ahead', 'as needed', 'samples')}
+            {field('predict', 'Predicted up to', 'not', 'Hz')}
+          </>
+        )}
+      </div>
+    </details>
+  );
+}
+
 function Exactness({ preview, detail }: { preview?: Preview; detail?: ModelDetail }) {
   const facts: [string, string | null | undefined][] = [
     ['States', preview?.states != null ? integer(preview.states) : null],
@@ -234,6 +292,9 @@ function Exactness({ preview, detail }: { preview?: Preview; detail?: ModelDetai
           </>
         ))}
       </dl>
+      {preview?.findings.map((finding) => (
+        <LibraryFinding key={finding.text} finding={finding} />
+      ))}
     </div>
   );
 }

@@ -1,7 +1,11 @@
 // Controllers that follow the reference in a simulation: on the bench, or on the model of a measured device.
 import { useState } from 'preact/hooks';
 import { change, Refusal, type Complaint } from '../../api/client';
-import type { Tracked, TrackedController } from '../../api/types';
+import { useResource } from '../../api/resource';
+import type { Options, Tracked, TrackedController } from '../../api/types';
+import { command } from '../../components/dock';
+import { SaveAs } from '../../components/SaveAs';
+import { SchemaForm } from '../../components/SchemaForm';
 import { capital, Failure } from '../../components/words';
 import { TableBox } from '../../components/window';
 import { Working } from '../../components/Working';
@@ -13,9 +17,16 @@ import { asLine } from '../records/Curves';
 export function Bench(props: {
   at: string;
   reference: unknown;
-  range: number[] | null;
-  slew: number | null;
-  bandwidth: number | null;
+  device: string;
+  /** Limits and what is known ahead, as for the drive. */
+  inverse: {
+    range: number[] | null;
+    slew_per_s: number | null;
+    bandwidth_hz: number | null;
+    virgin_voltage: number | null;
+    preview: number | null;
+    predict_to_hz: number | null;
+  };
   /** The model is one of the bench: its truth is known. Else the model itself is the plant. */
   simulated: boolean;
 }) {
@@ -23,18 +34,20 @@ export function Bench(props: {
   const [problem, complain] = useState<Complaint | null>(null);
   const [busy, mark] = useState(false);
   const [chosen, choose] = useState<string[]>([]);
+  const [asked, ask] = useState<Record<string, unknown>>({});
+  const offered = useResource<Options>('options').value;
+  const track = (save?: string): Promise<Tracked> => {
+    const { virgin_voltage, ...inverse } = props.inverse;
+    const given = { ...inverse, virgin_v: virgin_voltage, ...asked };
+    const options = Object.fromEntries(Object.entries(given).filter(([, value]) => value != null));
+    const { reference, simulated } = props;
+    return change<Tracked>('POST', `${props.at}/track`, { reference, options, on_model: !simulated, save });
+  };
   const simulate = async (): Promise<void> => {
     mark(true);
-    const options: Record<string, unknown> = {};
-    if (props.range) options.range = props.range;
-    if (props.slew) options.slew_per_s = props.slew;
-    if (props.bandwidth) options.bandwidth_hz = props.bandwidth;
     try {
-      const answer = await change<Tracked>('POST', `${props.at}/track`, {
-        reference: props.reference,
-        options,
-        on_model: !props.simulated,
-      });
+      const answer = await track();
+      command.value = answer.command;
       const ranked = [...answer.controllers].sort((a, b) => (a.rms ?? Infinity) - (b.rms ?? Infinity));
       keep({ ...answer, controllers: ranked });
       choose(ranked.slice(0, 1).map((controller) => controller.name));
@@ -55,6 +68,20 @@ export function Bench(props: {
             : 'The device is not here, so that every controller runs on the model itself: this ranks ' +
               'them and shows their limits. What the device adds is what the records showed, and more.'}
         </p>
+        {offered && (
+          <details>
+            <summary>Which controllers, margins, what is scored</summary>
+            <div class="set twos">
+              <SchemaForm
+                schema={offered.track}
+                root={offered.track}
+                value={asked}
+                change={ask}
+                without={['range', 'slew_per_s', 'bandwidth_hz', 'virgin_v', 'preview', 'predict_to_hz']}
+              />
+            </div>
+          </details>
+        )}
         <button type="button" onClick={() => void simulate()} aria-disabled={busy}>
           {busy ? 'Simulating all controllers…' : 'Simulate the controllers'}
         </button>
@@ -65,7 +92,25 @@ export function Bench(props: {
   }
   const toggle = (name: string): void =>
     choose(chosen.includes(name) ? chosen.filter((other) => other !== name) : [...chosen.slice(-2), name]);
-  return <Controllers tracked={tracked} chosen={chosen} toggle={toggle} />;
+  return (
+    <div class="stack">
+      <Controllers tracked={tracked} chosen={chosen} toggle={toggle} />
+      <div class="row wrap">
+        <button type="button" class="quiet" onClick={() => keep(null)}>
+          Simulate others
+        </button>
+        <SaveAs
+          stem="track"
+          device={props.device}
+          what="samples"
+          label="Download the samples"
+          ready={!busy}
+          write={async (save) => (await track(save)).file}
+        />
+        <Working at={`${props.at}/track`} what="Controllers" />
+      </div>
+    </div>
+  );
 }
 
 const STROKES: Pick<Line, 'color' | 'dash' | 'width'>[] = [

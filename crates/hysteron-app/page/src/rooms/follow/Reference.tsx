@@ -1,6 +1,7 @@
 // What is to be followed, and the limits of the drive.
 import { useResource } from '../../api/resource';
 import type { ModelDetail, Options, RecordEntry } from '../../api/types';
+import { RecordChosen } from '../../components/RecordsChosen';
 import { SchemaForm } from '../../components/SchemaForm';
 import { significant } from '../../format';
 import type { Range } from '../../plot/spec';
@@ -17,6 +18,11 @@ export interface Limits {
   slew: string;
   bandwidth: string;
   rest: string;
+  virgin: string;
+  preview: string;
+  predict: string;
+  /** Record of the last run. */
+  learn: string;
   periodic: boolean;
 }
 
@@ -97,9 +103,18 @@ function canFollow(record: RecordEntry): boolean {
   return record.settings.role === 'reference' || (!record.error && !record.reading);
 }
 
-export function LimitsForm({ limits, detail }: { limits: Limits; detail: ModelDetail }) {
+export function LimitsForm({
+  limits,
+  detail,
+  runs,
+}: {
+  limits: Limits;
+  detail: ModelDetail;
+  /** Records that can be of the last run. */
+  runs: RecordEntry[];
+}) {
   const field = (
-    name: Exclude<keyof Limits, 'periodic'>,
+    name: Exclude<keyof Limits, 'periodic' | 'learn'>,
     label: string,
     placeholder: string,
     key: string,
@@ -152,6 +167,42 @@ export function LimitsForm({ limits, detail }: { limits: Limits; detail: ModelDe
           {unit}
         </span>
       )}
+      <details
+        class="grow"
+        open={Boolean(limits.virgin || limits.preview || limits.predict || limits.learn)}
+      >
+        <summary>What is known ahead, demagnetisation, learning</summary>
+        <div class="row wrap gaps">
+          <span class="row">
+            <span class="soft">Known ahead</span>
+            {field('preview', 'Samples of the reference known ahead', 'all', 'preview')} samples
+          </span>
+          <span class="row">
+            <span class="soft">Predicted up to</span>
+            {field(
+              'predict',
+              'Highest frequency of the reference that is predicted, in Hz',
+              'not',
+              'predict',
+            )}{' '}
+            Hz
+          </span>
+          {!limits.periodic && (
+            <span class="row">
+              <span class="soft">Demagnetised at</span>
+              {field('virgin', `Drive at which it was demagnetised, in ${unit}`, 'as usual', 'virgin')}{' '}
+              {unit}
+            </span>
+          )}
+          <RecordChosen
+            label="Corrected by the error of the last run"
+            records={runs}
+            none="no run yet"
+            chosen={limits.learn}
+            choose={(id) => settle({ learn: id || null })}
+          />
+        </div>
+      </details>
     </div>
   );
 }

@@ -43,6 +43,14 @@ export function Result({ followed }: { followed: Followed }) {
     note: 'what limits and steps cost, of the model with itself',
   });
   const limited = followed.samples_at_range + followed.samples_at_slew;
+  if (followed.preview_samples != null) {
+    list.push({
+      label: 'known ahead',
+      value: integer(followed.preview_samples),
+      unit: 'samples',
+      note: 'computed sample by sample, as a controller does',
+    });
+  }
   list.push({
     label: 'drive',
     value: `${significant(followed.drive_low)} to ${significant(followed.drive_high)}`,

@@ -3,10 +3,10 @@ import { useState } from 'preact/hooks';
 import { path } from '../../api/client';
 import type { ModelEntry, RecordEntry } from '../../api/types';
 import { Operation } from '../../components/Operation';
-import { RecordChosen } from '../../components/RecordsChosen';
+import { RecordsChosen } from '../../components/RecordsChosen';
 
 export function Simulate({ model, records }: { model: ModelEntry; records: RecordEntry[] }) {
-  const [record, choose] = useState<string>('');
+  const [chosen, choose] = useState<string[]>([]);
   return (
     <Operation
       name="simulate"
@@ -14,11 +14,16 @@ export function Simulate({ model, records }: { model: ModelEntry; records: Recor
       about="The output of the model for the drive of a record, in free run, beside what was measured where the record holds that."
       model={model.id}
       at={`${path('models', model.id)}/simulate`}
-      request={record ? { record } : null}
+      request={chosen.length > 0 ? { records: chosen } : null}
       verb="Simulate"
       save={{ name: 'simulated.csv' }}
     >
-      <RecordChosen label="Drive of" none="a record…" records={records} chosen={record} choose={choose} />
+      <RecordsChosen
+        label="Drive of; several are parts of one run"
+        records={records}
+        chosen={chosen}
+        choose={choose}
+      />
     </Operation>
   );
 }

@@ -1,9 +1,10 @@
 // Room 5: which drive follows a reference within limits, and how well?
 import { useEffect, useMemo } from 'preact/hooks';
-import { path } from '../../api/client';
+import { change, path } from '../../api/client';
 import { changed, useAnswer, useLatest, useResource } from '../../api/resource';
 import type { Followed, ModelDetail, ModelEntry, RecordDetail, RecordEntry } from '../../api/types';
 import { command } from '../../components/dock';
+import { SaveAs } from '../../components/SaveAs';
 import { ModelChoice, NoModel, useModel } from '../../components/models';
 import { Failure, Head, Origin, Waiting } from '../../components/words';
 import { Working } from '../../components/Working';
@@ -14,7 +15,6 @@ import { Bench } from './Bench';
 import { LimitsForm, ReferenceForm, type Limits, type Specification } from './Reference';
 import { DRAWN, read, sampled, written } from './drawn';
 import { Curves, Result } from './Result';
-import { Save } from './Save';
 import { Simulate } from './Simulate';
 
 const TITLE = 'Follow';
@@ -131,6 +131,10 @@ function Ready(props: {
     slew: asked.get('slew') ?? '',
     bandwidth: asked.get('bandwidth') ?? '',
     rest: asked.get('rest') ?? '',
+    virgin: asked.get('virgin') ?? '',
+    preview: asked.get('preview') ?? '',
+    predict: asked.get('predict') ?? '',
+    learn: asked.get('learn') ?? '',
     periodic: asked.get('periodic') !== null,
   };
   const [from, to] = [limits.low || detail.drive_range?.[0], limits.high || detail.drive_range?.[1]];
@@ -140,14 +144,18 @@ function Ready(props: {
     : points
       ? { from: 'samples', sample_rate_hz: rate, values: sampled(points, rate) }
       : { from: 'waveform', specification };
-  const request = {
-    reference,
+  const number = (text: string): number | null => (text ? Number(text) : null);
+  const inverse = {
     range: from != null && to != null && (limits.low || limits.high) ? [Number(from), Number(to)] : null,
-    slew_per_s: limits.slew ? Number(limits.slew) : null,
-    bandwidth_hz: limits.bandwidth ? Number(limits.bandwidth) : null,
+    slew_per_s: number(limits.slew),
+    bandwidth_hz: number(limits.bandwidth),
     periodic: limits.periodic,
-    rest_voltage: limits.rest && !limits.periodic ? Number(limits.rest) : null,
+    rest_voltage: limits.periodic ? null : number(limits.rest),
+    virgin_voltage: limits.periodic ? null : number(limits.virgin),
+    preview: number(limits.preview),
+    predict_to_hz: number(limits.predict),
   };
+  const request = { reference, inverse, learn_from: limits.learn || null };
   const at = path('models', model.id);
   const answer = useAnswer<Followed>(`${at}/follow`, request);
   const followed = answer.value;
@@ -159,7 +167,17 @@ function Ready(props: {
       <Head title={TITLE} question={QUESTION}>
         <Origin simulated={model.simulated} />
         <ModelChoice models={props.models} model={model} />
-        <Save at={at} device={model.device} request={request} ready={followed !== undefined} />
+        <SaveAs
+          stem="drive"
+          device={model.device}
+          what="drive"
+          label="Download the drive"
+          ready={followed !== undefined}
+          primary
+          write={async (save) =>
+            (await change<Followed>('POST', `${at}/follow`, { ...request, save })).file
+          }
+        />
       </Head>
       <div class="stack">
         <ReferenceForm
@@ -170,7 +188,11 @@ function Ready(props: {
           unit={model.unit}
           first={DRAWN + triangle(reach)}
         />
-        <LimitsForm limits={limits} detail={detail} />
+        <LimitsForm
+          limits={limits}
+          detail={detail}
+          runs={records.filter((record) => !record.error && !record.reading)}
+        />
         {answer.error && (
           <Failure
             problem={answer.error.complaint}
@@ -191,9 +213,8 @@ function Ready(props: {
               key={JSON.stringify(reference)}
               at={at}
               reference={reference}
-              range={request.range}
-              slew={request.slew_per_s}
-              bandwidth={request.bandwidth_hz}
+              device={model.device}
+              inverse={inverse}
               simulated={model.simulated}
             />
           </div>

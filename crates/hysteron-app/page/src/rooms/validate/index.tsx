@@ -1,6 +1,7 @@
 // Room 4: how right is the model on records it has not seen?
+import type { ComponentChildren } from 'preact';
 import { useEffect, useMemo } from 'preact/hooks';
-import { path, query } from '../../api/client';
+import { change, path, query, Refusal } from '../../api/client';
 import { useAll, useAnswer, useLatest, useResource } from '../../api/resource';
 import type {
   GainPhase,
@@ -12,6 +13,7 @@ import type {
   Scored,
 } from '../../api/types';
 import { command } from '../../components/dock';
+import { SaveAs } from '../../components/SaveAs';
 import { ModelChoice, NoModel, useModel } from '../../components/models';
 import { Failure, Finding, Head, Lacking, Origin, Waiting } from '../../components/words';
 import { TableBox } from '../../components/window';
@@ -70,9 +72,15 @@ function Judgement({
     ...added.filter((record) => record !== undefined && !held.includes(record)),
   ] as RecordEntry[];
   const others = usable.filter((record) => !judged.includes(record));
-  const scored = useAnswer<Scored>(judged.length > 0 ? `${path('models', model.id)}/scores` : null, {
-    records: judged.map((record) => record.id),
-  });
+  const scoring = {
+    skip_s: asked.get('skip') ? Number(asked.get('skip')) : null,
+    fixed_offset: asked.get('fixed') !== null,
+    continued: asked.get('run') !== null,
+    rate: (model.kind === 'force' && asked.get('ratecol')) || null,
+  };
+  const at = `${path('models', model.id)}/scores`;
+  const ids = judged.map((record) => record.id);
+  const scored = useAnswer<Scored>(judged.length > 0 ? at : null, { records: ids, ...scoring });
   useEffect(() => {
     command.value = scored.value?.command ?? null;
   }, [scored.value]);
@@ -105,6 +113,24 @@ function Judgement({
         </Lacking>
       ) : (
         <div class="stack">
+          <Scoring model={model}>
+            {chosen && (
+              <SaveAs
+                stem="scored"
+                device={model.device}
+                what="scored samples"
+                label={`Download the scored samples${scoring.continued ? '' : ` of ${fileName(chosen.id)}`}`}
+                ready={scored.value !== undefined}
+                write={async (save) => {
+                  const records = scoring.continued ? ids : [chosen.id];
+                  const answer = await change<Scored>('POST', at, { records, ...scoring, save });
+                  const failed = answer.records.find((row) => row.error)?.error;
+                  if (failed) throw new Refusal(0, failed);
+                  return save;
+                }}
+              />
+            )}
+          </Scoring>
           {scored.error && <Failure problem={scored.error.complaint} />}
           {!scored.value && !scored.error && <Waiting height={180} />}
           {scored.value && (
@@ -123,6 +149,56 @@ function Judgement({
         </div>
       )}
     </>
+  );
+}
+
+/** How records are scored, and the samples as a file. */
+function Scoring({ model, children }: { model: ModelEntry; children: ComponentChildren }) {
+  const { query: asked } = useSignal(route);
+  const check = (key: string, label: string) => (
+    <label class="row">
+      <input
+        type="checkbox"
+        checked={asked.get(key) !== null}
+        onChange={(event) => settle({ [key]: event.currentTarget.checked ? '1' : null })}
+      />
+      {label}
+    </label>
+  );
+  return (
+    <details>
+      <summary>How they are scored</summary>
+      <div class="row wrap gaps">
+        <label class="row">
+          <span class="soft">Not scored at the start</span>
+          <input
+            type="number"
+            class="short"
+            min="0"
+            step="any"
+            placeholder="as usual"
+            value={asked.get('skip') ?? ''}
+            onChange={(event) => settle({ skip: event.currentTarget.value || null })}
+          />
+          s
+        </label>
+        {check('fixed', 'the sensor’s offset is the model’s')}
+        {check('run', 'parts of one run')}
+        {model.kind === 'force' && (
+          <label class="row">
+            <span class="soft">Column of the rate</span>
+            <input
+              type="text"
+              class="short"
+              placeholder="from the drive"
+              value={asked.get('ratecol') ?? ''}
+              onChange={(event) => settle({ ratecol: event.currentTarget.value.trim() || null })}
+            />
+          </label>
+        )}
+        {children}
+      </div>
+    </details>
   );
 }
 

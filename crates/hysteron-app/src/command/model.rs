@@ -1,0 +1,150 @@
+//! The commands of what a model is for: scores, drives, controllers, source code.
+
+use hysteron_model::model::InverseRequest;
+use hysteron_model::tracking::TrackOptions;
+
+use super::{Arguments, Words, beside, ids, quoted, read, text};
+use crate::api::{
+    Command, DownloadQuery, FollowRequest, RecordEntry, Reference, ScoresRequest, TrackRequest,
+};
+
+/// `hysteron validate`.
+pub(crate) fn validate(model: &str, records: &[RecordEntry], request: &ScoresRequest) -> Command {
+    let words = Words::new("validate").word(model).words(ids(records));
+    let words = words
+        .maybe("--skip", request.skip_s)
+        .when("--fixed-offset", request.fixed_offset)
+        .when("--continued", request.continued)
+        .maybe("--rate", request.rate.as_ref())
+        .maybe("-o", request.save.as_ref());
+    let arguments = Arguments::default()
+        .plain(read(records))
+        .value("skip", request.skip_s)
+        .when("fixed_offset", request.fixed_offset)
+        .when("continued", request.continued);
+    let python = format!("print(hy.load({}).scores({}))", text(model), arguments.done());
+    beside(Command { shell: words.columns(records).done(), python }, records)
+}
+
+fn range_of(range: Option<[f64; 2]>) -> (Option<String>, Option<String>) {
+    (range.map(|[low, high]| format!("{low}:{high}")), range.map(|[low, high]| format!("({low}, {high})")))
+}
+
+/// Flags and arguments of an inverse.
+fn inverse(words: Words, arguments: Arguments, asked: &InverseRequest) -> (Words, Arguments) {
+    let (range, limits) = range_of(asked.range);
+    let words = words
+        .maybe("--range", range)
+        .maybe("--slew", asked.slew_per_s)
+        .maybe("--bandwidth", asked.bandwidth_hz)
+        .when("--periodic", asked.periodic)
+        .maybe("--rest-voltage", asked.rest_voltage)
+        .maybe("--virgin-voltage", asked.virgin_voltage)
+        .maybe("--preview", asked.preview)
+        .maybe("--predict-to", asked.predict_to_hz);
+    let arguments = arguments
+        .value("limits", limits)
+        .value("slew", asked.slew_per_s)
+        .value("bandwidth", asked.bandwidth_hz)
+        .when("periodic", asked.periodic)
+        .value("rest", asked.rest_voltage)
+        .value("virgin", asked.virgin_voltage)
+        .value("preview", asked.preview)
+        .value("predict_to", asked.predict_to_hz);
+    (words, arguments)
+}
+
+/// `hysteron invert`.
+pub(crate) fn invert(model: &str, request: &FollowRequest, reference: &str) -> Command {
+    let file = request.save.as_deref().unwrap_or("drive.csv");
+    let words = Words::new("invert").word(model).word(reference).with("-o", file);
+    let words = words.maybe("--learn-from", request.learn_from.as_ref());
+    let learned = request.learn_from.as_ref().map(|run| format!("hy.read({})", text(run)));
+    let arguments =
+        Arguments::default().plain(format!("hy.read({})", text(reference))).value("learn_from", learned);
+    let (words, arguments) = inverse(words, arguments, &request.inverse);
+    let command = Command {
+        shell: words.done(),
+        python: format!("drive = hy.load({}).invert({})", text(model), arguments.done()),
+    };
+    of_reference(command, &request.reference, reference, request.save.is_some())
+}
+
+/// `hysteron track`.
+pub(crate) fn track(model: &str, request: &TrackRequest, reference: &str) -> Command {
+    let (options, usual) = (&request.options, TrackOptions::default());
+    let (range, limits) = range_of(options.range);
+    let slew = Some(options.slew_per_s).filter(|slew| slew.is_finite());
+    let [gain, phase] =
+        [(options.margins.gain, usual.margins.gain), (options.margins.phase_deg, usual.margins.phase_deg)]
+            .map(|(given, usual)| (given != usual).then_some(given));
+    let names: Vec<&str> = options.controllers.iter().map(|controller| controller.name()).collect();
+    let words = Words::new("track").word(model).word(reference).maybe("-o", request.save.as_ref());
+    let words = names.iter().fold(words, |words, name| words.with("--controller", name));
+    let words = words
+        .maybe("--plant", request.on_model.then_some("model"))
+        .maybe("--seed", Some(request.seed).filter(|seed| *seed != 0))
+        .maybe("--range", range)
+        .maybe("--slew", slew)
+        .maybe("--bandwidth", options.bandwidth_hz)
+        .maybe("--preview", options.preview)
+        .maybe("--predict-to", options.predict_to_hz)
+        .maybe("--virgin-voltage", options.virgin_v)
+        .maybe("--gain-margin", gain)
+        .maybe("--phase-margin", phase)
+        .maybe("--lowest-frequency", options.realise.lowest_frequency_hz)
+        .maybe("--skip", options.skip_s)
+        .maybe("--sines", range_of(options.sines_hz).0);
+    let quoted: Vec<String> = names.iter().map(|name| text(name)).collect();
+    let arguments = Arguments::default()
+        .plain(format!("hy.read({})", text(reference)))
+        .value("controllers", (!quoted.is_empty()).then(|| format!("[{}]", quoted.join(", "))))
+        .value("plant", request.on_model.then_some("\"model\""))
+        .value("seed", Some(request.seed).filter(|seed| *seed != 0))
+        .value("limits", limits)
+        .value("slew", slew)
+        .value("bandwidth", options.bandwidth_hz)
+        .value("preview", options.preview)
+        .value("predict_to", options.predict_to_hz);
+    let command = Command {
+        shell: words.done(),
+        python: format!("print(hy.load({}).track({}))", text(model), arguments.done()),
+    };
+    of_reference(command, &request.reference, reference, request.save.is_some())
+}
+
+/// A command whose reference was drawn or generated, with a note where its file is not there yet.
+fn of_reference(mut command: Command, from: &Reference, file: &str, saved: bool) -> Command {
+    if !saved && !matches!(from, Reference::Record { .. }) {
+        let note = format!("  # the download writes {}", quoted(file));
+        command.shell += &note;
+        command.python += &note;
+    }
+    command
+}
+
+/// `hysteron export`.
+pub(crate) fn export(model: &str, name: &str, query: &DownloadQuery) -> Command {
+    let Some(source) = query.form.source() else { return Command::default() };
+    let (form, single) = (source.name(), query.single && source.has_single_precision());
+    let words = Words::new("export").word(model).with("--to", form).with("-o", name);
+    let words = if single { words.with("--float", "f32") } else { words };
+    let words = words
+        .maybe("--sample-rate", query.sample_rate_hz)
+        .maybe("--name", query.name.as_ref())
+        .maybe("--accuracy", query.accuracy)
+        .maybe("--lowest-frequency", query.lowest_frequency_hz)
+        .when("--inverse", query.inverse);
+    let arguments = Arguments::default()
+        .plain(text(name))
+        .plain(text(form))
+        .value("fs", query.sample_rate_hz)
+        .text("name", Some(&name.to_owned()))
+        .value("float_type", single.then_some("\"f32\""))
+        .value("accuracy", query.accuracy)
+        .value("lowest_frequency", query.lowest_frequency_hz)
+        .when("inverse", query.inverse);
+    let asked = if query.inverse { query.inverse_request() } else { InverseRequest::default() };
+    let (words, arguments) = inverse(words, arguments, &asked);
+    Command { shell: words.done(), python: format!("hy.load({}).export({})", text(model), arguments.done()) }
+}

@@ -1,0 +1,161 @@
+//! What the inverse of a model is asked for, with the defaults of every front end.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::Hammerstein;
+use crate::compensator::{Compensation, CompensatorOptions, Limits, Prediction};
+use crate::invert::{InverseDrive, InverseOptions, InversionError, LastRun};
+use crate::realise::RealiseOptions;
+use crate::{Finding, FindingKind, Start};
+use hysteron_numeric::Listener;
+
+/// A drive for a reference, or a controller, as it is asked for; what is left out takes its default.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct InverseRequest {
+    /// Least and greatest drive; left out: the range that the model was identified in.
+    pub range: Option<[f64; 2]>,
+    /// Largest slew rate, in the unit of the drive per second; left out: none.
+    pub slew_per_s: Option<f64>,
+    /// Frequency up to which the output follows \[Hz\]; left out: a twentieth of the sample rate.
+    pub bandwidth_hz: Option<f64>,
+    /// The reference is periods of a periodic motion.
+    pub periodic: bool,
+    /// Drive at rest before the reference; left out: the one that gives its first value.
+    pub rest_voltage: Option<f64>,
+    /// Drive at which the device was last demagnetised, before it moved to rest; left out: 0 where the range
+    /// contains it, as after switching on, else that at rest.
+    pub virgin_voltage: Option<f64>,
+    /// Compute sample by sample, as a controller does, with so many samples of the reference known ahead;
+    /// left out: the whole reference is known.
+    pub preview: Option<usize>,
+    /// Compute sample by sample, the reference beyond the preview predicted from its past as a random motion
+    /// band-limited to this frequency \[Hz\].
+    pub predict_to_hz: Option<f64>,
+}
+
+/// How much of the reference a law that works sample by sample knows ahead.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Preview {
+    /// Samples used.
+    pub samples: usize,
+    /// Samples that affect the drive at all.
+    pub useful: usize,
+}
+
+impl Preview {
+    /// What is to be said where more samples ahead were `asked` for than affect the drive.
+    pub fn finding(self, asked: Option<usize>) -> Option<Finding> {
+        let asked = asked.filter(|asked| *asked > self.samples)?;
+        let text = format!(
+            "Of the preview of {asked} samples {used} are used: later ones do not affect the drive. A \
+             controller is given the reference {used} samples ahead.",
+            used = self.samples
+        );
+        Some(Finding::new(FindingKind::Verdict, "preview", text))
+    }
+}
+
+impl From<&Compensation> for Preview {
+    fn from(law: &Compensation) -> Self {
+        Self { samples: law.preview, useful: law.useful_preview }
+    }
+}
+
+impl InverseRequest {
+    /// A drive or a controller within limits.
+    pub fn within(limits: Limits) -> Self {
+        Self {
+            range: Some([limits.low, limits.high]),
+            slew_per_s: Some(limits.slew_v_per_s).filter(|slew| slew.is_finite()),
+            ..Self::default()
+        }
+    }
+
+    /// Limits of the drive: given, else the range that the model was identified in, with any slew rate.
+    ///
+    /// # Errors
+    /// [`InversionError::RangeUnknown`], [`InversionError::Option`].
+    pub fn limits(&self, model: &Hammerstein) -> Result<Limits, InversionError> {
+        let [low, high] = self.range.or(model.drive_range()).ok_or(InversionError::RangeUnknown)?;
+        let wrong = |name, value, allowed| Err(InversionError::Option { name, value, allowed });
+        if !(low < high && low.is_finite() && high.is_finite()) {
+            return wrong("the greatest drive", high, "above the least one");
+        }
+        let slew_v_per_s = self.slew_per_s.unwrap_or(f64::INFINITY);
+        if slew_v_per_s.is_nan() || slew_v_per_s <= 0.0 {
+            return wrong("the slew rate", slew_v_per_s, "above 0");
+        }
+        Ok(Limits { low, high, slew_v_per_s })
+    }
+
+    /// The law of a controller at a sample rate \[Hz\], with this preview where none is asked for: `None`, as
+    /// many samples as affect the drive.
+    ///
+    /// # Errors
+    /// Those of [`Compensation::new`].
+    pub fn law(
+        &self,
+        model: &Hammerstein,
+        sample_rate_hz: f64,
+        realise: RealiseOptions,
+        preview: Option<usize>,
+    ) -> Result<Compensation, InversionError> {
+        let options = CompensatorOptions {
+            bandwidth_hz: self.bandwidth_hz,
+            preview: self.preview.or(preview),
+            prediction: Prediction::up_to(self.predict_to_hz),
+            realise: model.realise_options(sample_rate_hz, realise),
+            ..CompensatorOptions::default()
+        };
+        Compensation::new(model.law(), sample_rate_hz, &options)
+    }
+
+    fn options(&self, limits: Limits) -> InverseOptions {
+        let range_v = [limits.low, limits.high];
+        InverseOptions {
+            bandwidth_hz: self.bandwidth_hz,
+            slew_v_per_s: limits.slew_v_per_s,
+            start: match self.rest_voltage {
+                _ if self.periodic => Start::PERIODIC,
+                Some(voltage_v) => Start::Rest { voltage_v },
+                None => Start::AsIdentified,
+            },
+            virgin_v: self.virgin_voltage.or(InverseOptions::switched_on(range_v)),
+            ..InverseOptions::within(range_v)
+        }
+    }
+}
+
+impl Hammerstein {
+    /// The drive for a reference as it is asked for, corrected by the error of the `last` run with the same
+    /// reference where there is one; and the preview of a law that works sample by sample.
+    ///
+    /// # Errors
+    /// [`InversionError`]; [`InversionError::Stopped`] where the listener ends it.
+    pub fn drive_for(
+        &self,
+        reference: &[f64],
+        sample_rate_hz: f64,
+        request: &InverseRequest,
+        last: Option<LastRun<'_>>,
+        listener: Listener<'_>,
+    ) -> Result<(InverseDrive, Option<Preview>), InversionError> {
+        let options = request.options(request.limits(self)?);
+        let by_sample = request.preview.is_some() || request.predict_to_hz.is_some();
+        match last {
+            Some(_) if by_sample => Err(InversionError::LearnedBySample),
+            Some(last) => Ok((self.law().learn(reference, last, sample_rate_hz, &options)?, None)),
+            None if by_sample => {
+                let law = request.law(self, sample_rate_hz, RealiseOptions::default(), Some(0))?;
+                let preview = Preview::from(&law);
+                Ok((law.follow(reference, &options)?, Some(preview)))
+            }
+            None => {
+                let found = self.law().invert_told(reference, sample_rate_hz, &options, listener)?;
+                Ok((found, None))
+            }
+        }
+    }
+}
