@@ -387,8 +387,8 @@ class Model:
             raise OptionError("the references have no sample rate: give it with fs=…", code="no-sample-rate")
         rows = [as_samples(one, f"references[{i}]") for i, one in enumerate(references)]
         options = {
-            "limits": None if limits is None else [list(one) for one in limits],
-            "slew_per_s": slew,
+            "ranges": [list(one) for one in limits or ()],
+            "slews_per_s": [] if slew is None else [slew],
             "bandwidth_hz": bandwidth,
             "preview": preview,
             "level": level,

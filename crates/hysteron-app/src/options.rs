@@ -3,6 +3,7 @@
 use hysteron_identify::structure::{Block, Candidate};
 use hysteron_identify::{DynamicsChoice, FamilyChoice, Initial, Method, Task};
 use hysteron_model::dynamics::{Creep, Scheme};
+use hysteron_model::model::DecouplingRequest;
 use hysteron_model::model_file::Kind;
 use hysteron_model::record::InterSample;
 use hysteron_model::tracking::{Controller, TrackOptions};
@@ -43,6 +44,7 @@ pub(crate) fn offered() -> OptionsOffered {
         operations: vec![
             operation::<PrepareOptions>("prepare"),
             operation::<SimulateOptions>("simulate"),
+            operation::<DecouplingRequest>("decouple"),
             operation::<RecalibrateOptions>("recalibrate"),
             operation::<AdaptOptions>("adapt"),
             operation::<RealiseOptions>("realise"),

@@ -2,8 +2,6 @@
 
 mod several;
 
-pub use several::limits_of_actuators;
-
 use std::path::PathBuf;
 
 use clap::Args;

@@ -310,6 +310,11 @@ impl Loaded {
             RunError::Decoupling(e @ DecouplingError::Begins { .. }) => failure()
                 .because(e)
                 .hint("widen --range, or let the references begin nearer to the device's rest"),
+            RunError::Decoupling(e @ DecouplingError::RangeUnknown) => {
+                failure().because(e).hint("e.g. --range=-1:1")
+            }
+            RunError::Decoupling(e @ DecouplingError::Limits { .. }) => Failure::usage(e.to_string())
+                .hint("give one for all actuators, or one per actuator, separated by commas"),
             RunError::Decoupling(e @ DecouplingError::Axes(AxesError::Rate { .. })) => failure()
                 .because(e)
                 .hint("sample the references faster: hysteron prepare REFERENCE.csv --rate HZ -o OUT.csv"),

@@ -52,6 +52,9 @@ pub enum ExportError {
     /// There is no inverse of several axes.
     #[error(transparent)]
     Decoupling(Box<hysteron_model::decoupling::DecouplingError>),
+    /// The kind of model has no export.
+    #[error(transparent)]
+    Unsupported(#[from] hysteron_model::model::Unsupported),
     /// A form that is not there for models of several axes yet.
     #[error("a model of several axes is exported as C99 or Rust in double precision, not as {form} yet")]
     OneAxis {

@@ -37,7 +37,9 @@ mod subject;
 mod summary;
 mod template;
 
-pub use axes::{AxesSubject, axes_files, axes_inverse_files, axes_rust_files};
+pub use axes::{
+    AxesExportRequest, AxesSubject, axes_files, axes_inverse_files, axes_rust_files, export_axes,
+};
 pub use c::c_files;
 pub use error::ExportError;
 pub use fmu::{fmu_files, inverse_fmu_files};

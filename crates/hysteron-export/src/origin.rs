@@ -19,7 +19,12 @@ impl Origin {
     /// Of a model's data, without a date.
     pub(crate) fn of(file: &ModelFile) -> Self {
         let model_sha256 = file.to_json().map(|text| sha256(text.as_bytes())).unwrap_or_default();
-        Self { model_sha256, date: None, provenance: file.provenance.clone() }
+        Self { model_sha256, ..Self::made(file.provenance.as_ref()) }
+    }
+
+    /// How a model was made, without its file and a date.
+    pub(crate) fn made(provenance: Option<&Provenance>) -> Self {
+        Self { model_sha256: String::new(), date: None, provenance: provenance.cloned() }
     }
 
     /// Lines of a header.

@@ -3,7 +3,7 @@
 use hysteron_export::name_of;
 use hysteron_identify::{GainPhase, Interval};
 use hysteron_model::Finding;
-use hysteron_model::model::InverseRequest;
+use hysteron_model::model::{DecouplingRequest, InverseRequest};
 use hysteron_model::model_file::Kind;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -364,6 +364,18 @@ impl DownloadQuery {
             preview: self.preview,
             predict_to_hz: self.predict_to_hz,
             ..InverseRequest::default()
+        }
+    }
+
+    /// The inverse of several axes that is asked for, with one limit for all actuators.
+    pub(crate) fn decoupling_request(&self) -> DecouplingRequest {
+        let one = self.inverse_request();
+        DecouplingRequest {
+            ranges: one.range.into_iter().collect(),
+            slews_per_s: one.slew_per_s.into_iter().collect(),
+            bandwidth_hz: one.bandwidth_hz,
+            preview: one.preview,
+            ..DecouplingRequest::default()
         }
     }
 

@@ -1,6 +1,7 @@
 //! Operations that answer with tables, sentences, figures and files.
 
 use hysteron_identify::online::FollowMethod;
+use hysteron_model::model::DecouplingRequest;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -113,6 +114,20 @@ pub struct SimulateRequest {
     /// Options.
     #[serde(default)]
     pub options: SimulateOptions,
+    /// File to write: `.csv`, `.npz`, `.mat`.
+    #[serde(default)]
+    pub save: Option<String>,
+}
+
+/// References of several axes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DecoupleRequest {
+    /// Record with a column for every output of the model, named as the model names it.
+    pub references: String,
+    /// Options.
+    #[serde(default)]
+    pub options: DecouplingRequest,
     /// File to write: `.csv`, `.npz`, `.mat`.
     #[serde(default)]
     pub save: Option<String>,

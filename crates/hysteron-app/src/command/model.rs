@@ -1,11 +1,12 @@
 //! The commands of what a model is for: scores, drives, controllers, source code.
 
-use hysteron_model::model::InverseRequest;
+use hysteron_model::model::{DecouplingRequest, InverseRequest};
 use hysteron_model::tracking::TrackOptions;
 
 use super::{Arguments, Words, beside, ids, quoted, read, text};
 use crate::api::{
-    Command, DownloadQuery, FollowRequest, RecordEntry, Reference, ScoresRequest, TrackRequest,
+    Command, DecoupleRequest, DownloadQuery, FollowRequest, RecordEntry, Reference, ScoresRequest,
+    TrackRequest,
 };
 
 /// `hysteron validate`.
@@ -68,6 +69,37 @@ pub(crate) fn invert(model: &str, request: &FollowRequest, reference: &str) -> C
         python: format!("drive = hy.load({}).invert({})", text(model), arguments.done()),
     };
     of_reference(command, &request.reference, reference, request.save.is_some())
+}
+
+/// `hysteron invert` of a model of several axes.
+pub(crate) fn decouple(model: &str, request: &DecoupleRequest, file: &str) -> Command {
+    let asked = &request.options;
+    let joined = |texts: Vec<String>| (!texts.is_empty()).then(|| texts.join(","));
+    let words = Words::new("invert").word(model).word(&request.references).with("-o", file);
+    let words = decoupled(words, asked)
+        .maybe("--level", asked.level)
+        .when("--periodic", asked.periodic)
+        .maybe("--preview", asked.preview);
+    let limits = asked.ranges.iter().map(|[low, high]| format!("({low}, {high})")).collect();
+    let arguments = Arguments::default()
+        .plain(format!("list(hy.read({}).channels.values())", text(&request.references)))
+        .value("limits", joined(limits).map(|limits| format!("[{limits}]")))
+        .value("slew", asked.slews_per_s.first())
+        .value("bandwidth", asked.bandwidth_hz)
+        .value("preview", asked.preview)
+        .value("level", asked.level)
+        .when("periodic", asked.periodic);
+    let python = format!("drives = hy.load({}).decouple({})", text(model), arguments.done());
+    Command { shell: words.done(), python }
+}
+
+/// Flags of the limits of several actuators.
+fn decoupled(words: Words, asked: &DecouplingRequest) -> Words {
+    let joined = |texts: Vec<String>| (!texts.is_empty()).then(|| texts.join(","));
+    words
+        .maybe("--range", joined(asked.ranges.iter().map(|[low, high]| format!("{low}:{high}")).collect()))
+        .maybe("--slew", joined(asked.slews_per_s.iter().map(f64::to_string).collect()))
+        .maybe("--bandwidth", asked.bandwidth_hz)
 }
 
 /// `hysteron track`.

@@ -2,8 +2,11 @@
 
 use std::io::{Cursor, Write};
 
-use hysteron_export::{ExportRequest, Exported, Form, Means, NamedFile, Precision, export};
+use hysteron_export::{
+    AxesExportRequest, ExportRequest, Exported, Form, Means, NamedFile, Precision, export, export_axes,
+};
 use hysteron_identify::Listener;
+use hysteron_model::Finding;
 use hysteron_model::model::{Capability, Hammerstein};
 use zip::write::SimpleFileOptions;
 
@@ -19,18 +22,44 @@ fn source(query: &DownloadQuery) -> Answer<Form> {
     query.form.source().ok_or_else(none)
 }
 
+/// The files of an export, and what is said of them.
+struct Source {
+    name: String,
+    files: Vec<NamedFile>,
+    states: usize,
+    error: f64,
+    findings: Vec<Finding>,
+}
+
 fn exported(
     workspace: &Workspace,
     id: &str,
     query: &DownloadQuery,
     listener: Listener<'_>,
-) -> Answer<Exported> {
+) -> Answer<Source> {
     let form = source(query)?;
     let (model, read) = workspace.model_and_source(id)?;
-    let body = model.hammerstein(Capability::Export).map_err(Refused::cannot)?;
     let single = query.single && form.has_single_precision();
+    let float = if single { Precision::F32 } else { Precision::F64 };
+    if model.channels().is_some() {
+        let request = AxesExportRequest {
+            form,
+            float,
+            name: query.name_for(id),
+            sample_rate_hz: query.sample_rate_hz,
+            inverse: query.inverse,
+            decoupling: query.decoupling_request(),
+            model_sha256: Some(read.sha256),
+            date: Some(today()),
+        };
+        let (subject, files) = export_axes(&model, &request).map_err(Refused::cannot)?;
+        let held = &subject.law().held;
+        let (states, error) = (held.model.states(), held.error);
+        return Ok(Source { name: request.name, files, states, error, findings: Vec::new() });
+    }
+    let body = model.hammerstein(Capability::Export).map_err(Refused::cannot)?;
     let request = ExportRequest {
-        float: if single { Precision::F32 } else { Precision::F64 },
+        float,
         sample_rate_hz: query.sample_rate_hz,
         accuracy: query.accuracy,
         lowest_frequency_hz: query.lowest_frequency_hz,
@@ -40,7 +69,11 @@ fn exported(
         ..ExportRequest::new(form, &query.name_for(id))
     };
     let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-    export(body, &request, Means { compiler: &compiler, listener }).map_err(Refused::cannot)
+    let found = export(body, &request, Means { compiler: &compiler, listener }).map_err(Refused::cannot)?;
+    let Exported { subject, files, findings } = found;
+    let dynamics = &subject.realisation.dynamics;
+    let (states, error) = (dynamics.states(), dynamics.frequency_error);
+    Ok(Source { name: subject.name, files, states, error, findings })
 }
 
 /// Sample rate of the controller: given, else that of the model's records.
@@ -64,8 +97,7 @@ pub(crate) fn preview(
     query: &DownloadQuery,
     listener: Listener<'_>,
 ) -> Answer<Preview> {
-    let Exported { subject, files, findings } = exported(workspace, id, query, listener)?;
-    let dynamics = &subject.realisation.dynamics;
+    let Source { name, files, states, error, findings } = exported(workspace, id, query, listener)?;
     let shown = |file: NamedFile| ExportFile {
         name: file.name,
         bytes: file.bytes.len(),
@@ -73,10 +105,10 @@ pub(crate) fn preview(
     };
     Ok(Preview {
         files: files.into_iter().map(shown).collect(),
-        states: Some(dynamics.states()),
-        error: Some(dynamics.frequency_error),
+        states: Some(states),
+        error: Some(error),
         findings,
-        command: command::export(id, &subject.name, query),
+        command: command::export(id, &name, query),
     })
 }
 
@@ -90,8 +122,7 @@ pub(crate) fn archive(
     query: &DownloadQuery,
     listener: Listener<'_>,
 ) -> Answer<(String, Vec<u8>)> {
-    let Exported { subject, files, .. } = exported(workspace, id, query, listener)?;
-    let name = subject.name;
+    let Source { name, files, .. } = exported(workspace, id, query, listener)?;
     workspace.history.add_action(&command::export(id, &name, query))?;
     let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
     for file in &files {

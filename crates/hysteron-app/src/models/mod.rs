@@ -2,6 +2,7 @@
 
 mod adapt;
 mod curves;
+mod decouple;
 mod export;
 mod follow;
 mod realise;
@@ -12,6 +13,7 @@ mod simulate;
 
 pub(crate) use adapt::adapt;
 pub(crate) use curves::{curves, response};
+pub(crate) use decouple::decouple;
 pub(crate) use export::{archive, preview};
 pub(crate) use follow::{follow, track};
 pub(crate) use realise::realise;

@@ -1,18 +1,12 @@
 //! `hysteron export` of a model of several axes.
 
-use hysteron_export::{
-    AxesSubject, ExportError, FileSummary, Form, axes_files, axes_inverse_files, axes_rust_files,
-    write_folder,
-};
-use hysteron_model::compensator::Limits;
-use hysteron_model::decoupling::{DecouplingLaw, LawOptions};
-use hysteron_model::model::Capability;
+use hysteron_export::{AxesExportRequest, FileSummary, export_axes, write_folder};
+use hysteron_model::model::DecouplingRequest;
 use serde::Serialize;
 
-use super::{Export, Float};
+use super::Export;
 use crate::console;
 use crate::failure::Failure;
-use crate::invert::limits_of_actuators;
 use crate::model::Loaded;
 
 /// Summary of an export of several axes.
@@ -32,53 +26,41 @@ struct Summary {
 
 impl Export {
     pub(super) fn several_axes(&self, loaded: &Loaded) -> Result<(), Failure> {
-        let refused = |form: String| self.cannot(&ExportError::OneAxis { form });
-        if !matches!(self.to, Form::C | Form::Rust) {
-            return Err(refused(self.to.name().to_owned()));
-        }
-        if matches!(self.float, Float::F32) {
-            return Err(refused("f32".to_owned()));
-        }
         for (given, flag) in [
             (self.predict_to.is_some(), "--predict-to"),
             (self.lowest_frequency.is_some(), "--lowest-frequency"),
-            (self.date.is_some(), "--date"),
+            (self.accuracy.is_some(), "--accuracy"),
         ] {
             if given {
                 return Err(Failure::usage(format!("{flag} does not go with a model of several axes yet")));
             }
         }
-        let modes = loaded.scheduled_modes(Capability::Export)?;
-        let rate = self.sample_rate.unwrap_or(modes.sample_rate_hz);
-        let options = LawOptions { bandwidth_hz: self.bandwidth, preview: self.preview, level: self.level };
-        let failed = |e: ExportError| self.cannot(&e);
-        let law = DecouplingLaw::new(modes, rate, &options).map_err(|e| failed(e.into()))?;
-        let limits = match limits_of_actuators(loaded, &self.range, &self.slew) {
-            Err(_) if !self.inverse => vec![Limits::range(-1.0, 1.0); modes.inputs],
-            limits => limits?,
+        let request = AxesExportRequest {
+            form: self.to,
+            float: self.float.precision(),
+            name: self.name(),
+            sample_rate_hz: self.sample_rate,
+            inverse: self.inverse,
+            decoupling: DecouplingRequest {
+                ranges: self.range.clone(),
+                slews_per_s: self.slew.clone(),
+                bandwidth_hz: self.bandwidth,
+                level: self.level,
+                preview: self.preview,
+                ..DecouplingRequest::default()
+            },
+            model_sha256: Some(loaded.source().sha256.clone()),
+            date: self.date(),
         };
-        let name = self.name();
-        let units = loaded.model().units();
-        let subject =
-            AxesSubject::new(&name, loaded.model().name(), (&units.input, &units.output), law, limits)
-                .map_err(failed)?;
-        let files = if self.to == Form::Rust {
-            axes_rust_files(&subject, self.inverse).map_err(failed)?
-        } else {
-            let mut files = axes_files(&subject).map_err(failed)?;
-            if self.inverse {
-                files.extend(axes_inverse_files(&subject).map_err(failed)?);
-            }
-            files
-        };
+        let (subject, files) = export_axes(loaded.model(), &request).map_err(|e| self.cannot(&e))?;
         write_folder(&self.out_dir, &files).map_err(|e| self.cannot(&e))?;
         if let Some(range) = loaded.model().valid_range() {
             console::note(&range.in_words());
         }
-        let law = subject.law();
+        let (law, modes) = (subject.law(), &subject.law().held.model);
         let summary = Summary {
-            name,
-            sample_rate_hz: rate,
+            name: request.name,
+            sample_rate_hz: modes.sample_rate_hz,
             inputs: modes.inputs,
             outputs: modes.outputs,
             states: law.held.model.states(),

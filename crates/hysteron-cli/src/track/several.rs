@@ -4,7 +4,7 @@ use hysteron_io::write_record;
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::control::slew_of_current;
 use hysteron_model::decoupling::{AxesTrackOptions, AxesTracking, track_axes};
-use hysteron_model::model::{AxesTrackingSummary, Capability};
+use hysteron_model::model::{AxesTrackingSummary, Capability, DecouplingRequest};
 use hysteron_model::record::{Channel, Record, Unit};
 use hysteron_report::number::significant;
 use hysteron_rig::axes::{AxesRigStage, AxesTruth};
@@ -12,7 +12,6 @@ use hysteron_rig::axes::{AxesRigStage, AxesTruth};
 use super::{PlantArg, Track};
 use crate::console;
 use crate::failure::Failure;
-use crate::invert::limits_of_actuators;
 use crate::model::Loaded;
 use crate::rig::read_settings;
 
@@ -42,16 +41,21 @@ impl Track {
         };
         let of_current =
             self.current.zip(self.capacitance).map(|(ma, uf)| slew_of_current(1e-3 * ma, 1e-6 * uf));
-        let slew: Vec<f64> = self.slew.or(of_current).into_iter().collect();
+        let asked = DecouplingRequest {
+            ranges: self.range.clone(),
+            slews_per_s: self.slew.or(of_current).into_iter().collect(),
+            ..DecouplingRequest::default()
+        };
+        let failed = |e| loaded.cannot_follow(&self.reference_file, e);
         let options = AxesTrackOptions {
-            limits: limits_of_actuators(loaded, &self.range, &slew)?,
+            limits: asked.limits(loaded.model()).map_err(|e| failed(e.into()))?,
             bandwidth_hz: self.bandwidth,
             preview: self.preview,
             skip_s: self.skip,
         };
         let stage = AxesRigStage { truth: &truth, seed: self.seed };
         let found = track_axes(modes, &references.u, references.sample_rate_hz, &options, &stage)
-            .map_err(|e| loaded.cannot_follow(&self.reference_file, e.into()))?;
+            .map_err(|e| failed(e.into()))?;
         self.write_several(loaded, &references, &found)?;
         let summary = AxesTrackingSummary::new(model, &found);
         if self.result.json {

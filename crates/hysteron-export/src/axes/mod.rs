@@ -3,6 +3,7 @@
 //! Both run at the constant level of a [`DecouplingLaw`], in double precision, with the arithmetic of
 //! [`HeldSimulation`] and [`DecouplingController`], operation by operation.
 
+mod request;
 mod tables;
 
 use hysteron_io::NamedFile;
@@ -14,8 +15,10 @@ use crate::c::{description_comment, rows};
 use crate::error::ExportError;
 use crate::escape::{c_comment, rust_comment, toml_string};
 use crate::number::Precision;
+use crate::origin::Origin;
 use crate::subject::{check_name, significant};
 use crate::template::Filling;
+pub use request::{AxesExportRequest, export_axes};
 use tables::{Language, Tables, literal};
 
 const HEADER: &str = include_str!("../../templates/c/axes_top.h");
@@ -45,6 +48,7 @@ pub struct AxesSubject {
     output_unit: String,
     law: DecouplingLaw,
     limits: Vec<Limits>,
+    origin: Origin,
 }
 
 impl AxesSubject {
@@ -70,6 +74,7 @@ impl AxesSubject {
             output_unit,
             law,
             limits,
+            origin: Origin::made(None),
         })
     }
 
@@ -104,7 +109,6 @@ impl AxesSubject {
                 "{} Hz, double precision. Voltages are held from sample to sample.",
                 significant(model.sample_rate_hz)
             ),
-            format!("Written by hysteron export {}.", env!("CARGO_PKG_VERSION")),
             format!(
                 "{} modes and {} lags, at the level of {} {input} rms, at which it holds; it does not \
                  move with the drive.",
@@ -113,6 +117,7 @@ impl AxesSubject {
                 significant(law.level)
             ),
         ];
+        lines.splice(2..2, self.origin.lines());
         if law.held.error > 0.0 {
             lines.push(format!(
                 "At this rate the linear response of the model file is matched to {} rms.",

@@ -26,6 +26,12 @@ pub enum DecouplingError {
         /// Limits given.
         limits: usize,
     },
+    /// No limits were given, and the model was identified in none.
+    #[error("the model does not say which drives it was identified with: give their limits")]
+    RangeUnknown,
+    /// Periodic references were to be followed one sample at a time.
+    #[error("references that repeat are followed as a whole: one sample at a time they have no steady state")]
+    Repeats,
     /// A reference that is too short, or references of different lengths.
     #[error("reference {axis} has {samples} samples: all must have the same number, 2 or more")]
     Samples {

@@ -2,7 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
-use super::{Capability, Model, RunError, SignalRole, Unsupported};
+use super::{Capability, Model, Preview, RunError, SignalRole, Unsupported};
 use crate::axes::{AxesRecord, ScheduledModes};
 use crate::compensator::Limits;
 use crate::decoupling::{
@@ -86,8 +86,8 @@ pub struct DecoupledSummary {
     pub sample_rate_hz: f64,
     /// Bandwidth \[Hz\].
     pub bandwidth_hz: f64,
-    /// Preview in samples; `None`: the whole references were known.
-    pub preview: Option<usize>,
+    /// Preview; `None`: the whole references were known.
+    pub preview: Option<Preview>,
     /// Level of the drive for which the modes were taken, rms.
     pub level: f64,
     /// Rounds of the iteration.
@@ -137,8 +137,8 @@ pub struct AxisSummary {
 }
 
 impl DecoupledSummary {
-    /// Summary of the `found` drives of a model for references; `preview` in samples, where it was limited.
-    pub fn new(model: &Model, references: &AxesRecord, found: &AxesDrive, preview: Option<usize>) -> Self {
+    /// Summary of the `found` drives of a model for references; `preview`, where it was limited.
+    pub fn new(model: &Model, references: &AxesRecord, found: &AxesDrive, preview: Option<Preview>) -> Self {
         let (inputs, outputs) = model.channels().unwrap_or((&[], &[]));
         let rate = references.sample_rate_hz;
         let actuator = |(n, (name, drive)): (usize, (&String, &Vec<f64>))| {
@@ -207,7 +207,7 @@ impl Serialize for DecoupledSummary {
             .with("samples", self.samples)
             .with("sample_rate_hz", self.sample_rate_hz)
             .with("bandwidth_hz", self.bandwidth_hz)
-            .with("preview_samples", self.preview)
+            .with("preview_samples", self.preview.map(|preview| preview.samples))
             .in_unit("level", input, self.level)
             .with("rounds", self.rounds)
             .with("rate_error", self.rate_error)

@@ -8,6 +8,7 @@ mod axes_tracking;
 mod capability;
 mod checked_realisation;
 mod decoupled;
+mod decoupling_request;
 mod error;
 mod force_run;
 mod inverse_findings;
@@ -25,6 +26,7 @@ pub use axes_tracking::{AxesControllerSummary, AxesTrackingSummary};
 pub use capability::{Capability, Unsupported};
 pub use checked_realisation::{CheckedRealisation, RealisationSummary, SectionSummary, Sweep};
 pub use decoupled::{ActuatorSummary, AxisSummary, DecoupledSummary};
+pub use decoupling_request::DecouplingRequest;
 pub use error::{RunError, SignalRole};
 #[doc(hidden)]
 pub use inverse_findings::FAR_FROM_REST;

@@ -208,6 +208,7 @@ export interface Schema {
   items?: Schema;
   minimum?: number;
   maximum?: number;
+  maxItems?: number;
   default?: unknown;
   $ref?: string;
   $defs?: Record<string, Schema>;

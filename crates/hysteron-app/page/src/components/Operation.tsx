@@ -37,6 +37,8 @@ export function Operation(props: {
   model?: string;
   choices?: Record<string, Choice[]>;
   children?: ComponentChildren;
+  /** Unfolded from the beginning. */
+  open?: boolean;
 }) {
   const offered = useResource<Options>('options').value?.operations.find((one) => one.name === props.name);
   const [asked, ask] = useState<Record<string, unknown>>({});
@@ -69,7 +71,7 @@ export function Operation(props: {
   };
 
   return (
-    <details class="operation hr">
+    <details class="operation hr" open={props.open}>
       <summary>{props.title}</summary>
       <div class="stack">
         <p class="soft">{props.about}</p>

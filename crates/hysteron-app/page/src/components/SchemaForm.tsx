@@ -112,6 +112,18 @@ function Field({ label, schema, root, value, choices, usual, change }: FieldProp
           <small>{help}</small>
         </label>
       );
+    case 'ranges':
+      return (
+        <label class="f">
+          <span>{label}</span>
+          <Typed
+            text={Array.isArray(value) ? value.map((pair: number[]) => pair.join(':')).join(', ') : ''}
+            read={rangesOf}
+            change={change}
+          />
+          <small>{help} Written as LOW:HIGH, several separated by commas.</small>
+        </label>
+      );
     case 'texts':
       return (
         <label class="f">
@@ -181,6 +193,17 @@ function Field({ label, schema, root, value, choices, usual, change }: FieldProp
         </label>
       );
   }
+}
+
+/** `LOW:HIGH, LOW:HIGH`; undefined where it is none. */
+function rangesOf(text: string): number[][] | undefined {
+  const pairs = text
+    .split(',')
+    .map((one) => one.trim())
+    .filter(Boolean)
+    .map((one) => one.split(':').map(Number));
+  const good = pairs.every((pair) => pair.length === 2 && pair.every(Number.isFinite));
+  return good ? pairs : undefined;
 }
 
 function offered(choices: Choice[], usual: unknown): Option[] {

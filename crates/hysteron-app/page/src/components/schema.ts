@@ -18,6 +18,7 @@ export type Kind =
   | { kind: 'text' }
   | { kind: 'numbers' }
   | { kind: 'texts' }
+  | { kind: 'ranges' }
   | { kind: 'choice'; options: Option[] }
   | { kind: 'group'; fields: [string, Schema][] }
   | { kind: 'json' };
@@ -71,6 +72,7 @@ export function kindOf(given: Schema, root: Schema): Kind {
     case 'array': {
       const item = schema.items && resolved(schema.items, root);
       if (item?.type === 'number' || item?.type === 'integer') return { kind: 'numbers' };
+      if (item?.type === 'array' && item.maxItems === 2) return { kind: 'ranges' };
       return item?.type === 'string' && !item.enum ? { kind: 'texts' } : { kind: 'json' };
     }
     default:
@@ -133,6 +135,7 @@ export function start(given: Schema, root: Schema): unknown {
     case 'numbers':
       return [1];
     case 'texts':
+    case 'ranges':
       return [];
     case 'text':
       return '';

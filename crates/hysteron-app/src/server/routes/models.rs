@@ -8,13 +8,13 @@ use axum::response::Response;
 use hysteron_identify::Listener;
 
 use crate::api::{
-    AdaptRequest, DownloadQuery, Form, ModelCurves, ModelCurvesQuery, ModelDetail, ModelEntry, ModelPatch,
-    Outcome, Preview, RealiseRequest, RecalibrateRequest, ResponseQuery, Responses, Scored, ScoresRequest,
-    SimulateRequest, Trashed,
+    AdaptRequest, DecoupleRequest, DownloadQuery, Form, ModelCurves, ModelCurvesQuery, ModelDetail,
+    ModelEntry, ModelPatch, Outcome, Preview, RealiseRequest, RecalibrateRequest, ResponseQuery, Responses,
+    Scored, ScoresRequest, SimulateRequest, Trashed,
 };
 use crate::models::{
-    adapt, archive, curves, detail, list, preview, realise, recalibrate, rename, report, response, scores,
-    simulate,
+    adapt, archive, curves, decouple, detail, list, preview, realise, recalibrate, rename, report, response,
+    scores, simulate,
 };
 use crate::refused::{Answer, Refused};
 use crate::server::Shared;
@@ -43,6 +43,9 @@ pub(in crate::server) fn operations() -> Vec<Operation> {
             .answers::<Responses>(),
         Operation::post("/api/v1/models/{id}/simulate", "The output for the drive of a record.", simulated)
             .takes::<SimulateRequest>()
+            .answers::<Outcome>(),
+        Operation::post("/api/v1/models/{id}/decouple", "Drives of several actuators.", decoupled)
+            .takes::<DecoupleRequest>()
             .answers::<Outcome>(),
         Operation::post("/api/v1/models/{id}/recalibrate", "Gain, delay and offset anew.", recalibrated)
             .takes::<RecalibrateRequest>()
@@ -112,6 +115,14 @@ async fn simulated(
     Input(request): Input<SimulateRequest>,
 ) -> Answer<Json<Outcome>> {
     compute(move || simulate(&shared.workspace, &id, &request)).await
+}
+
+async fn decoupled(
+    State(shared): State<Arc<Shared>>,
+    Path(id): Path<String>,
+    Input(request): Input<DecoupleRequest>,
+) -> Answer<Json<Outcome>> {
+    compute(move || decouple(&shared.workspace, &id, &request)).await
 }
 
 async fn recalibrated(

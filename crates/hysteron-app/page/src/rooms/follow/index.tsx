@@ -14,10 +14,12 @@ import { recordsOf } from '../identify/Done';
 import { Bench } from './Bench';
 import { LimitsForm, ReferenceForm, type Limits, type Specification } from './Reference';
 import { DRAWN, read, sampled, written } from './drawn';
+import { Decouple } from './Decouple';
 import { Curves, Result } from './Result';
 import { Simulate } from './Simulate';
 
 const TITLE = 'Follow';
+const SEVERAL_AXES = ['modes', 'branches'];
 const QUESTION = 'Which drive follows my reference, within my limits, and how well?';
 
 export function Follow() {
@@ -86,6 +88,20 @@ function Room({ models, model }: { models: ModelEntry[]; model: ModelEntry }) {
   const records = useResource<RecordEntry[]>('records').value;
   const fitted = detail && records ? recordsOf(model, records)[0] : undefined;
   const record = useLatest<RecordDetail>(fitted ? path('records', fitted.id) : null).value;
+  if (records && detail && SEVERAL_AXES.includes(model.kind ?? '')) {
+    return (
+      <>
+        <Head title={TITLE} question={QUESTION}>
+          <Origin simulated={model.simulated} />
+          <ModelChoice models={models} model={model} />
+        </Head>
+        <div class="stack">
+          <Decouple model={model} records={records} />
+          <Simulate model={model} records={records} />
+        </div>
+      </>
+    );
+  }
   if (!detail || !records || (fitted && !record)) {
     return (
       <>

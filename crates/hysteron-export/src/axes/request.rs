@@ -1,0 +1,84 @@
+//! An export of a model of several axes as it is asked for, with the defaults of every front end.
+
+use hysteron_io::NamedFile;
+use hysteron_model::Model;
+use hysteron_model::compensator::Limits;
+use hysteron_model::decoupling::DecouplingLaw;
+use hysteron_model::model::{Capability, DecouplingRequest};
+use serde::{Deserialize, Serialize};
+
+use super::{AxesSubject, axes_files, axes_inverse_files, axes_rust_files};
+use crate::error::ExportError;
+use crate::form::Form;
+use crate::number::Precision;
+use crate::origin::Origin;
+
+/// What a model of several axes is exported as; what is left out takes its default.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxesExportRequest {
+    /// Form: C99 or Rust.
+    #[serde(rename = "to")]
+    pub form: Form,
+    /// Number type: double precision.
+    pub float: Precision,
+    /// Beginning of every name in the source: a to z, digits, `_`.
+    pub name: String,
+    /// Rate of the controller \[Hz\]; left out: the model's.
+    #[serde(default)]
+    pub sample_rate_hz: Option<f64>,
+    /// The inverse too: references in, drives out.
+    #[serde(default)]
+    pub inverse: bool,
+    /// Level, and for the inverse limits, bandwidth and preview.
+    #[serde(default)]
+    pub decoupling: DecouplingRequest,
+    /// SHA-256 of the model file; left out: not in the headers.
+    #[serde(default)]
+    pub model_sha256: Option<String>,
+    /// Day in the headers; left out, the source is the same on every day.
+    #[serde(default)]
+    pub date: Option<String>,
+}
+
+/// The files of a model of several axes as they are asked for, and its subject.
+///
+/// # Errors
+/// [`ExportError::Unsupported`] for a model without such an export, [`ExportError::OneAxis`] for a form that is
+/// not there for it; those of [`DecouplingLaw::new`] and [`AxesSubject::new`].
+pub fn export_axes(
+    model: &Model,
+    request: &AxesExportRequest,
+) -> Result<(AxesSubject, Vec<NamedFile>), ExportError> {
+    let refused = |form: &str| Err(ExportError::OneAxis { form: form.to_owned() });
+    if !matches!(request.form, Form::C | Form::Rust) {
+        return refused(request.form.name());
+    }
+    if request.float == Precision::F32 {
+        return refused("f32");
+    }
+    let modes = model.scheduled_modes(Capability::Export)?;
+    let rate = request.sample_rate_hz.unwrap_or(modes.sample_rate_hz);
+    let law = DecouplingLaw::new(modes, rate, &request.decoupling.law())?;
+    let limits = match request.decoupling.limits(model) {
+        // The model alone has no limits.
+        Err(_) if !request.inverse => vec![Limits::range(-1.0, 1.0); modes.inputs],
+        limits => limits?,
+    };
+    let units = model.units();
+    let mut subject =
+        AxesSubject::new(&request.name, model.name(), (&units.input, &units.output), law, limits)?;
+    subject.origin = Origin::made(model.provenance());
+    subject.origin.model_sha256 = request.model_sha256.clone().unwrap_or_default();
+    subject.origin.date.clone_from(&request.date);
+    let files = if request.form == Form::Rust {
+        axes_rust_files(&subject, request.inverse)?
+    } else {
+        let mut files = axes_files(&subject)?;
+        if request.inverse {
+            files.extend(axes_inverse_files(&subject)?);
+        }
+        files
+    };
+    Ok((subject, files))
+}
