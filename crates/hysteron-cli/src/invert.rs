@@ -265,7 +265,7 @@ fn text(s: &InverseSummary) -> String {
     }];
     if let Some(preview) = s.preview {
         lines.push(format!(
-            "Computed sample by sample: preview of {} samples, of {} that affect the drive.",
+            "Computed sample by sample, with a preview of {} samples; more than {} are of little use.",
             preview.samples, preview.useful
         ));
     }

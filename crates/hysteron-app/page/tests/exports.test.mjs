@@ -43,7 +43,10 @@ async function taken(form, label) {
     execFileSync('unzip', ['-q', await download.path(), '-d', folder]);
     const [name] = await readdir(folder);
     const written = join(server.folder, name);
-    execFileSync('sh', ['-c', shell.replace(/^hysteron\b/, COMMAND)], { cwd: server.folder, stdio: 'pipe' });
+    execFileSync('sh', ['-c', shell.replace(/^hysteron\b/, COMMAND)], {
+      cwd: server.folder,
+      stdio: 'pipe',
+    });
     await same(join(folder, name), written);
     // The next form writes into a folder of the same name.
     await rm(written, { recursive: true });
@@ -75,7 +78,10 @@ test('MATLAB functions are those of the command, and their self-test passes in O
   assert.ok((await readdir(folder)).includes(`${name}_selftest.m`));
   if (!has('octave-cli', '--version')) return t.diagnostic('skipped in part: GNU Octave is not installed');
   for (const test of [`${name}_selftest`, `${name}_inverse_selftest`])
-    execFileSync('octave-cli', ['--no-gui', '--eval', `assert (${test} ())`], { cwd: folder, stdio: 'pipe' });
+    execFileSync('octave-cli', ['--no-gui', '--eval', `assert (${test} ())`], {
+      cwd: folder,
+      stdio: 'pipe',
+    });
 });
 
 test('the S-function comes with C whose self-test passes', async (t) => {
@@ -83,7 +89,9 @@ test('the S-function comes with C whose self-test passes', async (t) => {
   assert.match(await readFile(join(folder, `${name}_sfun.c`), 'utf8'), /simstruc\.h/);
   if (!has('cc', '--version')) return t.diagnostic('skipped in part: no C compiler is installed');
   const sources = [`${name}.c`, `${name}_selftest.c`];
-  execFileSync('cc', ['-std=c99', '-ffp-contract=off', ...sources, '-o', 'selftest', '-lm'], { cwd: folder });
+  execFileSync('cc', ['-std=c99', '-ffp-contract=off', ...sources, '-o', 'selftest', '-lm'], {
+    cwd: folder,
+  });
   t.diagnostic(execFileSync(join(folder, 'selftest'), { encoding: 'utf8' }).trim());
 });
 

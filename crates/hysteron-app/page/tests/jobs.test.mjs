@@ -104,7 +104,9 @@ test('controllers that are simulated tell the time left and can be stopped', asy
     await identified(page);
     await page.goto(`${server.url}#/follow`);
     await page.click('button:has-text("Simulate the controllers")', { timeout: 60_000 });
-    await page.waitForSelector('[role=group][aria-label="Controllers"]:has-text("left")', { timeout: 60_000 });
+    await page.waitForSelector('[role=group][aria-label="Controllers"]:has-text("left")', {
+      timeout: 60_000,
+    });
     await picture(page, 'follow-working');
     await page.click('[role=group][aria-label="Controllers"] button:has-text("Stop")');
     await page.waitForSelector('text=It was stopped.');

@@ -94,9 +94,7 @@ test('it is dark where the system is', async () => {
       if (theme === 'dark') await picture(page, 'report-dark');
       assert.deepEqual(page.faults, []);
       const colour = await page.evaluate(() => getComputedStyle(document.body).backgroundColor);
-      const html = await page.evaluate(
-        () => getComputedStyle(document.documentElement).backgroundColor,
-      );
+      const html = await page.evaluate(() => getComputedStyle(document.documentElement).backgroundColor);
       const numbers = (/rgba?\(0, 0, 0, 0\)/.test(colour) ? html : colour).match(/\d+/g).slice(0, 3);
       return numbers.reduce((sum, number) => sum + Number(number), 0) / 3;
     } finally {

@@ -98,9 +98,9 @@ fn a_drive_made_one_sample_at_a_time_knows_what_it_previews_and_predicts_the_res
         assert_eq!(run.exit_code, 2, "{flags}: {run:?}");
     }
     let run = bench.run("invert stage.json scan.csv -o drive.csv --range 1:100 --preview 100000");
-    assert!(run.exit_code == 0 && run.stderr.contains(" of the 100000 samples ahead are used"), "{run:?}");
+    assert!(run.exit_code == 0 && run.stdout.contains("Of the preview of 100000 samples "), "{run:?}");
     let run = bench.run("invert stage.json scan.csv -o drive.csv --range 1:100 --preview 2");
-    assert!(run.exit_code == 0 && !run.stderr.contains("ahead are used"), "{run:?}");
+    assert!(run.exit_code == 0 && !run.stdout.contains("Of the preview"), "{run:?}");
     let run = bench.run("invert stage.json scan.csv -o drive.csv --range 1:100 --predict-to 700");
     assert!(run.exit_code == 1 && run.stderr.contains("below half the sample rate"), "{run:?}");
 }
@@ -189,7 +189,7 @@ fn what_cannot_be_followed_is_refused_without_a_file() {
     bench.write("one.csv", "t_s,r_um\n0,1\n");
     bench.write("volts.csv", "t_s,u_V,r_V\n0,1,1\n0.1,2,1\n");
     for (arguments, said) in [
-        ("stage.json scan.csv", "does not say which voltages"),
+        ("stage.json scan.csv", "does not say which drive"),
         ("stage.json uneven.csv --range 0:100", "no uniform sample rate"),
         ("stage.json text.csv --range 0:100", "line 3"),
         ("stage.json one.csv --range 0:100", ""),

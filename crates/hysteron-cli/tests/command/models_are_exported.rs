@@ -186,7 +186,7 @@ fn single_precision_that_takes_too_much_is_said_or_refused() {
     assert!(header.contains(" * Single precision may move the voltage by "), "{header}");
     let run = inverse("1e5", "f32");
     assert!(
-        run.exit_code == 0 && run.stderr.contains("note: single precision may move the voltage by"),
+        run.exit_code == 0 && run.stderr.contains("note: Single precision may move the voltage by"),
         "{run:?}"
     );
     let header = std::fs::read_to_string(bench.path("out/stage_inverse.h")).unwrap();
@@ -215,7 +215,7 @@ fn what_lies_between_the_samples_is_noted_and_stands_in_the_header() {
     let exported = bench.run("export stage.json --to c -o out --sample-rate 1000");
     assert_eq!((realised.exit_code, exported.exit_code), (0, 0), "{realised:?} {exported:?}");
     assert!(
-        exported.stderr.contains("note: along the sweep the difference to the batch simulation is"),
+        exported.stderr.contains("note: Along the sweep the difference to the batch simulation is"),
         "{exported:?}"
     );
     assert_eq!(realised.stderr, exported.stderr);
@@ -276,7 +276,7 @@ fn the_inverse_comes_in_the_same_forms() {
     let header = std::fs::read_to_string(bench.path("source/stage_inverse.h")).unwrap();
     let used = header.lines().find_map(|l| l.strip_prefix("#define STAGE_INVERSE_PREVIEW ")).unwrap();
     assert!(used.parse::<usize>().unwrap() < 5000, "{used}");
-    assert!(run.stderr.contains(&format!("of the preview of 100000 samples {used} are used")), "{run:?}");
+    assert!(run.stderr.contains(&format!("Of the preview of 100000 samples {used} are used")), "{run:?}");
     let run = bench.run(&format!("export P-885_stage.json --to fmu -o units {limits}"));
     assert_eq!((run.exit_code, names(&bench, "units").len()), (0, 4), "{run:?}");
     let run = bench.run(&format!("export P-885_stage.json --to rust -o crate {limits}"));

@@ -40,7 +40,7 @@ pub struct InverseRequest {
 pub struct Preview {
     /// Samples used.
     pub samples: usize,
-    /// Samples that affect the drive at all.
+    /// Samples beyond which more are of little use.
     pub useful: usize,
 }
 

@@ -64,7 +64,7 @@ pub fn sentences(found: &DecoupledSummary) -> Vec<String> {
     )];
     if let Some(preview) = found.preview {
         lines.push(format!(
-            "Computed sample by sample: preview of {} samples, of {} that affect the drives.",
+            "Computed sample by sample, with a preview of {} samples; more than {} are of little use.",
             preview.samples, preview.useful
         ));
     }

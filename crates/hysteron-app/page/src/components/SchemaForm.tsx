@@ -112,6 +112,31 @@ function Field({ label, schema, root, value, choices, usual, change }: FieldProp
           <small>{help}</small>
         </label>
       );
+    case 'several': {
+      const chosen: unknown[] = Array.isArray(value) ? value : [];
+      const toggle = (option: Option): void => {
+        const others = chosen.filter((one) => !option.matches(one));
+        change(others.length < chosen.length ? others : [...chosen, option.value]);
+      };
+      return (
+        <fieldset class="f whole">
+          <legend>{label}</legend>
+          <small>{help}</small>
+          <div class="row wrap">
+            {kind.options.map((option) => (
+              <label class="row" key={option.label} title={plain(option.summary)}>
+                <input
+                  type="checkbox"
+                  checked={chosen.some(option.matches)}
+                  onChange={() => toggle(option)}
+                />
+                {option.label}
+              </label>
+            ))}
+          </div>
+        </fieldset>
+      );
+    }
     case 'ranges':
       return (
         <label class="f">

@@ -19,6 +19,7 @@ export type Kind =
   | { kind: 'numbers' }
   | { kind: 'texts' }
   | { kind: 'ranges' }
+  | { kind: 'several'; options: Option[] }
   | { kind: 'choice'; options: Option[] }
   | { kind: 'group'; fields: [string, Schema][] }
   | { kind: 'json' };
@@ -73,7 +74,10 @@ export function kindOf(given: Schema, root: Schema): Kind {
       const item = schema.items && resolved(schema.items, root);
       if (item?.type === 'number' || item?.type === 'integer') return { kind: 'numbers' };
       if (item?.type === 'array' && item.maxItems === 2) return { kind: 'ranges' };
-      return item?.type === 'string' && !item.enum ? { kind: 'texts' } : { kind: 'json' };
+      if (item?.type === 'string' && !item.enum) return { kind: 'texts' };
+      const choice = item && kindOf(item, root);
+      const plain = choice?.kind === 'choice' && choice.options.every((option) => !option.inner);
+      return plain ? { kind: 'several', options: choice.options } : { kind: 'json' };
     }
     default:
       return schema.properties
@@ -136,6 +140,7 @@ export function start(given: Schema, root: Schema): unknown {
       return [1];
     case 'texts':
     case 'ranges':
+    case 'several':
       return [];
     case 'text':
       return '';

@@ -37,8 +37,9 @@ export function Bench(props: {
   const [asked, ask] = useState<Record<string, unknown>>({});
   const offered = useResource<Options>('options').value;
   const track = (save?: string): Promise<Tracked> => {
-    const { virgin_voltage, ...inverse } = props.inverse;
-    const given = { ...inverse, virgin_v: virgin_voltage, ...asked };
+    const { range, slew_per_s, bandwidth_hz, virgin_voltage, preview, predict_to_hz } = props.inverse;
+    const limits = { range, slew_per_s, bandwidth_hz, virgin_v: virgin_voltage, preview, predict_to_hz };
+    const given = { ...limits, ...asked };
     const options = Object.fromEntries(Object.entries(given).filter(([, value]) => value != null));
     const { reference, simulated } = props;
     return change<Tracked>('POST', `${props.at}/track`, { reference, options, on_model: !simulated, save });
