@@ -1,6 +1,5 @@
 //! Models, what they do on records, and their exports.
 
-use hysteron_export::name_of;
 use hysteron_identify::{GainPhase, Interval};
 use hysteron_model::Finding;
 use hysteron_model::model::{DecouplingRequest, InverseRequest};
@@ -11,7 +10,6 @@ use serde_json::Value;
 
 use super::curve::pixels;
 use super::{Command, Curve, Problem};
-use crate::workspace::stem_of;
 
 /// A model in the list.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -377,11 +375,6 @@ impl DownloadQuery {
             preview: one.preview,
             ..DecouplingRequest::default()
         }
-    }
-
-    /// Beginning of every name in the source of the model `id`.
-    pub(crate) fn name_for(&self, id: &str) -> String {
-        self.name.clone().unwrap_or_else(|| name_of(stem_of(id)))
     }
 }
 

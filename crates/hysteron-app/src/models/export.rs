@@ -4,6 +4,7 @@ use std::io::{Cursor, Write};
 
 use hysteron_export::{
     AxesExportRequest, ExportRequest, Exported, Form, Means, NamedFile, Precision, export, export_axes,
+    name_of,
 };
 use hysteron_identify::Listener;
 use hysteron_model::Finding;
@@ -14,7 +15,12 @@ use crate::api::{DownloadQuery, ExportFile, Preview};
 use crate::clock::today;
 use crate::command;
 use crate::refused::{Answer, Refused};
-use crate::workspace::Workspace;
+use crate::workspace::{Workspace, stem_of};
+
+/// Beginning of every name in the source: given, else from the model's name.
+fn name_for(id: &str, query: &DownloadQuery) -> String {
+    query.name.clone().unwrap_or_else(|| name_of(stem_of(id)))
+}
 
 /// The form of source code that is asked for.
 fn source(query: &DownloadQuery) -> Answer<Form> {
@@ -45,7 +51,7 @@ fn exported(
         let request = AxesExportRequest {
             form,
             float,
-            name: query.name_for(id),
+            name: name_for(id, query),
             sample_rate_hz: query.sample_rate_hz,
             inverse: query.inverse,
             decoupling: query.decoupling_request(),
@@ -66,7 +72,7 @@ fn exported(
         inverse: query.inverse.then(|| query.inverse_request()),
         model_sha256: Some(read.sha256),
         date: Some(today()),
-        ..ExportRequest::new(form, &query.name_for(id))
+        ..ExportRequest::new(form, &name_for(id, query))
     };
     let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
     let found = export(body, &request, Means { compiler: &compiler, listener }).map_err(Refused::cannot)?;
