@@ -164,7 +164,7 @@ fn tuned_loops_keep_their_margins_and_use_them_up() {
         .collect();
     let mut left = Vec::new();
     for family in [LawFamily::Pi, LawFamily::FractionalPi, LawFamily::NotchIntegral] {
-        let tuned = tune(family, &plant, &dynamics, RATE_HZ, &wanted).unwrap();
+        let tuned = tune(family, &plant, &dynamics, RATE_HZ, &wanted, &|| Ok(())).unwrap();
         let with = |gain: f64| {
             let law = tuned.law.clone().scaled(gain);
             Margins::of(&plant.iter().map(|(f, p)| (*f, law.response(*f) * p)).collect::<Vec<_>>())

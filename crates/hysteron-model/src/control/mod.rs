@@ -35,4 +35,4 @@ pub use play::{Plant, Played, Stage, StageRun, StageSample, play};
 pub use score::TrackingScore;
 pub use sines::{Edge, Followed, SineAnswer, Sines};
 pub use strategy::{Bandwidth, Forward, Loop, LoopSettings, Strategy};
-pub use tuning::{LawFamily, RequiredMargins, Tuned, tune, tune_observer};
+pub use tuning::{LawFamily, RequiredMargins, Still, Tuned, tune, tune_observer};

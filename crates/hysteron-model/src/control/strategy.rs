@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::margins::loop_frequencies;
-use super::tuning::LawFamily;
+use super::tuning::{LawFamily, Still};
 use super::{
     Adaptive, AdaptiveFilter, ControlError, Margins, RequiredMargins, StraightLine, Tuned, tune,
     tune_observer,
@@ -123,6 +123,19 @@ impl Loop {
     /// # Errors
     /// [`ControlError`]; an observer or adaptive weights without the inverse are refused.
     pub fn new(model: &Model, settings: &LoopSettings, strategy: &Strategy) -> Result<Self, ControlError> {
+        Self::new_while(&|| Ok(()), model, settings, strategy)
+    }
+
+    /// [`Self::new`], asking now and then whether to go on.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`]; [`ControlError::Stopped`].
+    pub fn new_while(
+        still: Still<'_>,
+        model: &Model,
+        settings: &LoopSettings,
+        strategy: &Strategy,
+    ) -> Result<Self, ControlError> {
         let rate = settings.sample_rate_hz;
         if !(rate.is_finite() && rate > 0.0) {
             return Err(ControlError::Number { name: "sample rate [Hz]", value: rate });
@@ -153,7 +166,7 @@ impl Loop {
             Some(family) => {
                 let rest: Vec<(f64, Complex64)> =
                     frequencies.iter().map(|f| (*f, steepest * correction(*f) * late(*f))).collect();
-                Some(tune(family, &rest, &dynamics, rate, &settings.wanted)?)
+                Some(tune(family, &rest, &dynamics, rate, &settings.wanted, still)?)
             }
         };
         let needs_inverse = strategy.observer || strategy.adaptive.is_some();

@@ -4,7 +4,7 @@ use super::ControlError;
 use super::law::{FeedbackKind, FeedbackLaw, Notch};
 use super::margins::Margins;
 use crate::realise::LinearRealisation;
-use hysteron_numeric::Complex64;
+use hysteron_numeric::{Complex64, Stopped};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -52,6 +52,9 @@ pub struct Tuned {
     pub left: f64,
 }
 
+/// Asked while a law is designed: an error ends the design.
+pub type Still<'a> = &'a dyn Fn() -> Result<(), Stopped>;
+
 /// Family of the feedback law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LawFamily {
@@ -73,13 +76,14 @@ pub enum LawFamily {
 /// \[Hz\], the period of the computation included.
 ///
 /// # Errors
-/// [`ControlError`].
+/// [`ControlError`]; [`ControlError::Stopped`] where `still` ends it.
 pub fn tune(
     family: LawFamily,
     plant: &[(f64, Complex64)],
     dynamics: &LinearRealisation,
     sample_rate_hz: f64,
     wanted: &RequiredMargins,
+    still: Still<'_>,
 ) -> Result<Tuned, ControlError> {
     let decades = (0.1 / LOWEST_CORNER).log10();
     let count = (decades * CORNERS_PER_DECADE as f64).round() as usize;
@@ -87,21 +91,23 @@ pub fn tune(
         (0..=count).map(|k| sample_rate_hz * LOWEST_CORNER * 10f64.powf(decades * k as f64 / count as f64))
     };
     let mut best: Option<Tuned> = None;
-    let mut consider = |unit: FeedbackLaw, shape: &dyn Fn(f64) -> Complex64| {
+    let mut consider = |unit: FeedbackLaw, shape: &dyn Fn(f64) -> Complex64| -> Result<(), Stopped> {
+        still()?;
         let responses: Vec<(f64, Complex64)> = plant.iter().map(|(f, p)| (*f, shape(*f) * p)).collect();
         if let Some((gain, margins, left)) = largest_gain(&responses, wanted)
             && best.as_ref().is_none_or(|b| left < b.left)
         {
             best = Some(Tuned { law: unit.scaled(gain), margins, left });
         }
+        Ok(())
     };
     match family {
         LawFamily::Pi => {
             let integral = FeedbackLaw::new(FeedbackKind::Integral, sample_rate_hz)?;
-            consider(integral.clone(), &|f| integral.response(f));
+            consider(integral.clone(), &|f| integral.response(f))?;
             for corner_hz in corners() {
                 let law = FeedbackLaw::new(FeedbackKind::Pi { corner_hz }, sample_rate_hz)?;
-                consider(law.clone(), &|f| law.response(f));
+                consider(law.clone(), &|f| law.response(f))?;
             }
         }
         LawFamily::FractionalPi => {
@@ -109,7 +115,7 @@ pub fn tune(
                 for corner_hz in corners().step_by(2) {
                     let kind = FeedbackKind::FractionalPi { corner_hz, order };
                     let law = FeedbackLaw::new(kind, sample_rate_hz)?;
-                    consider(law.clone(), &|f| law.response(f));
+                    consider(law.clone(), &|f| law.response(f))?;
                 }
             }
         }
@@ -121,7 +127,7 @@ pub fn tune(
             for poles in [0.3, 0.5, 0.7, 1.0] {
                 let notch = Notch { frequency_hz, zeros, poles };
                 let law = FeedbackLaw::new(FeedbackKind::NotchIntegral { notch }, sample_rate_hz)?;
-                consider(law.clone(), &|f| law.response(f));
+                consider(law.clone(), &|f| law.response(f))?;
             }
         }
     }

@@ -129,11 +129,8 @@ pub fn track_told(
     let designs = listener.part(0.0, SHARE_OF_DESIGN).meter(DESIGN, asked.len());
     listener.tell(DESIGN, 0.0)?;
     let made = |c: &Controller| {
-        // A design takes seconds: one that has not begun when the stop comes does not begin.
-        let made = designs
-            .add(0)
-            .map_err(ControlError::from)
-            .and_then(|()| Loop::new(model.law(), &settings, &c.strategy(&knowledge)));
+        // A design takes seconds: it asks on its way whether to go on.
+        let made = Loop::new_while(&|| designs.add(0), model.law(), &settings, &c.strategy(&knowledge));
         (*c, designs.add(1).map_err(ControlError::from).and(made))
     };
     let loops = sorted_out(asked.par_iter().map(made).collect(), all, &mut left_out)?;
