@@ -1,6 +1,7 @@
 //! Results as tables of text and sentences, the same in a terminal and on a page.
 
 pub mod adaptation;
+pub mod design;
 pub mod preparation;
 pub mod realisation;
 pub mod recalibration;
