@@ -3,11 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use hysteron_app::quoted;
 use hysteron_identify::design::{Design, DesignBasis, DesignOptions, DesignSummary, Purpose, design};
+use hysteron_identify::structure::Prospects;
 use hysteron_identify::{CampaignRecord, FitRecords, IdentifyError, Listener, Task, fit};
 use hysteron_io::write_record;
 use hysteron_model::model::Capability;
 use hysteron_model::model_file::Kind;
+use hysteron_model::record::{InputOutput, range_of};
+use hysteron_numeric::display::short_to;
 use hysteron_report::results::design::{expected, verdict};
 use serde::Serialize;
 
@@ -213,31 +217,58 @@ fn explain(error: &IdentifyError) -> Failure {
     }
 }
 
-/// The command that makes a drive for the records or the model in these files.
-pub fn command(files: &[&Path], purpose: Purpose) -> String {
-    let files: Vec<String> = files.iter().map(|path| quoted(&path.display().to_string())).collect();
-    format!("hysteron design {} --for {} --time 20s -o next.csv", files.join(" "), purpose.name())
+/// How much faster than the records so far a drive is that is to find the resonance.
+const FASTER: f64 = 10.0;
+
+/// The command that makes the next drive, from the `files` of a model or of records whose drives are those of
+/// `records`.
+pub fn command<'a>(
+    files: impl IntoIterator<Item = &'a Path>,
+    records: &[InputOutput],
+    purpose: Purpose,
+) -> String {
+    let files: Vec<String> = files.into_iter().map(|path| quoted(&path.display().to_string())).collect();
+    let ends = records.iter().map(|data| range_of(&data.u));
+    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let step = |data: &InputOutput| data.u.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
+    let slew =
+        records.iter().filter_map(|data| Some(step(data) * data.sample_rate_hz()?)).fold(0.0, f64::max);
+    let slew = if purpose == Purpose::Resonance { FASTER * slew } else { slew };
+    let mut limits = String::new();
+    if low < high {
+        limits += &format!(" --range {}:{}", short_to(low, 4), short_to(high, 4));
+    }
+    if slew > 0.0 {
+        limits += &format!(" --slew {}", short_to(slew, 2));
+    }
+    format!("hysteron design {} --for {} --time 20s{limits} -o next.csv", files.join(" "), purpose.name())
 }
 
-/// A word of a shell line.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,+=@%".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        return word.to_owned();
-    }
-    format!("'{}'", word.replace('\'', "'\\''"))
+/// The line that ends a result: what to measure next, and the command that makes the drive.
+pub fn measure_next(prospects: &Prospects, command: &str) -> String {
+    let what = prospects
+        .next
+        .as_deref()
+        .unwrap_or("a record for validation, of another amplitude and other frequencies");
+    format!(
+        "Measure next: {what}.\nThe drive for it (--range and --slew as amplifier and device allow):\n  {command}\n"
+    )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use hysteron_model::record::TimeBase;
 
     #[test]
     fn the_command_quotes_what_a_shell_would_read_otherwise() {
         let files = [Path::new("loop 1.csv"), Path::new("a'b.csv"), Path::new("runs/sweep.csv")];
+        let drive = vec![0.0, 5.0, 10.0, 5.0];
+        let data = InputOutput::new("loop", TimeBase::uniform(10.0), drive.clone(), drive).unwrap();
         assert_eq!(
-            command(&files, Purpose::MinorLoops),
-            "hysteron design 'loop 1.csv' 'a'\\''b.csv' runs/sweep.csv --for minor-loops --time 20s -o next.csv"
+            command(files, &[data], Purpose::MinorLoops),
+            "hysteron design 'loop 1.csv' 'a'\\''b.csv' runs/sweep.csv --for minor-loops --time 20s --range \
+             0:10 --slew 50 -o next.csv"
         );
     }
 }

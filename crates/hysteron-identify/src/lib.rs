@@ -39,6 +39,7 @@ mod parameter;
 mod precision;
 mod prediction;
 mod projection;
+mod purpose;
 pub mod recalibrate;
 mod result;
 mod searches;

@@ -4,12 +4,16 @@
 //! and a sweep of the same length, and for a designed drive of half the length.
 
 use std::io::{Write, stderr, stdout};
+use std::ops::ControlFlow;
 
 use hysteron_identify::design::{Design, DesignBasis, DesignOptions, Purpose, design, quantities};
-use hysteron_identify::{CampaignRecord, Choice, FitRecords, Listener, Options, Task, Watch, fit, identify};
+use hysteron_identify::{
+    CampaignRecord, Choice, Event, FitRecords, Listener, Options, Task, Watch, fit, identify,
+};
 use hysteron_model::Start;
 use hysteron_model::hammerstein::Model;
 use hysteron_model::model_file::Maker;
+use hysteron_model::record::InterSample;
 use hysteron_rig::excitation::{Excitation, Waveform};
 use rayon::prelude::*;
 
@@ -23,6 +27,8 @@ const RATE_HZ: f64 = 5000.0;
 const SLEW: f64 = 3000.0;
 /// Length of the designed drive \[s\].
 const TIME_S: f64 = 2.0;
+/// Last stage of a fit.
+const INTERVALS: &str = "standard errors";
 /// Noise seeds of a series.
 const SEEDS: u64 = 50;
 /// Purposes in turn; devices of this class have no creep.
@@ -39,7 +45,9 @@ impl Bench {
     fn new(seed: u64) -> Outcome<Self> {
         let device = Device::random(seed)?;
         let degree = Choice::Given(device.hysteresis.polynomial.len());
-        let options = Options { degree, n: Choice::Given(1.0), ..from_truth(&device)? };
+        // The rule of the bench between samples.
+        let inter_sample = Choice::Given(InterSample::Linear);
+        let options = Options { degree, n: Choice::Given(1.0), inter_sample, ..from_truth(&device)? };
         let slow = drive(RATE_HZ, Waveform::Sine { frequency_hz: 4.0, periods: 3.0 })?;
         Ok(Self { device, options, before: vec![slow, sweep(RATE_HZ, 1.0, 95.0, 1.0)?] })
     }
@@ -80,7 +88,12 @@ impl Bench {
             .into_par_iter()
             .map(|seed| {
                 let records = with_noise(&records, 0.0, (stream << 32) + seed + 1);
-                let found = identify(&records, &self.options, &Watch::silent(), None)?;
+                // The estimates are all that is needed: a stop before the intervals leaves them.
+                let enough = |event: &Event<'_>| match event.stage.starts_with(INTERVALS) {
+                    true => ControlFlow::Break(()),
+                    false => ControlFlow::Continue(()),
+                };
+                let found = identify(&records, &self.options, &Watch::new(enough), None)?;
                 of_model(purpose, &found.model, motion, time_s)
             })
             .collect::<Outcome<Vec<Vec<f64>>>>()?;
@@ -143,11 +156,11 @@ fn bench(number: usize) -> Outcome<Figures> {
     };
     writeln!(
         stderr(),
-        "bench {number}, {}: seen/predicted {:.2?} {:.2?}, seen {:.3e?}, repetitions {:.2?}",
+        "bench {number}, {}: seen/predicted {:.2?} {:.2?}, seen {}, repetitions {:.2?}",
         purpose.name(),
         figures.honest[0],
         figures.honest[1],
-        figures.seen,
+        figures.seen.map(|e| format!("{e:.3e}")).join(" "),
         figures.repetitions
     )?;
     Ok(figures)

@@ -24,6 +24,7 @@ mod search;
 #[cfg(test)]
 mod tests;
 
+pub use crate::purpose::Purpose;
 pub use outcome::{Design, DesignSummary, Expected};
 
 use schemars::JsonSchema;
@@ -40,39 +41,6 @@ use hysteron_numeric::Listener;
 
 /// Correlation time in samples below which a residual counts as white.
 const WHITE: f64 = 1.5;
-
-/// What the next drive is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Purpose {
-    /// The dead time.
-    Delay,
-    /// Frequency and gain of the resonance.
-    Resonance,
-    /// Creep.
-    Creep,
-    /// The output along slow minor loops.
-    MinorLoops,
-    /// The output along random motion up to the highest frequency.
-    Prediction,
-}
-
-impl Purpose {
-    /// All of them.
-    pub const ALL: [Self; 5] =
-        [Self::Delay, Self::Resonance, Self::Creep, Self::MinorLoops, Self::Prediction];
-
-    /// `delay`, `resonance`, `creep`, `minor-loops` or `prediction`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Delay => "delay",
-            Self::Resonance => "resonance",
-            Self::Creep => "creep",
-            Self::MinorLoops => "minor-loops",
-            Self::Prediction => "prediction",
-        }
-    }
-}
 
 /// Options of a design.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
