@@ -77,7 +77,8 @@ pub(crate) fn sensitivities(
         .collect()
 }
 
-fn about_mean(mut values: Vec<f64>) -> Vec<f64> {
+/// The values less their mean.
+pub(crate) fn about_mean(mut values: Vec<f64>) -> Vec<f64> {
     let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
     values.iter_mut().for_each(|v| *v -= mean);
     values

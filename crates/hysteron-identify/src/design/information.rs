@@ -5,6 +5,10 @@
 //! coloured, least squares has the covariance A⁻¹ B A⁻¹ with A = GᵀG and B = GᵀΩG, Ω the residual's covariance
 //! ([`coloured_square`], as in the standard errors of a fit), and F = A B⁻¹ A. The prior has the information I,
 //! so that the covariance after the record is (I + F)⁻¹.
+//!
+//! The fit does not know σ: it weights each record by the noise floor that it finds in it, which is too large
+//! where the motion itself is rough within a few samples. With the share w of its due weight the covariance is
+//! (I + wF)⁻¹ (I + w²F) (I + wF)⁻¹.
 
 use hysteron_numeric::dot;
 use nalgebra::{Cholesky, DMatrix};
@@ -60,11 +64,43 @@ pub(super) fn information(columns: &[Vec<f64>], noise: &Noise) -> DMatrix<f64> {
     rows.transpose() * DMatrix::from_diagonal(&inverse) * rows
 }
 
-/// Covariance (I + F)⁻¹ of the directions after records of information F; `None` where rounding leaves none.
-pub(super) fn covariance(information: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let count = information.nrows();
-    let whole = DMatrix::identity(count, count) + 0.5 * (information + information.transpose());
-    Cholesky::new(whole).map(|factor| factor.inverse())
+/// `information` with its last parameter, which every record has anew, eliminated.
+pub(super) fn without_last(information: &DMatrix<f64>) -> DMatrix<f64> {
+    let count = information.nrows().saturating_sub(1);
+    let own = information.view((0, 0), (count, count)).into_owned();
+    let along = information.view((0, count), (count, 1)).into_owned();
+    let last = information[(count, count)];
+    if last > 0.0 { own - &along * along.transpose() / last } else { own }
+}
+
+/// Information of a record, and the share of its due weight that the fit gives it.
+#[derive(Clone, Debug)]
+pub(super) struct Weighted {
+    /// Information matrix F.
+    pub(super) matrix: DMatrix<f64>,
+    /// w: its weight in the fit over 1/σ².
+    pub(super) weight: f64,
+}
+
+impl Weighted {
+    /// No record.
+    pub(super) fn nothing(count: usize) -> Self {
+        Self { matrix: DMatrix::zeros(count, count), weight: 1.0 }
+    }
+
+    /// The record repeated.
+    pub(super) fn repeated(&self, times: f64) -> Self {
+        Self { matrix: &self.matrix * times, weight: self.weight }
+    }
+
+    /// Covariance of the directions after the record; `None` where rounding leaves none.
+    pub(super) fn covariance(&self) -> Option<DMatrix<f64>> {
+        let count = self.matrix.nrows();
+        let symmetric = 0.5 * (&self.matrix + self.matrix.transpose());
+        let whole = |share: f64| DMatrix::identity(count, count) + &symmetric * share;
+        let bread = Cholesky::new(whole(self.weight))?.inverse();
+        Some(&bread * whole(self.weight.powi(2)) * &bread)
+    }
 }
 
 #[cfg(test)]
@@ -84,8 +120,20 @@ mod tests {
     fn the_information_of_a_straight_line_is_that_of_the_textbook() {
         // y = c u + e: the variance of c falls from 1 to 1/(1 + Σ(u − ū)²/σ²).
         let u = vec![vec![-1.0, 0.0, 2.0, -1.0]];
-        let found = covariance(&information(&u, &Noise::White(0.5))).unwrap();
+        let matrix = information(&u, &Noise::White(0.5));
+        let found = Weighted { matrix: matrix.clone(), weight: 1.0 }.covariance().unwrap();
         assert!((found[(0, 0)] - 1.0 / (1.0 + 6.0 / 0.25)).abs() < 1e-15);
+        // Of half its weight: (1 + 24/4)/(1 + 24/2)².
+        let less = Weighted { matrix, weight: 0.5 }.covariance().unwrap();
+        assert!((less[(0, 0)] - 7.0 / 169.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_parameter_of_the_record_alone_takes_information_away() {
+        let both = DMatrix::from_row_slice(2, 2, &[5.0, 2.0, 2.0, 4.0]);
+        assert_eq!(without_last(&both), DMatrix::from_element(1, 1, 4.0));
+        let none = DMatrix::from_row_slice(2, 2, &[5.0, 0.0, 0.0, 0.0]);
+        assert_eq!(without_last(&none)[(0, 0)], 5.0);
     }
 
     #[test]

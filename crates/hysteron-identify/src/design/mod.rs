@@ -20,6 +20,7 @@ mod objective;
 mod outcome;
 mod prior;
 mod quantities;
+mod record;
 mod search;
 #[cfg(test)]
 mod tests;

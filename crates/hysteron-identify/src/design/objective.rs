@@ -6,7 +6,7 @@
 
 use nalgebra::DMatrix;
 
-use super::information::covariance;
+use super::information::Weighted;
 use crate::IdentifyError;
 
 /// Criterion over the covariance of the directions of the prior.
@@ -20,9 +20,14 @@ pub(super) enum Objective {
 
 impl Objective {
     /// Geometric mean of the standard errors of the quantities, in the units of their gradients, or the rms
-    /// standard deviation of the output; infinite where rounding leaves no covariance.
-    pub(super) fn error(&self, information: &DMatrix<f64>) -> f64 {
-        covariance(information).map_or(f64::INFINITY, |c| self.error_of(&c))
+    /// standard deviation of the output, after a record; infinite where rounding leaves no covariance.
+    pub(super) fn error(&self, record: &Weighted) -> f64 {
+        record.covariance().map_or(f64::INFINITY, |c| self.error_of(&c))
+    }
+
+    /// [`Self::error`] of a record of this information and its due weight.
+    fn error_after(&self, information: &DMatrix<f64>) -> f64 {
+        self.error(&Weighted { matrix: information.clone(), weight: 1.0 })
     }
 
     /// [`Self::error`] of a covariance of the directions.
@@ -36,11 +41,10 @@ impl Objective {
         }
     }
 
-    /// Repetitions of a record of information `repeated`, a real number, that reach `error`; `None` where a
-    /// million do not.
-    pub(super) fn repetitions(&self, repeated: &DMatrix<f64>, error: f64) -> Option<f64> {
+    /// Repetitions of a record, a real number, that reach `error`; `None` where a million do not.
+    pub(super) fn repetitions(&self, repeated: &Weighted, error: f64) -> Option<f64> {
         const MOST: f64 = 1e6;
-        let reaches = |times: f64| self.error(&(repeated * times)) <= error;
+        let reaches = |times: f64| self.error(&repeated.repeated(times)) <= error;
         if !reaches(MOST) {
             return None;
         }
@@ -51,6 +55,18 @@ impl Objective {
         }
         Some(high)
     }
+}
+
+/// The segments by the error beside others of information `rest`, least first.
+pub(super) fn ranked(
+    objective: &Objective,
+    information: &[DMatrix<f64>],
+    rest: &DMatrix<f64>,
+) -> Vec<(usize, f64)> {
+    let errors = information.iter().map(|own| objective.error_after(&(rest + own)));
+    let mut ranked: Vec<(usize, f64)> = errors.enumerate().collect();
+    ranked.sort_by(|a, b| a.1.total_cmp(&b.1));
+    ranked
 }
 
 /// Segments by their place among `information`, `slots` in number, that give the least error: from a greedy
@@ -68,8 +84,7 @@ pub(super) fn exchanged(
     let mut chosen = Vec::with_capacity(slots);
     let mut sum = DMatrix::zeros(first.nrows(), first.ncols());
     let best_beside = |rest: &DMatrix<f64>| {
-        let errors = information.iter().map(|own| objective.error(&(rest + own)));
-        errors.enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, f64::INFINITY))
+        ranked(objective, information, rest).first().copied().unwrap_or((0, f64::INFINITY))
     };
     for _ in 0..slots {
         go_on()?;
@@ -77,7 +92,7 @@ pub(super) fn exchanged(
         sum += &information[index];
         chosen.push(index);
     }
-    let mut error = objective.error(&sum);
+    let mut error = objective.error_after(&sum);
     // Each exchange lowers the error; a finite number of lists ends it.
     loop {
         let before = error;
@@ -113,7 +128,7 @@ mod tests {
         for objective in [both, first, output] {
             let chosen = exchanged(&objective, &segments, 3, || Ok(())).unwrap();
             let error = |list: &[usize]| {
-                objective.error(&list.iter().fold(of([0.0, 0.0]), |sum, &i| sum + &segments[i]))
+                objective.error_after(&list.iter().fold(of([0.0, 0.0]), |sum, &i| sum + &segments[i]))
             };
             let mut least = f64::INFINITY;
             for list in 0..64usize {
@@ -126,10 +141,11 @@ mod tests {
     #[test]
     fn an_error_halves_after_about_four_times_the_information() {
         let objective = Objective::Quantities(DMatrix::identity(2, 2));
-        let one = of([100.0, 100.0]);
+        let record = |matrix| Weighted { matrix, weight: 1.0 };
+        let one = record(of([100.0, 100.0]));
         let times = objective.repetitions(&one, 0.5 * objective.error(&one)).unwrap();
         // (1 + 100 n) = 4 · 101.
         assert!((times - 4.03).abs() < 1e-6, "{times}");
-        assert_eq!(objective.repetitions(&of([1.0, 0.0]), 1e-3), None);
+        assert_eq!(objective.repetitions(&record(of([1.0, 0.0])), 1e-3), None);
     }
 }

@@ -16,7 +16,7 @@ use hysteron_numeric::Complex64;
 
 /// Points of the search for a lag of 90°.
 const POINTS: usize = 400;
-/// Gain over two decades that tells creep from none.
+/// Gain over a decade that tells creep from none.
 const CREEPS: f64 = 5e-4;
 
 /// A quantity of the model.
@@ -105,9 +105,9 @@ pub(super) fn gradients(
     Ok(rows.map(|rows| DMatrix::from_fn(rows.len(), prior.count(), |i, j| rows[i][j])))
 }
 
-/// True if the gain falls slowly over the two decades above a tenth of one over the time \[s\].
+/// True if the gain falls over the decade above a tenth of one over the time \[s\]; towards a resonance it rises.
 pub(super) fn creeps(model: &Model, time_s: f64) -> bool {
-    gains(model, &[0.1 / time_s, 10.0 / time_s]).is_some_and(|gains| gains[0] > (1.0 + CREEPS) * gains[1])
+    gains(model, &[0.1 / time_s, 1.0 / time_s]).is_some_and(|gains| gains[0] > (1.0 + CREEPS) * gains[1])
 }
 
 /// Lowest frequency at which the dynamics lag by 90° \[Hz\], below half the sample rate if the model has one.

@@ -6,20 +6,19 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::candidates::{Segment, candidates, minor_loops, random_motion, usual};
-use super::information::{Noise, covariance, information};
+use super::information::{Noise, Weighted, information};
 use super::limits::{Limits, SAMPLES_A_PERIOD};
-use super::objective::{Objective, exchanged};
+use super::objective::{Objective, exchanged, ranked};
 use super::outcome::{Design, Expected};
 use super::prior::{Assumed, Prior};
 use super::quantities::{creeps, gradients, quantities_of, resonance_hz};
+use super::record::Records;
 use super::{DesignBasis, DesignOptions, Purpose};
 use crate::IdentifyError;
-use crate::sensitivity::sensitivities;
 use crate::uncertainty::correlation_time;
 use hysteron_model::dynamics::Dynamics;
 use hysteron_model::hammerstein::Model;
-use hysteron_model::record::Timing;
-use hysteron_model::{Finding, FindingKind, Start};
+use hysteron_model::{Finding, FindingKind};
 use hysteron_numeric::display::short_to;
 use hysteron_numeric::{Listener, Meter};
 
@@ -51,14 +50,18 @@ pub(super) fn design(
     let mut findings = Vec::new();
     let experiment = Experiment::new(basis, options, &mut findings)?;
     let aim = experiment.objective(options.purpose)?;
-    let nothing = DMatrix::zeros(experiment.prior.count(), experiment.prior.count());
+    let nothing = Weighted::nothing(experiment.prior.count());
     let now = aim.error(&nothing);
     if !(now > 0.0 && now.is_finite()) {
         return Err(IdentifyError::NothingUncertain { what: options.purpose.name() });
     }
     let best = experiment.best(&aim, options.seed, listener.part(0.0, 0.95))?;
     let usual = experiment.limits.drive(&usual(&experiment.limits));
-    let of_usual = experiment.information(&usual, &listener.part(0.95, 1.0).meter("comparison", 1))?;
+    let of_usual = experiment.records().weighted(
+        &usual,
+        &experiment.noise,
+        &listener.part(0.95, 1.0).meter("comparison", experiment.prior.count()),
+    )?;
     let error_of_usual = aim.error(&of_usual);
     let best = if aim.error(&best.information) <= error_of_usual {
         best
@@ -89,7 +92,7 @@ pub(super) fn design(
 struct Drive {
     words: Vec<String>,
     drive: Vec<f64>,
-    information: DMatrix<f64>,
+    information: Weighted,
 }
 
 /// Everything that a drive is judged by.
@@ -152,30 +155,10 @@ impl Experiment {
         })
     }
 
-    /// Information of the record of a drive.
-    fn information(&self, drive: &[f64], meter: &Meter<'_>) -> Result<DMatrix<f64>, IdentifyError> {
-        self.information_at(drive, self.limits.rate_hz, &self.noise, meter)
-    }
-
-    fn information_at(
-        &self,
-        drive: &[f64],
-        rate_hz: f64,
-        noise: &Noise,
-        meter: &Meter<'_>,
-    ) -> Result<DMatrix<f64>, IdentifyError> {
-        Ok(information(&self.derivatives(drive, rate_hz, meter)?, noise))
-    }
-
-    fn derivatives(
-        &self,
-        drive: &[f64],
-        rate_hz: f64,
-        meter: &Meter<'_>,
-    ) -> Result<Vec<Vec<f64>>, IdentifyError> {
-        let start = Start::Rest { voltage_v: self.limits.rest() };
-        let of = (drive, Timing::Rate(rate_hz), &start);
-        sensitivities(self.prior.count(), |k, step| self.prior.at(k, step), of, meter)
+    /// The records that drives at this sample rate give.
+    fn records(&self) -> Records<'_> {
+        let limits = &self.limits;
+        Records { prior: &self.prior, model: &self.model, rest_v: limits.rest(), rate_hz: limits.rate_hz }
     }
 
     /// What a purpose asks for.
@@ -187,7 +170,7 @@ impl Experiment {
             return gradients.map(Objective::Quantities).ok_or(missing);
         }
         let motion = self.motion(purpose);
-        let columns = self.derivatives(&motion, self.limits.rate_hz, &Meter::silent())?;
+        let columns = self.records().derivatives(&motion, &Meter::silent())?;
         Ok(Objective::Output(information(&columns, &Noise::White((motion.len() as f64).sqrt()))))
     }
 
@@ -209,11 +192,12 @@ impl Experiment {
         for (index, divisions) in DIVISIONS.into_iter().enumerate() {
             let share = |i: usize| CHOOSING * i as f64 / DIVISIONS.len() as f64;
             let part = listener.part(share(index), share(index + 1));
-            let chosen = self.chosen(aim, divisions, seed, part)?;
-            let drive = self.joined(&chosen, &Meter::silent())?;
-            let error = aim.error(&drive.information);
-            if best.as_ref().is_none_or(|(least, ..)| error < *least) {
-                best = Some((error, drive, chosen));
+            for chosen in self.chosen(aim, divisions, seed, part)? {
+                let drive = self.joined(&chosen, &Meter::silent())?;
+                let error = aim.error(&drive.information);
+                if best.as_ref().is_none_or(|(least, ..)| error < *least) {
+                    best = Some((error, drive, chosen));
+                }
             }
         }
         let Some((mut error, mut drive, mut chosen)) = best else { return Err(IdentifyError::Stopped) };
@@ -232,33 +216,44 @@ impl Experiment {
         Ok(drive)
     }
 
-    /// Segments of a drive in so many parts, by the sum of their information.
+    /// Segments of a drive in so many parts, by the sum of their information: as it is, and with the weight that
+    /// the fit would give each.
     fn chosen(
         &self,
         aim: &Objective,
         divisions: usize,
         seed: u64,
         listener: Listener<'_>,
-    ) -> Result<Chosen, IdentifyError> {
+    ) -> Result<[Chosen; 2], IdentifyError> {
         let one_rate = matches!(self.model.dynamics, Dynamics::Arx(_))
             || self.model.scheme.parameters_belong_to_sample_rate();
         let coarser = (self.limits.rate_hz / (COARSE * self.limits.highest_hz)).floor();
         let coarser = if one_rate { 1 } else { (coarser as usize).max(1) };
-        let segment = Limits { samples: self.limits.samples / divisions, ..self.limits };
-        let coarse = segment.coarser(coarser);
+        let limits = Limits { samples: self.limits.samples / divisions, ..self.limits };
+        let coarse = limits.coarser(coarser);
         let noise = self.noise.coarser(coarser);
-        let segments = candidates(&segment, self.resonance_hz, seed);
+        let segments = candidates(&limits, self.resonance_hz, seed);
         let meter = listener.meter("segments", segments.len() * self.prior.count());
-        let information = segments
+        let (records, fine) = (Records { rate_hz: coarse.rate_hz, ..self.records() }, self.records());
+        let (information, weighted) = segments
             .par_iter()
             .map(|segment| {
                 let drive = coarse.followed(segment.targets(&coarse));
-                self.information_at(&drive, coarse.rate_hz, &noise, &meter)
+                let own = information(&records.derivatives(&drive, &meter)?, &noise);
+                let weight = fine.weight(&limits.followed(segment.targets(&limits)), &self.noise)?;
+                Ok((own.clone(), own * weight))
             })
-            .collect::<Result<Vec<_>, IdentifyError>>()?;
+            .collect::<Result<Vec<_>, IdentifyError>>()?
+            .into_iter()
+            .unzip::<_, _, Vec<_>, Vec<_>>();
         let go_on = || listener.tell("exchange", 1.0).map_err(|_| IdentifyError::Stopped);
-        let list = exchanged(aim, &information, divisions, go_on)?;
-        Ok(Chosen { candidates: Arc::new(Candidates { limits: segment, segments, information }), list })
+        let segments = Arc::new(segments);
+        let of = |information: Vec<DMatrix<f64>>| -> Result<Chosen, IdentifyError> {
+            let list = exchanged(aim, &information, divisions, go_on)?;
+            let candidates = Candidates { limits, segments: Arc::clone(&segments), information };
+            Ok(Chosen { candidates: Arc::new(candidates), list })
+        };
+        Ok([of(information)?, of(weighted)?])
     }
 
     /// The drive of chosen segments, joined within the slew rate, and its own information.
@@ -268,7 +263,7 @@ impl Experiment {
         let mut targets: Vec<f64> = segments().flat_map(|segment| segment.targets(&of.limits)).collect();
         targets.resize(self.limits.samples, self.limits.rest());
         let drive = self.limits.drive(&targets);
-        let information = self.information(&drive, meter)?;
+        let information = self.records().weighted(&drive, &self.noise, meter)?;
         Ok(Drive { words: segments().map(|segment| segment.words.clone()).collect(), drive, information })
     }
 
@@ -276,9 +271,9 @@ impl Experiment {
     fn expected(
         &self,
         purpose: Purpose,
-        informations: [&DMatrix<f64>; 3],
+        informations: [&Weighted; 3],
     ) -> Result<Vec<Expected>, IdentifyError> {
-        let covariances = informations.map(covariance);
+        let covariances = informations.map(Weighted::covariance);
         let mut rows = Vec::new();
         for of in Purpose::ALL {
             for &quantity in quantities_of(of) {
@@ -300,7 +295,7 @@ impl Experiment {
         }
         let creeping = creeps(&self.model, self.time_s);
         let known = |(of, .., [now, _, _]): &(Purpose, String, String, Option<f64>, [f64; 3])| {
-            *now > 0.0 && (*of != Purpose::Creep || creeping)
+            *now > 0.0 && (*of != Purpose::Creep || creeping || purpose == Purpose::Creep)
         };
         Ok(rows
             .into_iter()
@@ -342,7 +337,7 @@ impl Experiment {
 /// Segments to choose from, with the information of each.
 struct Candidates {
     limits: Limits,
-    segments: Vec<Segment>,
+    segments: Arc<Vec<Segment>>,
     information: Vec<DMatrix<f64>>,
 }
 
@@ -363,14 +358,10 @@ impl Chosen {
         let information = &self.candidates.information;
         let count = information[own].nrows();
         let rest = others.fold(DMatrix::zeros(count, count), |sum, (_, &i)| sum + &information[i]);
-        let mut ranked: Vec<(f64, usize)> = (0..information.len())
-            .filter(|&i| i != own)
-            .map(|i| (aim.error(&(&rest + &information[i])), i))
-            .collect();
-        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
         // The next best in each further round over the slots.
-        if let Some((_, index)) = ranked.get(trial / list.len().max(1)) {
-            list[slot] = *index;
+        let mut others = ranked(aim, information, &rest).into_iter().filter(|(index, _)| *index != own);
+        if let Some((index, _)) = others.nth(trial / list.len()) {
+            list[slot] = index;
         }
         Self { list, candidates: Arc::clone(&self.candidates) }
     }
