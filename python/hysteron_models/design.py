@@ -73,15 +73,16 @@ def design(
     """Design the drive after whose record the model is known best for a purpose.
 
     Args:
-        basis: a model with the covariance of its numbers, a fitted estimator, or the records so far, which are
-            identified first.
+        basis: a model with the covariance of its numbers, a fitted estimator, or the records so far, which
+            are identified first.
         purpose: ``delay``, ``resonance``, ``creep``, ``minor-loops`` or ``prediction``.
         time: length of the drive [s].
         limits: lowest and highest voltage; those of the records if not given.
         slew: largest rate of the drive, per second; that of the records if not given.
         fs: sample rate [Hz]; that of the records if not given.
         highest: highest frequency excited [Hz]; that of the records or 1.5 times the resonance if not given.
-        noise: standard deviation of the noise, in the unit of the output; the residual of the fit if not given.
+        noise: standard deviation of the noise, in the unit of the output; the residual of the fit if not
+            given.
         resonance: where a resonance is expected that the model does not have [Hz].
         seed: seed of random phases and levels.
         progress: as in ``fit``.

@@ -30,16 +30,17 @@ use crate::progress;
 /// Design the next drive: the one of a given length after which the model is known best for a purpose.
 #[derive(Args)]
 #[command(
-    after_help = "The model file holds the covariance of its numbers; records are identified first. The drive \
-    is put together from loops, first-order reversals, sines, sweeps, multisines, random reversals and holds, \
-    such that the standard error of what it is for becomes least; range and slew rate are kept everywhere, and \
-    it begins and ends at rest (0 V, or the end of the range nearest to it). The table compares it with a loop \
-    and a sweep of the same length.\n\n\
+    after_help = "The model file holds the covariance of its numbers; records are identified first. The \
+    drive is put together from loops, first-order reversals, sines, sweeps, multisines, random reversals and \
+    holds, such that the standard error of what it is for becomes least; range and slew rate are kept \
+    everywhere, and it begins and ends at rest (0 V, or the end of the range nearest to it). The table \
+    compares it with a loop and a sweep of the same length.\n\n\
     The figures hold for a device in the model class near the present estimates: after the record, identify \
     from all records together, and design again. What a model does not have yet (a resonance, creep) is \
     assumed, and said.\n\n\
     Example: hysteron design model.json --for delay --time 20s --range 0:10 --slew 3000 -o next.csv\n\
-    Example: hysteron design loop.csv sweep.csv --for minor-loops --time 30s --range 0:10 --slew 500 -o next.csv"
+    Example: hysteron design loop.csv sweep.csv --for minor-loops --time 30s --range 0:10 --slew 500 \
+    -o next.csv"
 )]
 pub struct DesignCommand {
     /// The model file, or the records so far
@@ -66,8 +67,8 @@ pub struct DesignCommand {
     #[arg(long, value_name = "HZ", value_parser = hertz, allow_hyphen_values = true)]
     rate: Option<f64>,
 
-    /// Highest frequency excited, at most a tenth of the sample rate [default: that of the records, or 1.5 times
-    /// the resonance]
+    /// Highest frequency excited, at most a tenth of the sample rate [default: that of the records, or 1.5
+    /// times the resonance]
     #[arg(long, value_name = "HZ", value_parser = hertz, allow_hyphen_values = true)]
     highest: Option<f64>,
 
@@ -251,7 +252,8 @@ pub fn measure_next(prospects: &Prospects, command: &str) -> String {
         .as_deref()
         .unwrap_or("a record for validation, of another amplitude and other frequencies");
     format!(
-        "Measure next: {what}.\nThe drive for it (--range and --slew as amplifier and device allow):\n  {command}\n"
+        "Measure next: {what}.\nThe drive for it (--range and --slew as amplifier and device allow):\n  \
+         {command}\n"
     )
 }
 

@@ -15,8 +15,8 @@ use crate::record::Record;
 use crate::signals::Samples;
 use crate::work;
 
-/// Drive, motion to predict and summary of a design as JSON, and the exception that stopped it, if any; from a
-/// model, or from records, which are identified first.
+/// Drive, motion to predict and summary of a design as JSON, and the exception that stopped it, if any; from
+/// a model, or from records, which are identified first.
 #[pyfunction]
 #[pyo3(signature = (options, model=None, records=Vec::new(), input=None, output=None, progress=None))]
 pub fn design<'py>(

@@ -1,7 +1,7 @@
-//! Does a designed drive do what it promises? Devices drawn at random, each known from a short loop and a short
-//! sweep; the next drive is designed for one purpose after the other. The standard errors that the design
-//! predicts are compared with the scatter of the estimates over noise seeds, for the designed drive, for a loop
-//! and a sweep of the same length, and for a designed drive of half the length.
+//! Does a designed drive do what it promises? Devices drawn at random, each known from a short loop and a
+//! short sweep; the next drive is designed for one purpose after the other. The standard errors that the
+//! design predicts are compared with the scatter of the estimates over noise seeds, for the designed drive,
+//! for a loop and a sweep of the same length, and for a designed drive of half the length.
 
 use std::io::{Write, stderr, stdout};
 use std::ops::ControlFlow;

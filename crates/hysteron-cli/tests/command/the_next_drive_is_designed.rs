@@ -1,5 +1,5 @@
-//! `design` makes the next drive from a model or from records; `inspect` and `identify` end with the command that
-//! does.
+//! `design` makes the next drive from a model or from records; `inspect` and `identify` end with the command
+//! that does.
 
 use serde_json::Value;
 

@@ -69,8 +69,8 @@ fn staircase() -> Vec<f64> {
     vec![0.25, 0.5, 0.75, 1.0, 0.75, 0.5, 0.25, 0.0]
 }
 
-/// Loop and sweep, each over half of the time: three periods of a sine over the range, then a logarithmic sweep
-/// up to the highest frequency.
+/// Loop and sweep, each over half of the time: three periods of a sine over the range, then a logarithmic
+/// sweep up to the highest frequency.
 pub(super) fn usual(limits: &Limits) -> Vec<f64> {
     let first = Limits { samples: limits.samples / 2, ..*limits };
     let second = Limits { samples: limits.samples - first.samples, ..*limits };
@@ -80,8 +80,8 @@ pub(super) fn usual(limits: &Limits) -> Vec<f64> {
     looped.targets(&first).chain(swept.targets(&second)).collect()
 }
 
-/// Random motion of the whole range with components up to the highest frequency, of equal power in equal ratios
-/// of frequency.
+/// Random motion of the whole range with components up to the highest frequency, of equal power in equal
+/// ratios of frequency.
 pub(super) fn random_motion(limits: &Limits, seed: u64) -> Vec<f64> {
     let w = Waves::of(limits);
     w.multisine(w.slowest_hz(), limits.highest_hz, seed).targets(limits).collect()
@@ -138,8 +138,8 @@ impl Waves {
         })
     }
 
-    /// Lines (frequency, amplitude, phase) in equal ratios, of amplitudes that fall as 1/√f, with their largest
-    /// value and slope.
+    /// Lines (frequency, amplitude, phase) in equal ratios, of amplitudes that fall as 1/√f, with their
+    /// largest value and slope.
     fn lines(&self, from_hz: f64, to_hz: f64, seed: u64) -> Lines {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
         let mut uniform = || (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64;

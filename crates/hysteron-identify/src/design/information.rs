@@ -1,14 +1,14 @@
 //! Fisher information of a record about the directions of the prior.
 //!
-//! With G the derivatives of the output with respect to the directions z, about their mean (the sensor's offset
-//! is free), and noise of standard deviation σ, F = GᵀG/σ². Where the residual of the training records is
-//! coloured, least squares has the covariance A⁻¹ B A⁻¹ with A = GᵀG and B = GᵀΩG, Ω the residual's covariance
-//! ([`coloured_square`], as in the standard errors of a fit), and F = A B⁻¹ A. The prior has the information I,
-//! so that the covariance after the record is (I + F)⁻¹.
+//! With G the derivatives of the output with respect to the directions z, about their mean (the sensor's
+//! offset is free), and noise of standard deviation σ, F = GᵀG/σ². Where the residual of the training records
+//! is coloured, least squares has the covariance A⁻¹ B A⁻¹ with A = GᵀG and B = GᵀΩG, Ω the residual's
+//! covariance ([`coloured_square`], as in the standard errors of a fit), and F = A B⁻¹ A. The prior has the
+//! information I, so that the covariance after the record is (I + F)⁻¹.
 //!
 //! The fit does not know σ: it weights each record by the noise floor that it finds in it, which is too large
-//! where the motion itself is rough within a few samples. With the share w of its due weight the covariance is
-//! (I + wF)⁻¹ (I + w²F) (I + wF)⁻¹.
+//! where the motion itself is rough within a few samples. With the share w of its due weight the covariance
+//! is (I + wF)⁻¹ (I + w²F) (I + wF)⁻¹.
 
 use hysteron_numeric::dot;
 use nalgebra::{Cholesky, DMatrix};
@@ -36,8 +36,8 @@ impl Noise {
         }
     }
 
-    /// Noise of a drive sampled more coarsely by a whole factor: for white noise, that of the means of as many
-    /// samples.
+    /// Noise of a drive sampled more coarsely by a whole factor: for white noise, that of the means of as
+    /// many samples.
     pub(super) fn coarser(&self, factor: usize) -> Self {
         match self {
             Self::White(deviation) => Self::White(deviation / (factor as f64).sqrt()),

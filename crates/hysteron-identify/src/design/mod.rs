@@ -1,5 +1,5 @@
-//! Design of the next experiment: the drive of a given length, within range and slew rate, after which a model
-//! is known best for a purpose.
+//! Design of the next experiment: the drive of a given length, within range and slew rate, after which a
+//! model is known best for a purpose.
 //!
 //! The covariance in the model file, or that of a fit of the records, is what is known now: independent
 //! directions z of variance 1 ([`prior`]). A drive adds the Fisher information F of its record about z
@@ -57,8 +57,8 @@ pub struct DesignOptions {
     pub slew_per_s: Option<f64>,
     /// Sample rate \[Hz\]; `None`: that of the records.
     pub sample_rate_hz: Option<f64>,
-    /// Highest frequency excited \[Hz\], at most a tenth of the sample rate; `None`: that of the records or 1.5
-    /// times the resonance, whichever is higher.
+    /// Highest frequency excited \[Hz\], at most a tenth of the sample rate; `None`: that of the records or
+    /// 1.5 times the resonance, whichever is higher.
     pub highest_hz: Option<f64>,
     /// Standard deviation of the noise \[output unit\]; `None`: the residual of the fit.
     pub noise: Option<f64>,
@@ -144,8 +144,8 @@ fn residual(found: &Identification) -> Option<(Vec<f64>, f64)> {
     Some((residual.filter(|e| e.is_finite()).collect(), rate_hz))
 }
 
-/// Values of the quantities that a purpose is for, of a drive of this time \[s\]: delay; resonance and the gain
-/// there; creep. `None` for one that the model does not have; empty for the other purposes.
+/// Values of the quantities that a purpose is for, of a drive of this time \[s\]: delay; resonance and the
+/// gain there; creep. `None` for one that the model does not have; empty for the other purposes.
 pub fn quantities(purpose: Purpose, model: &Model, time_s: f64) -> Vec<Option<f64>> {
     quantities::quantities_of(purpose).iter().map(|quantity| quantity.of(model, time_s)).collect()
 }

@@ -64,8 +64,8 @@ pub(super) struct Prior {
 }
 
 impl Prior {
-    /// Of a model file with the covariance of its numbers; the numbers `undetermined` by its records have half
-    /// their value as their standard deviation.
+    /// Of a model file with the covariance of its numbers; the numbers `undetermined` by its records have
+    /// half their value as their standard deviation.
     ///
     /// # Errors
     /// [`IdentifyError::NoCorrelation`], [`IdentifyError::ModelFile`].

@@ -1,9 +1,9 @@
 //! Quantities that a drive may be for, as functions of the model, and their derivatives along the prior.
 //!
 //! They are read off the frequency response, so that they mean the same for every form of the dynamics: the
-//! delay; the resonance, the lowest frequency at which G lags by 90°, and its gain there over that at a tenth of
-//! it (1/(2ζ) for a pair of poles); creep, the gain at one over the time of the drive over that at ten times
-//! this frequency, less 1: the share that creeps within a decade of time.
+//! delay; the resonance, the lowest frequency at which G lags by 90°, and its gain there over that at a tenth
+//! of it (1/(2ζ) for a pair of poles); creep, the gain at one over the time of the drive over that at ten
+//! times this frequency, less 1: the share that creeps within a decade of time.
 
 use nalgebra::DMatrix;
 
@@ -105,7 +105,8 @@ pub(super) fn gradients(
     Ok(rows.map(|rows| DMatrix::from_fn(rows.len(), prior.count(), |i, j| rows[i][j])))
 }
 
-/// True if the gain falls over the decade above a tenth of one over the time \[s\]; towards a resonance it rises.
+/// True if the gain falls over the decade above a tenth of one over the time \[s\]; towards a resonance it
+/// rises.
 pub(super) fn creeps(model: &Model, time_s: f64) -> bool {
     gains(model, &[0.1 / time_s, 1.0 / time_s]).is_some_and(|gains| gains[0] > (1.0 + CREEPS) * gains[1])
 }

@@ -1,4 +1,5 @@
-//! The record that a drive will give: its information about the prior, and the weight that a fit will give it.
+//! The record that a drive will give: its information about the prior, and the weight that a fit will give
+//! it.
 
 use super::information::{Noise, Weighted, information, without_last};
 use super::prior::Prior;
@@ -79,8 +80,8 @@ impl Records<'_> {
         Ok(derivative.iter().any(|d| *d != 0.0).then_some(derivative))
     }
 
-    /// Share of its due weight that a fit gives the record: the noise over the noise floor that will be found in
-    /// it, squared.
+    /// Share of its due weight that a fit gives the record: the noise over the noise floor that will be found
+    /// in it, squared.
     pub(super) fn weight(&self, drive: &[f64], noise: &Noise) -> Result<f64, IdentifyError> {
         let start = Start::Rest { voltage_v: self.rest_v };
         let output = self.model.simulate(drive, Timing::Rate(self.rate_hz), &start)?;

@@ -216,8 +216,8 @@ impl Experiment {
         Ok(drive)
     }
 
-    /// Segments of a drive in so many parts, by the sum of their information: as it is, and with the weight that
-    /// the fit would give each.
+    /// Segments of a drive in so many parts, by the sum of their information: as it is, and with the weight
+    /// that the fit would give each.
     fn chosen(
         &self,
         aim: &Objective,
@@ -326,8 +326,8 @@ impl Experiment {
             );
         }
         if matches!(self.noise, Noise::White(_)) && basis.residual.is_none() {
-            let text = "The noise is taken as white: a model file does not hold its spectrum. Design from the \
-                        records where their residual is coloured.";
+            let text = "The noise is taken as white: a model file does not hold its spectrum. Design from \
+                        the records where their residual is coloured.";
             say(FindingKind::Advice, "noise", text.to_owned());
         }
         found
