@@ -31,6 +31,7 @@ from ._errors import (
 )
 from ._native import __version__
 from .comparison import Comparison, choices, compare
+from .design import Design, design
 from .estimators import Branches, Estimator, Force, Hammerstein, Modes, Oscillator
 from .excitation import excite, simulate_bench
 from .model import Controller, Model, load
@@ -46,6 +47,7 @@ __all__ = [
     "Comparison",
     "Content",
     "Controller",
+    "Design",
     "Estimator",
     "ExplainedResponse",
     "ExportError",
@@ -74,6 +76,7 @@ __all__ = [
     "choices",
     "compare",
     "contents",
+    "design",
     "excite",
     "fleet",
     "frequency_response",

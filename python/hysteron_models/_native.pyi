@@ -25,6 +25,7 @@ __all__ = [
     "choices",
     "compare",
     "contents",
+    "design",
     "difference_of",
     "excite",
     "explain_response",
@@ -191,6 +192,14 @@ def split_header(header: str) -> tuple[str, str]: ...
 def contents(path: _Path) -> str: ...
 def write(path: _Path, record: Record) -> None: ...
 def prepare(records: list[Record], options: str) -> tuple[Record, str]: ...
+def design(
+    options: str,
+    model: Model | None = None,
+    records: list[Record] = ...,
+    input: str | None = None,
+    output: str | None = None,
+    progress: _Progress | None = None,
+) -> tuple[_Array, _Array, str]: ...
 def inspect(records: list[Record], input: str | None = None, output: str | None = None) -> str: ...
 def identify(
     records: list[Record],

@@ -59,6 +59,20 @@ def test_unseen_records_are_predicted_within_the_band(
         stage.predict(unseen, band=95)
 
 
+def test_the_next_drive_is_better_than_a_loop_and_a_sweep(stage: hy.Hammerstein) -> None:
+    found = hy.design(stage, "minor-loops", time=2.0, limits=(0, 10), slew=400.0, seed=3)
+    drive = found.drive.u
+    assert len(drive) == 2.0 * found.result["sample_rate_hz"]
+    assert drive.min() >= 0 and drive.max() <= 10
+    assert np.abs(np.diff(drive)).max() * found.result["sample_rate_hz"] <= 400.0
+    frame = found.to_pandas()
+    aim = frame[frame["aim"]]
+    assert len(aim) == 1 and (aim["designed"] <= aim["usual"] * (1 + 1e-9)).all()
+    assert (aim["designed"] < aim["now"]).all() and len(found.motion) > 0
+    with pytest.raises(hy.IdentifyError, match="time"):
+        hy.design(stage, "delay", time=-1.0)
+
+
 def test_the_inverse_undoes_the_model(stage: hy.Hammerstein) -> None:
     t = np.arange(500) / 500
     reference = 8 + 4 * np.sin(2 * np.pi * 2 * t)

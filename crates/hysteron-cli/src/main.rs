@@ -18,6 +18,7 @@ mod compare;
 mod completions;
 mod console;
 mod cut;
+mod design;
 mod excite;
 mod export;
 mod failure;
@@ -82,6 +83,7 @@ enum Command {
     Realise(realise::Realise),
     Export(export::Export),
     Excite(excite::Excite),
+    Design(Box<design::DesignCommand>),
     Rig(rig::Rig),
     Optimizers(optimizers::Optimizers),
     Article(article::Article),
@@ -107,6 +109,7 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Realise(c) => c.run(),
         Command::Export(c) => c.run(),
         Command::Excite(c) => c.run(),
+        Command::Design(c) => c.run(),
         Command::Rig(c) => c.run(),
         Command::Optimizers(c) => c.run(),
         Command::Article(c) => c.run(),

@@ -178,6 +178,18 @@ pub enum IdentifyError {
     /// A model file without scores, so that the measurement scatter is unknown.
     #[error("the model file holds no scores, so the scatter of measurements about the model is unknown")]
     NoScores,
+    /// A purpose of an experiment that the model gives no meaning, or that is known already.
+    #[error(
+        "there is nothing to design for the {what}: the model has none, or its file states no standard error \
+         of the numbers concerned"
+    )]
+    NothingUncertain {
+        /// Purpose.
+        what: &'static str,
+    },
+    /// Dynamics cannot be assumed beside sampled ones.
+    #[error("no dynamics can be assumed beside an ARX block: identify integer or fractional ones")]
+    SampledDynamics,
     /// An invalid model file.
     #[error(transparent)]
     ModelFile(#[from] ModelFileError),

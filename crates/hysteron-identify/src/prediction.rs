@@ -1,25 +1,17 @@
 //! Prediction bands from a model file: the covariance of its parameters propagated to the output.
 //!
 //! With the covariance C = Σ_k d_k d_kᵀ of the numbers (d_k the eigenvectors of their correlation, scaled),
-//! the variance of the output is Σ_k (∂y/∂d_k)², each derivative by a central difference of two simulations.
+//! the variance of the output is Σ_k (∂y/∂d_k)².
 //! [`super::OutputUncertainty`] differentiates analytically but needs the fit. In both the band is that of
 //! the output about its mean: a sensor has an arbitrary zero.
 
-use nalgebra::DVector;
-use rayon::prelude::*;
-
 use super::joint::PredictionBand;
 use crate::IdentifyError;
+use crate::sensitivity::{directions, moved, sensitivities};
 use hysteron_model::Start;
-use hysteron_model::dynamics::Dynamics;
-use hysteron_model::hammerstein::{Model, SimulationError};
-use hysteron_model::model_file::{ModelFile, number_mut};
+use hysteron_model::model_file::ModelFile;
 use hysteron_model::record::Timing;
 use hysteron_numeric::Listener;
-
-/// Step of the differences, in standard deviations along d_k: the truncation error is a millionth of the
-/// nonlinear part.
-const STEP: f64 = 1e-3;
 
 impl PredictionBand {
     /// Band of a model file's output for `drive` \[V\]. Its `noise` is the RMSE over all scores of the file;
@@ -51,27 +43,10 @@ impl PredictionBand {
         let timing = timing.into();
         let model = file.to_model()?;
         let (names, covariance) = file.covariance().ok_or(IdentifyError::NoCorrelation)?;
-        let errors = covariance.diagonal().map(f64::sqrt);
-        let correlation = covariance.map_with_location(|i, j, c| c / (errors[i] * errors[j]));
-        let eigen = correlation.symmetric_eigen();
-        let directions: Vec<DVector<f64>> = (0..names.len())
-            // Negative eigenvalues are rounding errors.
-            .filter(|&k| eigen.eigenvalues[k] > 0.0)
-            .map(|k| eigen.eigenvectors.column(k).component_mul(&errors) * eigen.eigenvalues[k].sqrt())
-            .collect();
-        let simulated = |step: f64, direction: &DVector<f64>| -> Result<Vec<f64>, SimulationError> {
-            moved(&model, &names, direction, step).simulate(drive, timing, start)
-        };
+        let directions = directions(&covariance);
         let meter = listener.meter("uncertainty", directions.len());
-        let derivatives = directions
-            .par_iter()
-            .map(|direction| {
-                let (up, down) = (simulated(STEP, direction)?, simulated(-STEP, direction)?);
-                meter.add(1).map_err(|_| IdentifyError::Stopped)?;
-                Ok(about_mean(up.iter().zip(&down).map(|(u, d)| (u - d) / (2.0 * STEP)).collect()))
-            })
-            // In order, independently of the threads.
-            .collect::<Result<Vec<_>, IdentifyError>>()?;
+        let at = |k: usize, step: f64| Ok(moved(&model, &names, &directions[k], step));
+        let derivatives = sensitivities(directions.len(), at, (drive, timing, start), &meter)?;
         let mut variance = vec![0.0; drive.len()];
         for derivative in derivatives {
             variance.iter_mut().zip(derivative).for_each(|(v, d)| *v += d * d);
@@ -91,34 +66,8 @@ impl PredictionBand {
     }
 }
 
-/// The model with its numbers moved along `direction`.
-fn moved(original: &Model, names: &[String], direction: &DVector<f64>, step: f64) -> Model {
-    let mut model = original.clone();
-    for (name, d) in names.iter().zip(direction) {
-        if let Some(number) = number_mut(&mut model, name) {
-            *number += step * d;
-        }
-    }
-    // Equal orders are one number of the fit: rounding between them would make G improper.
-    if let (Dynamics::Fractional(before), Dynamics::Fractional(g)) = (&original.dynamics, &mut model.dynamics)
-    {
-        for (order, term) in before.numerator.iter().map(|term| term.order).zip(&mut g.numerator) {
-            if let Some(same) = before.denominator.iter().position(|of| of.order == order) {
-                term.order = g.denominator[same].order;
-            }
-        }
-    }
-    model
-}
-
-fn about_mean(mut values: Vec<f64>) -> Vec<f64> {
-    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
-    values.iter_mut().for_each(|v| *v -= mean);
-    values
-}
-
 /// RMSE over all scores of the file.
-fn scatter(file: &ModelFile) -> f64 {
+pub(crate) fn scatter(file: &ModelFile) -> f64 {
     let samples: f64 = file.scores.iter().map(|s| s.samples as f64).sum();
     let square: f64 = file.scores.iter().map(|s| s.samples as f64 * s.rmse * s.rmse).sum();
     if samples > 0.0 { (square / samples).sqrt() } else { 0.0 }
@@ -127,11 +76,13 @@ fn scatter(file: &ModelFile) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use hysteron_model::dynamics::{Scheme, Term, TransferFunction};
+    use crate::sensitivity::STEP;
+    use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
+    use hysteron_model::hammerstein::Model;
     use hysteron_model::hysteresis::Hysteresis;
     use hysteron_model::model_file::SignalUnits;
     use hysteron_model::record::InterSample;
-    use nalgebra::DMatrix;
+    use nalgebra::{DMatrix, DVector};
 
     fn model() -> Model {
         let term = |coefficient, order| Term { coefficient, order };

@@ -9,6 +9,7 @@ mod compare;
 mod controller;
 mod decoupling;
 mod deploy;
+mod design;
 mod errors;
 mod excite;
 mod fit;
@@ -33,6 +34,8 @@ mod _native {
     use super::compare::compare;
     #[pymodule_export]
     use super::controller::Controller;
+    #[pymodule_export]
+    use super::design::design;
     #[pymodule_export]
     use super::excite::{excite, play};
     #[pymodule_export]

@@ -4,9 +4,10 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use hysteron_identify::design::{Design, DesignBasis, DesignOptions, design};
 use hysteron_identify::{
     CampaignRecord, DynamicsChoice, Event, FamilyChoice, Finding, Fit as Found, FitParameter, FitRecords,
-    Options, Searches, Stop, Task, Watch, fit_on,
+    Listener, Options, Searches, Stop, Task, Watch, fit_on,
 };
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::dynamics::Creep;
@@ -253,6 +254,15 @@ impl Fit {
     /// The identification in full.
     pub fn core(&self) -> &Found {
         &self.found
+    }
+
+    /// The next drive: the one after whose record the model is known best for a purpose, by this fit's
+    /// covariance and residual.
+    ///
+    /// # Errors
+    /// [`Error::Identify`].
+    pub fn design(&self, options: &DesignOptions) -> Result<Design, Error> {
+        Ok(design(&DesignBasis::of_fit(&self.found)?, options, Listener::silent())?)
     }
 
     /// The report of the fit: curves for a Hammerstein model; parameters, errors, scores and findings for the

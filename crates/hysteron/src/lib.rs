@@ -83,6 +83,10 @@
 //! of the sensor's offset): a [`Score`] holds the [`Scores`] of every output, a [`RunScore`] those of a run
 //! in parts; a [`Remark`] says where the model extrapolates.
 //!
+//! **The next experiment.** [`Model::design`] and [`Fit::design`] make the drive of a given length, within
+//! range and slew rate, after which the model is known best for a [`Purpose`]: [`DesignOptions`] in, a
+//! [`Design`] out, with the standard errors to expect ([`Expected`], [`DesignSummary`]).
+//!
 //! **Its inverse.** [`Model::invert`] makes the drive for a reference within [`Limits`];
 //! [`Model::controller`] is a [`Controller`] that steps sample by sample; [`Model::decouple`] and
 //! [`DecouplingController`] drive several axes. [`Model::track`] simulates several
@@ -117,6 +121,8 @@ pub use report::Report;
 
 #[doc(inline)]
 pub use hysteron_export::Precision;
+#[doc(inline)]
+pub use hysteron_identify::design::{Design, DesignOptions, DesignSummary, Expected, Purpose};
 #[doc(inline)]
 pub use hysteron_identify::{
     DynamicsChoice, Event, FamilyChoice, Finding, FindingKind, FitParameter, Method, RecordRole, Searches,

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use hysteron_identify::Listener;
+use hysteron_identify::design::{Design, DesignBasis, DesignOptions, design};
 use hysteron_io::{load_model, save_model};
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::compensator::{Controller, Limits};
@@ -182,6 +183,16 @@ impl Model {
         };
         let description = PlantDescription { name, words: words.to_owned() };
         Ok(track(self.0.hammerstein(Capability::Tracking)?, reference, options, (plant, description))?)
+    }
+
+    /// The next drive: the one after whose record the model is known best for a purpose, by the covariance in
+    /// its file.
+    ///
+    /// # Errors
+    /// [`Error::Identify`], [`Error::Model`].
+    pub fn design(&self, options: &DesignOptions) -> Result<Design, Error> {
+        let basis = DesignBasis::from(self.0.hammerstein(Capability::Design)?.data());
+        Ok(design(&basis, options, Listener::silent())?)
     }
 
     /// The channels of a record that are the model's inputs and outputs.

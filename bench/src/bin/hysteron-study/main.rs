@@ -6,6 +6,7 @@ mod bands;
 mod blocks;
 mod campaign;
 mod coverage;
+mod design;
 mod device;
 mod families;
 mod information;
@@ -33,7 +34,7 @@ struct Study {
     run: fn(usize) -> Outcome<()>,
 }
 
-const STUDIES: [Study; 14] = [
+const STUDIES: [Study; 15] = [
     Study { name: "optimum", counts: "random devices", usual: 200, least: 1, run: optimum::study },
     Study { name: "full-size", counts: "random devices", usual: 5, least: 1, run: optimum::full_size },
     Study { name: "seeds", counts: "seeds of the search", usual: 200, least: 1, run: seeds::study },
@@ -45,6 +46,7 @@ const STUDIES: [Study; 14] = [
     Study { name: "information", counts: "benches", usual: 200, least: 3, run: information::study },
     Study { name: "afm", counts: "cycles left out in turn", usual: 8, least: 1, run: afm::study },
     Study { name: "bands", counts: "devices outside the class", usual: 104, least: 8, run: bands::study },
+    Study { name: "design", counts: "benches", usual: 30, least: 1, run: design::study },
     Study { name: "plays", counts: "benches", usual: 20, least: 1, run: plays::study },
     Study { name: "families", counts: "benches", usual: 50, least: 1, run: families::study },
     Study { name: "stamps", counts: "repetitions", usual: 7, least: 1, run: stamps::study },

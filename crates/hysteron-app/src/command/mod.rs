@@ -13,7 +13,7 @@ pub(crate) use script::scripts;
 use crate::api::{Command, RecordEntry, RecordSettings, Role};
 
 /// A word quoted for a shell.
-pub(crate) fn quoted(word: &str) -> String {
+pub fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@%".contains(c);
     if !word.is_empty() && word.chars().all(plain) {
         word.to_owned()

@@ -7,13 +7,17 @@ use std::time::Duration;
 
 use clap::Args;
 use hysteron_identify::baselines::cross_validate_all;
-use hysteron_identify::structure::{Candidate, Comparison, Selection, UnknownCandidate, compare_from};
+use hysteron_identify::structure::{
+    Candidate, Comparison, Selection, UnknownCandidate, compare_from, prospects,
+};
 use hysteron_identify::{CampaignRecord, Compared, IdentifyError, Options, Watch};
 use hysteron_model::hysteresis::HysteresisForm;
+use hysteron_model::record::InputOutput;
 use hysteron_report::comparison;
 
 use crate::columns::ColumnFlags;
 use crate::console;
+use crate::design;
 use crate::failure::Failure;
 use crate::interrupt::{Interrupt, partial};
 use crate::kept::{self, KeptCandidates};
@@ -130,7 +134,7 @@ impl Compare {
             }
         };
         drop(watch);
-        let comparison = comparison.map_err(|e| explain(&e))?;
+        let comparison = comparison.map_err(|e| explain(&e, &self.next_drive(&campaign, None)))?;
         let baselines = match &comparison.ranking {
             Some(_) if self.baselines => {
                 let data: Vec<_> = campaign.iter().map(|r| r.data.clone()).collect();
@@ -164,8 +168,19 @@ impl Compare {
         let failure = || Failure::new(format!("cannot identify {candidate} from all records"));
         crate::model::save(path, &fit.map_err(|e| failure().because(e))?.model)?;
         console::message(&format!("model of {candidate} written to {}", path.display()));
+        console::message(&format!("the next drive: {}", self.next_drive(&campaign, Some(path))));
         kept.forget();
         Ok(())
+    }
+
+    /// The command that makes the next drive, from the model where there is one.
+    fn next_drive(&self, campaign: &[CampaignRecord], model: Option<&Path>) -> String {
+        let records: Vec<InputOutput> = campaign.iter().map(|record| record.data.clone()).collect();
+        let purpose = prospects(&records).next_for;
+        match model {
+            Some(path) => design::command([path], &records, purpose),
+            None => design::command(self.records.iter().map(PathBuf::as_path), &records, purpose),
+        }
     }
 
     /// Writes the preferred model so far beside where the model was to be, and says so.
@@ -202,12 +217,13 @@ fn nothing(comparison: &Comparison) -> Failure {
     }
 }
 
-fn explain(error: &IdentifyError) -> Failure {
+/// The failure, with the command that makes the `next` drive.
+fn explain(error: &IdentifyError, next: &str) -> Failure {
     match error {
         IdentifyError::CannotRank { because, measure } => {
             Failure::new("structures cannot be ranked on these records")
                 .because(because)
-                .hint(format!("measure {measure}."))
+                .hint(format!("measure {measure}.\nThe drive for it: {next}"))
         }
         IdentifyError::Resume => Failure::new("the comparison cannot be resumed").because(error).hint(
             "resume with the records and candidates of the interrupted one; or leave out --resume to start again",

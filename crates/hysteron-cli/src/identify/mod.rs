@@ -12,13 +12,15 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use hysteron_identify::structure::prospects;
 use hysteron_identify::{
     CampaignRecord, DynamicsChoice, FamilyChoice, FindingKind, Fit, FitRecords, IdentifyError, Initial,
     Method, RecordRole, Task, fit, fit_on,
 };
 use hysteron_io::atomic_file::Batch;
 use hysteron_model::dynamics::{Creep, Scheme};
-use hysteron_model::record::InterSample;
+use hysteron_model::model::Capability;
+use hysteron_model::record::{InputOutput, InterSample};
 use hysteron_report::fit::report;
 use hysteron_report::page::Page;
 
@@ -33,6 +35,7 @@ use crate::axes::AxesFlags;
 use crate::choices::one_of;
 use crate::columns::ColumnFlags;
 use crate::console;
+use crate::design;
 use crate::failure::Failure;
 use crate::interrupt::{Interrupt, partial};
 use crate::kept::{self, KeptCandidates};
@@ -275,7 +278,7 @@ impl Identify {
         if self.result.json {
             console::json(&Outcome { model: written.display().to_string(), fit: &found })?;
         } else {
-            console::result(&outcome::text(&found))?;
+            console::result(&(outcome::text(&found) + &self.measure_next(&records, &found)))?;
             console::message(&format!("model written to {}", written.display()));
         }
         if found.interrupted {
@@ -344,6 +347,23 @@ impl Identify {
         let others =
             if found.interrupted { None } else { found.neighbours(records, task, &progress::watch(stop)) };
         report(&name, found, others.as_ref()).map_err(|e| Failure::new("cannot make the report").because(e))
+    }
+
+    /// What to measure next and the command that makes the drive: from the model, or from the records where
+    /// these leave a parameter undetermined, which a model file does not say. Empty for a kind without it.
+    fn measure_next(&self, records: &FitRecords, found: &Fit) -> String {
+        let FitRecords::Single(campaign) = records else { return String::new() };
+        let Ok(model) = found.model.hammerstein(Capability::Design) else { return String::new() };
+        if found.interrupted {
+            return String::new();
+        }
+        let records: Vec<InputOutput> = campaign.iter().map(|record| record.data.clone()).collect();
+        let prospects = prospects(&records);
+        let open = model.data().correlation.is_none()
+            || found.parameters.iter().any(|p| !p.held && p.std_error.is_none());
+        let all = || self.records.iter().chain(&self.static_records).chain(&self.dynamic_records);
+        let files: Vec<&Path> = if open { all().map(PathBuf::as_path).collect() } else { vec![&self.out] };
+        design::measure_next(&prospects, &design::command(files, &records, prospects.next_for))
     }
 
     fn check_outputs(&self) -> Result<(), Failure> {

@@ -1,12 +1,15 @@
 //! Parameters that the records determine together.
 
+use std::path::PathBuf;
+
 use hysteron_identify::structure::Prospects;
 use hysteron_model::record::InputOutput;
 
 use crate::console;
+use crate::design;
 
 /// For people.
-pub fn text(prospects: &Prospects, records: &[InputOutput]) -> String {
+pub fn text(prospects: &Prospects, records: &[InputOutput], files: &[PathBuf]) -> String {
     let what = match records.len() {
         1 => "This record determines",
         _ => "These records together determine",
@@ -26,8 +29,6 @@ pub fn text(prospects: &Prospects, records: &[InputOutput]) -> String {
             text += &format!("- {}: {content}\n", record.name);
         }
     }
-    match &prospects.next {
-        Some(next) => text + &format!("Measure next: {next}.\n"),
-        None => text + "Measure next: a record for validation, of another amplitude and other frequencies.\n",
-    }
+    let command = design::command(files.iter().map(PathBuf::as_path), records, prospects.next_for);
+    text + &design::measure_next(prospects, &command)
 }

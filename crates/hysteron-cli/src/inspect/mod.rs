@@ -95,7 +95,7 @@ impl Inspect {
         let listed = self.records.iter().zip(&held).filter(|(_, held)| !held.is_empty());
         let mut parts: Vec<String> = listed.map(|(path, held)| text::contents(path, held)).collect();
         parts.extend(inspected.iter().map(text::describe));
-        parts.push(campaign::text(&prospects, &records));
+        parts.push(campaign::text(&prospects, &records, &self.records));
         console::result(&parts.join("\n"))
     }
 

@@ -34,6 +34,7 @@ mod several_axes_are_followed;
 mod several_axes_are_identified;
 mod simulate_writes_a_record;
 mod structures_are_compared;
+mod the_next_drive_is_designed;
 mod the_page_is_served;
 mod track_follows_in_closed_loop;
 mod tutorial_runs;

@@ -251,11 +251,12 @@ fn gram<C: AsRef<[f64]> + Sync>(columns: &[C]) -> DMatrix<f64> {
     blocks.into_iter().fold(DMatrix::zeros(p, p), |sum, block| sum + block)
 }
 
-/// Σ_k w_k ρ_k Σ_t J_t J_{t+k}ᵀ over one record, in the frequency domain.
+/// Σ_k w_k ρ_k Σ_t J_t J_{t+k}ᵀ over one record, in the frequency domain. The residual may be that of another
+/// record.
 pub(in super::super) fn coloured_square(columns: &[&[f64]], residual: &[f64]) -> DMatrix<f64> {
-    let n = residual.len();
+    let longest = columns.iter().map(|column| column.len()).fold(residual.len(), usize::max);
     // Zero-padded to twice the length against circular wrap-around.
-    let fft = RealFft::new(fast_length(2 * n));
+    let fft = RealFft::new(fast_length(2 * longest));
     let root = root_power(residual, &fft);
     let buffers = || {
         let forward = &fft.forward;
@@ -264,8 +265,9 @@ pub(in super::super) fn coloured_square(columns: &[&[f64]], residual: &[f64]) ->
     let coloured: Vec<Vec<f64>> = columns
         .par_iter()
         .map_init(buffers, |(time, spectrum, scratch), column| {
-            time[..n].copy_from_slice(column);
-            time[n..].fill(0.0);
+            let (own, padding) = time.split_at_mut(column.len());
+            own.copy_from_slice(column);
+            padding.fill(0.0);
             // All lengths come from the plan, so the transform cannot fail.
             fft.transform_with(scratch, time, spectrum);
             let mut coloured = vec![0.0; 2 * spectrum.len()];

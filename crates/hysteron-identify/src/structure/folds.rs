@@ -65,7 +65,7 @@ pub(super) fn plan(facts: &[RecordFacts], contents: &[Content]) -> Result<Vec<Fo
                  one loop",
                 first.describe(unit)
             ),
-            measure: prospect::next_record(facts, contents).unwrap_or_default(),
+            measure: prospect::next_record(facts, contents).map(|(text, _)| text).unwrap_or_default(),
         });
     }
     Ok(folds)

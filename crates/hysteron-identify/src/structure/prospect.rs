@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::super::RecordFacts;
+use super::super::purpose::Purpose;
 use super::content::{Content, brief, near};
 use hysteron_model::record::{
     DelayFinding, ExcitationKind, InputOutput, Response, delay_from_phase, excitation_kind, find_delay,
@@ -43,6 +44,9 @@ pub struct Prospects {
     /// The record to measure next; `None` where nothing is missing.
     #[serde(rename = "measure_next")]
     pub next: Option<String>,
+    /// What that record is for; prediction where nothing is missing.
+    #[serde(rename = "measure_next_for", default)]
+    pub next_for: Purpose,
 }
 
 /// Predicts before any fit what the records together can determine.
@@ -68,11 +72,12 @@ pub fn prospects(records: &[InputOutput]) -> Prospects {
         creep(&wholes),
         starts(&wholes),
     ];
-    Prospects { records: described, statements, next: next_record(&wholes, &contents) }
+    let (next, next_for) = next_record(&wholes, &contents).unzip();
+    Prospects { records: described, statements, next, next_for: next_for.unwrap_or_default() }
 }
 
-/// The most informative further record.
-pub(super) fn next_record(facts: &[RecordFacts], contents: &[Content]) -> Option<String> {
+/// The most informative further record, and what it is for.
+pub(super) fn next_record(facts: &[RecordFacts], contents: &[Content]) -> Option<(String, Purpose)> {
     let unit = facts.first().map_or_else(String::new, |f| f.data.u_unit.to_string());
     let largest = largest_amplitude(contents);
     let (low, high) = band(contents);
@@ -85,21 +90,23 @@ pub(super) fn next_record(facts: &[RecordFacts], contents: &[Content]) -> Option
         } else {
             ""
         };
-        return Some(format!(
+        let text = format!(
             "a sweep (or a multisine) from {from} to the highest frequency of use, amplitude {full}: it \
              distinguishes delay and dynamics from loop width{loops}"
-        ));
+        );
+        return Some((text, Purpose::Resonance));
     }
     if one_amplitude(contents) {
-        return Some(format!(
+        let text = format!(
             "slow loops at {from} of the full, half and a quarter of the amplitude ({full}): the shrinking \
              loop determines β, γ, n and the polynomial"
-        ));
+        );
+        return Some((text, Purpose::MinorLoops));
     }
     if !shows_creep(facts) {
-        return Some(format!(
-            "steps of {full}, each held for {LONG_S} s or longer: these show creep most clearly"
-        ));
+        let text =
+            format!("steps of {full}, each held for {LONG_S} s or longer: these show creep most clearly");
+        return Some((text, Purpose::Creep));
     }
     None
 }

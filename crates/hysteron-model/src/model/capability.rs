@@ -27,13 +27,15 @@ pub enum Capability {
     Recalibration,
     /// Online adaptation to a device.
     Adaptation,
+    /// Design of the next experiment.
+    Design,
     /// Initial model of a fit of the same kind.
     StartOfFit,
 }
 
 impl Capability {
     /// Every one.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Simulation,
         Self::Scores,
         Self::Runs,
@@ -44,6 +46,7 @@ impl Capability {
         Self::Export,
         Self::Recalibration,
         Self::Adaptation,
+        Self::Design,
         Self::StartOfFit,
     ];
 
@@ -60,6 +63,7 @@ impl Capability {
             Self::Export => "export",
             Self::Recalibration => "recalibration",
             Self::Adaptation => "adaptation",
+            Self::Design => "design of the next drive",
             Self::StartOfFit => "the start of a fit",
         }
     }

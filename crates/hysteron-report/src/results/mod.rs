@@ -2,6 +2,7 @@
 
 pub mod adaptation;
 pub mod decoupling;
+pub mod design;
 pub mod preparation;
 pub mod realisation;
 pub mod recalibration;
