@@ -29,6 +29,8 @@ use crate::progress;
 
 /// Design the next drive: the one of a given length after which the model is known best for a purpose.
 #[derive(Args)]
+// --time is the length of the drive.
+#[command(mut_arg("time", |arg| arg.long("time-column")))]
 #[command(
     after_help = "The model file holds the covariance of its numbers; records are identified first. The \
     drive is put together from loops, first-order reversals, sines, sweeps, multisines, random reversals and \
@@ -52,8 +54,8 @@ pub struct DesignCommand {
     purpose: PurposeArg,
 
     /// Length of the drive, in seconds
-    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true)]
-    time: f64,
+    #[arg(long = "time", value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true)]
+    seconds: f64,
 
     /// Lowest and highest voltage of the drive [default: those of the records]
     #[arg(long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true)]
@@ -145,7 +147,7 @@ impl DesignCommand {
             noise: self.noise,
             resonance_hz: self.resonance,
             seed: self.seed,
-            ..DesignOptions::new(self.purpose.into(), self.time)
+            ..DesignOptions::new(self.purpose.into(), self.seconds)
         };
         let watch = progress::watch(&interrupt);
         let teller = watch.teller();

@@ -38,6 +38,8 @@ const ABOVE_RESONANCE: f64 = 1.5;
 const UNDER_RATE: f64 = 20.0;
 /// Samples of the fastest period while segments are chosen.
 const COARSE: f64 = 1.5 * SAMPLES_A_PERIOD;
+/// Fewest samples of a segment then.
+const FEWEST_COARSE: usize = 50;
 /// Share of the work that choosing the segments is.
 const CHOOSING: f64 = 0.7;
 
@@ -134,6 +136,10 @@ impl Experiment {
             None => top,
         });
         let limits = Limits::new(range, slew, rate_hz, options.time_s, highest_hz)?;
+        if let Some(value) = options.resonance_hz.filter(|f| !(*f > 0.0 && *f < 0.5 * rate_hz)) {
+            let wanted = "above 0 and below half the sample rate";
+            return Err(IdentifyError::Option { option: "resonance", value, wanted });
+        }
         let mut undetermined: Vec<(String, f64)> =
             basis.undetermined.iter().map(|name| (name.clone(), 0.0)).collect();
         if options.purpose == Purpose::Delay {
@@ -228,8 +234,9 @@ impl Experiment {
         let one_rate = matches!(self.model.dynamics, Dynamics::Arx(_))
             || self.model.scheme.parameters_belong_to_sample_rate();
         let coarser = (self.limits.rate_hz / (COARSE * self.limits.highest_hz)).floor();
-        let coarser = if one_rate { 1 } else { (coarser as usize).max(1) };
         let limits = Limits { samples: self.limits.samples / divisions, ..self.limits };
+        let most = (limits.samples / FEWEST_COARSE).max(1);
+        let coarser = if one_rate { 1 } else { (coarser as usize).clamp(1, most) };
         let coarse = limits.coarser(coarser);
         let noise = self.noise.coarser(coarser);
         let segments = candidates(&limits, self.resonance_hz, seed);

@@ -107,6 +107,7 @@ fn a_design_needs_a_covariance_limits_and_can_be_stopped() {
         DesignOptions { slew_per_s: Some(0.1), ..delay.clone() },
         DesignOptions { highest_hz: Some(900.0), ..delay.clone() },
         DesignOptions { noise: Some(0.0), ..delay.clone() },
+        DesignOptions { resonance_hz: Some(f64::NAN), ..delay.clone() },
     ] {
         assert!(matches!(fails(&file(), &wrong), IdentifyError::Option { .. }), "{wrong:?}");
     }
