@@ -23,6 +23,5 @@ mod response;
 mod server;
 mod workspace;
 
-pub use command::quoted;
 pub use error::AppError;
 pub use server::{App, MAX_UPLOAD_BYTES, Settings, document};

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use hysteron_app::quoted;
 use hysteron_identify::design::{Design, DesignBasis, DesignOptions, DesignSummary, Purpose, design};
 use hysteron_identify::structure::Prospects;
 use hysteron_identify::{CampaignRecord, FitRecords, IdentifyError, Listener, Task, fit};
@@ -13,6 +12,7 @@ use hysteron_model::model_file::Kind;
 use hysteron_model::record::{InputOutput, range_of};
 use hysteron_numeric::display::short_to;
 use hysteron_report::results::design::{expected, verdict};
+use hysteron_report::shell::word;
 use serde::Serialize;
 
 use crate::advice;
@@ -230,7 +230,7 @@ pub fn command<'a>(
     records: &[InputOutput],
     purpose: Purpose,
 ) -> String {
-    let files: Vec<String> = files.into_iter().map(|path| quoted(&path.display().to_string())).collect();
+    let files: Vec<String> = files.into_iter().map(|path| word(&path.display().to_string())).collect();
     let ends = records.iter().map(|data| range_of(&data.u));
     let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
     let step = |data: &InputOutput| data.u.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);

@@ -3,6 +3,7 @@
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use hysteron_model::model_file::{self, Maker, timestamp};
+use hysteron_report::shell;
 
 /// This program, the current time and the command line.
 pub fn maker() -> Maker {
@@ -25,14 +26,6 @@ fn now() -> u64 {
 
 /// The command as typed, quoted for a shell.
 pub fn command_line() -> String {
-    let quote = |word: String| {
-        let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@%".contains(c);
-        if !word.is_empty() && word.chars().all(plain) {
-            word
-        } else {
-            format!("'{}'", word.replace('\'', r"'\''"))
-        }
-    };
-    let words = std::env::args_os().skip(1).map(|word| quote(word.to_string_lossy().into_owned()));
+    let words = std::env::args_os().skip(1).map(|word| shell::word(&word.to_string_lossy()));
     std::iter::once("hysteron".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }

@@ -30,6 +30,7 @@ pub mod page;
 pub mod record_curves;
 pub mod records;
 pub mod results;
+pub mod shell;
 mod sines;
 pub mod starts;
 mod titles;

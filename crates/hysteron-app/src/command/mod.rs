@@ -10,17 +10,9 @@ pub(crate) use model::{decouple, export, invert, track, validate};
 pub(crate) use operation::{adapt, frequency_response, prepare, realise, recalibrate, simulate};
 pub(crate) use script::scripts;
 
-use crate::api::{Command, RecordEntry, RecordSettings, Role};
+use hysteron_report::shell;
 
-/// A word quoted for a shell.
-pub fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@%".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        word.to_owned()
-    } else {
-        format!("'{}'", word.replace('\'', r"'\''"))
-    }
-}
+use crate::api::{Command, RecordEntry, RecordSettings, Role};
 
 /// A text as a Python string.
 pub(crate) fn text(value: &str) -> String {
@@ -39,7 +31,7 @@ impl Words {
     fn word(mut self, word: &str) -> Self {
         // A name that looks like a flag.
         let word = if word.starts_with('-') { format!("./{word}") } else { word.to_owned() };
-        self.0.push(quoted(&word));
+        self.0.push(shell::word(&word));
         self
     }
 
@@ -54,7 +46,7 @@ impl Words {
 
     fn with(mut self, flag: &str, value: impl ToString) -> Self {
         self.0.push(flag.to_owned());
-        self.0.push(quoted(&value.to_string()));
+        self.0.push(shell::word(&value.to_string()));
         self
     }
 
@@ -181,7 +173,7 @@ mod tests {
 
     #[test]
     fn a_name_cannot_end_its_word() {
-        assert_eq!(quoted("a b'; rm *.csv"), r"'a b'\''; rm *.csv'");
+        assert_eq!(shell::word("a b'; rm *.csv"), r"'a b'\''; rm *.csv'");
         assert_eq!(Words::new("inspect").word("-x.csv").done(), "hysteron inspect ./-x.csv");
         assert_eq!(text("a\"\n"), r#""a\"\n""#);
     }

@@ -2,8 +2,9 @@
 
 use hysteron_model::model::{DecouplingRequest, InverseRequest};
 use hysteron_model::tracking::TrackOptions;
+use hysteron_report::shell::word;
 
-use super::{Arguments, Words, beside, ids, quoted, read, text};
+use super::{Arguments, Words, beside, ids, read, text};
 use crate::api::{
     Command, DecoupleRequest, DownloadQuery, FollowRequest, RecordEntry, Reference, ScoresRequest,
     TrackRequest,
@@ -148,7 +149,7 @@ pub(crate) fn track(model: &str, request: &TrackRequest, reference: &str) -> Com
 /// A command whose reference was drawn or generated, with a note where its file is not there yet.
 fn of_reference(mut command: Command, from: &Reference, file: &str, saved: bool) -> Command {
     if !saved && !matches!(from, Reference::Record { .. }) {
-        let note = format!("  # the download writes {}", quoted(file));
+        let note = format!("  # the download writes {}", word(file));
         command.shell += &note;
         command.python += &note;
     }
