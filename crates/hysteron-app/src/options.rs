@@ -1,5 +1,6 @@
 //! What can be asked, from the library's own types and lists.
 
+use hysteron_identify::design::DesignOptions;
 use hysteron_identify::structure::{Block, Candidate};
 use hysteron_identify::{DynamicsChoice, FamilyChoice, Initial, Method, Task};
 use hysteron_model::dynamics::{Creep, Scheme};
@@ -45,6 +46,7 @@ pub(crate) fn offered() -> OptionsOffered {
             operation::<PrepareOptions>("prepare"),
             operation::<SimulateOptions>("simulate"),
             operation::<DecouplingRequest>("decouple"),
+            operation::<DesignOptions>("design"),
             operation::<RecalibrateOptions>("recalibrate"),
             operation::<AdaptOptions>("adapt"),
             operation::<RealiseOptions>("realise"),

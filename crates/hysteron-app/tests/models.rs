@@ -337,3 +337,21 @@ fn a_drive_by_sample_and_one_that_learns_are_those_of_the_command() {
     let both = json!({"reference": reference, "learn_from": "first.csv", "inverse": {"preview": 1}});
     server.post(at, &both).refused(422);
 }
+
+#[test]
+fn the_next_drive_is_designed_for_a_model() {
+    let server = with_model();
+    let options = json!({"purpose": "minor-loops", "time_s": 4.0, "slew_per_s": 200.0});
+    let request = json!({"options": options, "save": "next.csv"});
+    let found = server.post("/api/v1/models/stage.json/design", &request).done();
+    let shell = "hysteron design stage.json --for minor-loops --time 4s --slew 200 -o next.csv";
+    assert_eq!(found["command"]["shell"], shell);
+    let row = &found["tables"][0]["rows"][0];
+    let error = |column: usize| row[column].as_str().unwrap().parse::<f64>().unwrap();
+    assert!(error(3) < error(2) && error(3) <= error(4), "{row}");
+    let drive = std::fs::read_to_string(server.path("next.csv")).unwrap();
+    assert_eq!((drive.lines().next(), drive.lines().count()), (Some("t_s,u_V"), 801));
+    let long = json!({"options": {"time_s": -1.0}, "save": "other.csv"});
+    server.post("/api/v1/models/stage.json/design", &long).refused(422);
+    assert!(!server.path("other.csv").exists());
+}

@@ -36,8 +36,8 @@ pub use record::{
 };
 pub use report::ReportEntry;
 pub use result::{
-    AdaptOptions, AdaptRequest, BandOf, DecoupleRequest, Figure, Listed, Outcome, PrepareOptions,
-    PrepareRequest, RealiseOptions, RealiseRequest, RecalibrateOptions, RecalibrateRequest,
+    AdaptOptions, AdaptRequest, BandOf, DecoupleRequest, DesignRequest, Figure, Listed, Outcome,
+    PrepareOptions, PrepareRequest, RealiseOptions, RealiseRequest, RecalibrateOptions, RecalibrateRequest,
     ResponseFitOptions, ResponseFitRequest, SimulateOptions, SimulateRequest,
 };
 pub use workspace::{Changed, Example, ExampleOpened, History, Trashed, Workspace};

@@ -49,7 +49,7 @@ pub struct FormOffered {
 /// An operation with the schema of its options.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OperationOffered {
-    /// Its name: `prepare`, `simulate`, `decouple`, `recalibrate`, `adapt`, `realise`, `frequency-response`.
+    /// Its name: `prepare`, `simulate`, `decouple`, `design`, `recalibrate`, `adapt`, `realise`, `frequency-response`.
     pub name: String,
     /// Schema of its options.
     pub schema: Value,

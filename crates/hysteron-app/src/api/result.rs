@@ -1,5 +1,6 @@
 //! Operations that answer with tables, sentences, figures and files.
 
+use hysteron_identify::design::DesignOptions;
 use hysteron_identify::online::FollowMethod;
 use hysteron_model::model::DecouplingRequest;
 use schemars::JsonSchema;
@@ -117,6 +118,17 @@ pub struct SimulateRequest {
     /// File to write: `.csv`, `.npz`, `.mat`.
     #[serde(default)]
     pub save: Option<String>,
+}
+
+/// The next drive.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DesignRequest {
+    /// Options.
+    #[serde(default)]
+    pub options: DesignOptions,
+    /// File to write: `.csv`, `.npz`, `.mat`.
+    pub save: String,
 }
 
 /// References of several axes.

@@ -6,7 +6,7 @@ mod operation;
 mod script;
 
 pub(crate) use fit::{compare, identify};
-pub(crate) use model::{decouple, export, invert, track, validate};
+pub(crate) use model::{decouple, design, export, invert, track, validate};
 pub(crate) use operation::{adapt, frequency_response, prepare, realise, recalibrate, simulate};
 pub(crate) use script::scripts;
 

@@ -1,5 +1,6 @@
 //! The commands of what a model is for: scores, drives, controllers, source code.
 
+use hysteron_identify::design::DesignOptions;
 use hysteron_model::model::{DecouplingRequest, InverseRequest};
 use hysteron_model::tracking::TrackOptions;
 use hysteron_report::shell::word;
@@ -154,6 +155,36 @@ fn of_reference(mut command: Command, from: &Reference, file: &str, saved: bool)
         command.python += &note;
     }
     command
+}
+
+/// `hysteron design`.
+pub(crate) fn design(model: &str, options: &DesignOptions, file: &str) -> Command {
+    let (range, limits) = range_of(options.range);
+    let seed = Some(options.seed).filter(|seed| *seed != 0);
+    let words = Words::new("design").word(model).with("--for", options.purpose.name());
+    let shell = words
+        .with("--time", format!("{}s", options.time_s))
+        .maybe("--range", range)
+        .maybe("--slew", options.slew_per_s)
+        .maybe("--rate", options.sample_rate_hz)
+        .maybe("--highest", options.highest_hz)
+        .maybe("--noise", options.noise)
+        .maybe("--resonance", options.resonance_hz)
+        .maybe("--seed", seed)
+        .with("-o", file)
+        .done();
+    let arguments = Arguments::default()
+        .plain(format!("hy.load({})", text(model)))
+        .plain(text(options.purpose.name()))
+        .value("time", Some(options.time_s))
+        .value("limits", limits)
+        .value("slew", options.slew_per_s)
+        .value("fs", options.sample_rate_hz)
+        .value("highest", options.highest_hz)
+        .value("noise", options.noise)
+        .value("resonance", options.resonance_hz)
+        .value("seed", seed);
+    Command { shell, python: format!("hy.design({}).drive.save({})", arguments.done(), text(file)) }
 }
 
 /// `hysteron export`.

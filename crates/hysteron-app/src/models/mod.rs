@@ -3,6 +3,7 @@
 mod adapt;
 mod curves;
 mod decouple;
+mod design;
 mod export;
 mod follow;
 mod realise;
@@ -14,6 +15,7 @@ mod simulate;
 pub(crate) use adapt::adapt;
 pub(crate) use curves::{curves, response};
 pub(crate) use decouple::decouple;
+pub(crate) use design::design;
 pub(crate) use export::{archive, preview};
 pub(crate) use follow::{follow, track};
 pub(crate) use realise::realise;

@@ -45,7 +45,7 @@ const WHITE: f64 = 1.5;
 
 /// Options of a design.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct DesignOptions {
     /// What the drive is for.
     pub purpose: Purpose,
@@ -83,6 +83,13 @@ impl DesignOptions {
             resonance_hz: None,
             seed: 0,
         }
+    }
+}
+
+impl Default for DesignOptions {
+    /// 20 s for prediction.
+    fn default() -> Self {
+        Self::new(Purpose::default(), 20.0)
     }
 }
 

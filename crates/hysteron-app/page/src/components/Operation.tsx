@@ -10,6 +10,7 @@ import type { Color, Line, Spec } from '../plot/spec';
 import { command } from './dock';
 import { SchemaForm } from './SchemaForm';
 import { TableBox } from './window';
+import { Working } from './Working';
 import { Failure, Finding, Prose } from './words';
 
 const NAMED: Color[] = ['measured', 'model', 'drive'];
@@ -109,6 +110,7 @@ export function Operation(props: {
             </button>
           </div>
         </form>
+        <Working at={props.at} what={props.title} />
         {problem && <Failure problem={problem} />}
         {outcome && <Found outcome={outcome} name={props.name} />}
       </div>

@@ -8,13 +8,13 @@ use axum::response::Response;
 use hysteron_identify::Listener;
 
 use crate::api::{
-    AdaptRequest, DecoupleRequest, DownloadQuery, Form, ModelCurves, ModelCurvesQuery, ModelDetail,
-    ModelEntry, ModelPatch, Outcome, Preview, RealiseRequest, RecalibrateRequest, ResponseQuery, Responses,
-    Scored, ScoresRequest, SimulateRequest, Trashed,
+    AdaptRequest, DecoupleRequest, DesignRequest, DownloadQuery, Form, ModelCurves, ModelCurvesQuery,
+    ModelDetail, ModelEntry, ModelPatch, Outcome, Preview, RealiseRequest, RecalibrateRequest, ResponseQuery,
+    Responses, Scored, ScoresRequest, SimulateRequest, Trashed,
 };
 use crate::models::{
-    adapt, archive, curves, decouple, detail, list, preview, realise, recalibrate, rename, report, response,
-    scores, simulate,
+    adapt, archive, curves, decouple, design, detail, list, preview, realise, recalibrate, rename, report,
+    response, scores, simulate,
 };
 use crate::refused::{Answer, Refused};
 use crate::server::Shared;
@@ -46,6 +46,9 @@ pub(in crate::server) fn operations() -> Vec<Operation> {
             .answers::<Outcome>(),
         Operation::post("/api/v1/models/{id}/decouple", "Drives of several actuators.", decoupled)
             .takes::<DecoupleRequest>()
+            .answers::<Outcome>(),
+        Operation::post("/api/v1/models/{id}/design", "The next drive.", next_drive)
+            .takes::<DesignRequest>()
             .answers::<Outcome>(),
         Operation::post("/api/v1/models/{id}/recalibrate", "Gain, delay and offset anew.", recalibrated)
             .takes::<RecalibrateRequest>()
@@ -123,6 +126,17 @@ async fn decoupled(
     Input(request): Input<DecoupleRequest>,
 ) -> Answer<Json<Outcome>> {
     compute(move || decouple(&shared.workspace, &id, &request)).await
+}
+
+async fn next_drive(
+    State(shared): State<Arc<Shared>>,
+    Path(id): Path<String>,
+    named: Named,
+    Input(request): Input<DesignRequest>,
+) -> Answer<Json<Outcome>> {
+    let work =
+        move |shared: &Shared, listener: Listener<'_>| design(&shared.workspace, &id, &request, listener);
+    run_told(shared, named, work).await.map(Json)
 }
 
 async fn recalibrated(

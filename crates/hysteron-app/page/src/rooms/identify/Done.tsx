@@ -12,6 +12,7 @@ import { zoomOf } from '../../plot/zoom';
 import { go, route } from '../../route';
 import { useSignal } from '../../signal';
 import { asLine, axisLabel } from '../records/Curves';
+import { NextDrive } from './NextDrive';
 import { Parameters } from './Parameters';
 
 export function curveOf(curves: ModelCurves | undefined, name: string) {
@@ -76,6 +77,7 @@ export function Done({ id, records }: { id: string; records: RecordEntry[] }) {
         ))}
       </div>
       <Parameters model={model} record={chosen?.id} />
+      {model.kind === 'hammerstein' && <NextDrive model={id} device={model.device} />}
     </div>
   );
 }
