@@ -29,15 +29,18 @@ const MOST_OF_MOTION: usize = 20_000;
 /// Levels of the random minor loops there.
 const TURNS: usize = 24;
 /// Work of the last exchanges, each of a whole drive: samples simulated.
-const WORK: usize = 60_000_000;
+const WORK: usize = 20_000_000;
 /// Most of them.
 const MOST_EXCHANGES: usize = 12;
 /// Highest frequency over the resonance.
 const ABOVE_RESONANCE: f64 = 1.5;
 /// Highest frequency under the sample rate, where the records have no resonance.
 const UNDER_RATE: f64 = 20.0;
-/// Samples of the fastest period while segments are chosen.
+/// Samples of the fastest period while segments are chosen, and the fewest where there is much to simulate:
+/// more samples than this for all segments of a division.
 const COARSE: f64 = 1.5 * SAMPLES_A_PERIOD;
+const COARSEST: f64 = 5.0;
+const MUCH: usize = 20_000_000;
 /// Fewest samples of a segment then.
 const FEWEST_COARSE: usize = 50;
 /// Share of the work that choosing the segments is.
@@ -233,13 +236,16 @@ impl Experiment {
     ) -> Result<[Chosen; 2], IdentifyError> {
         let one_rate = matches!(self.model.dynamics, Dynamics::Arx(_))
             || self.model.scheme.parameters_belong_to_sample_rate();
-        let coarser = (self.limits.rate_hz / (COARSE * self.limits.highest_hz)).floor();
+        let a_period = self.limits.rate_hz / self.limits.highest_hz;
         let limits = Limits { samples: self.limits.samples / divisions, ..self.limits };
-        let most = (limits.samples / FEWEST_COARSE).max(1);
-        let coarser = if one_rate { 1 } else { (coarser as usize).clamp(1, most) };
+        let segments = candidates(&limits, self.resonance_hz, seed);
+        let simulated = segments.len() * limits.samples * 2 * self.prior.count();
+        let coarser = simulated.div_ceil(MUCH).min((a_period / COARSEST) as usize);
+        let coarser = coarser.max((a_period / COARSE) as usize);
+        let most = if one_rate { 1 } else { (limits.samples / FEWEST_COARSE).max(1) };
+        let coarser = coarser.clamp(1, most);
         let coarse = limits.coarser(coarser);
         let noise = self.noise.coarser(coarser);
-        let segments = candidates(&limits, self.resonance_hz, seed);
         let meter = listener.meter("segments", segments.len() * self.prior.count());
         let (records, fine) = (Records { rate_hz: coarse.rate_hz, ..self.records() }, self.records());
         let (information, weighted) = segments
