@@ -58,8 +58,8 @@ pub fn steps(data: &[u8]) {
     };
     let mut running = program.running.lock().unwrap_or_else(PoisonError::into_inner);
     let running = running.get_or_insert_with(|| built(&program.subject));
-    for (k, (call, expected)) in calls.iter().zip(expected).enumerate() {
-        let [status, y] = running.answer(call);
+    let answers = running.answers(&calls);
+    for (k, ([status, y], expected)) in answers.into_iter().zip(expected).enumerate() {
         // The source tells extrapolation apart.
         assert_eq!(status.min(0.0), expected.0, "{}: call {k} of {calls:?}", program.subject.name);
         if let Some(wanted) = expected.1 {
@@ -119,10 +119,12 @@ fn built(subject: &Subject) -> Running {
 }
 
 impl Running {
-    fn answer(&mut self, call: &[f64; 3]) -> [f64; 2] {
-        let sent: Vec<u8> = call.iter().flat_map(|x| x.to_ne_bytes()).collect();
-        let mut answer = [0; 16];
-        self.input.write_all(&sent).and_then(|()| self.output.read_exact(&mut answer)).expect("it answers");
-        [0, 8].map(|at| f64::from_ne_bytes(answer[at..at + 8].try_into().expect("eight bytes")))
+    /// All at once, which the pipes hold: a change of process for each call takes longest.
+    fn answers(&mut self, calls: &[[f64; 3]]) -> Vec<[f64; 2]> {
+        let sent: Vec<u8> = calls.iter().flatten().flat_map(|x| x.to_ne_bytes()).collect();
+        let mut answers = vec![0; 16 * calls.len()];
+        self.input.write_all(&sent).and_then(|()| self.output.read_exact(&mut answers)).expect("it answers");
+        let number = |bytes: &[u8]| f64::from_ne_bytes(bytes.try_into().expect("eight bytes"));
+        answers.chunks_exact(16).map(|answer| [number(&answer[..8]), number(&answer[8..])]).collect()
     }
 }
