@@ -150,6 +150,7 @@ def main() -> None:
     parser.add_argument("--executions", type=int)
     parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)))
     parser.add_argument("--nice", type=int, default=0, help="added to the niceness of the fuzzer")
+    parser.add_argument("--fuzzer", type=Path, help="built before, rather than from what the source is now")
     parser.add_argument("--keep", action="store_true")
     parser.add_argument("--table", action="store_true")
     options = parser.parse_args()
@@ -162,7 +163,7 @@ def main() -> None:
         sys.exit(
             f"error: no entry is called {', '.join(sorted(unknown))}\n  there are: {', '.join(entries())}"
         )
-    fuzzer = build()
+    fuzzer = options.fuzzer.absolute() if options.fuzzer else build()
     os.nice(options.nice)
     if options.keep:
         for entry in chosen:

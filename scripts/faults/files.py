@@ -203,6 +203,7 @@ def device_full(place: Place) -> str:
         if suffix(line) in (".json", ".html", ".csv"):
             place.refused(line.replace("OUT" + suffix(line), "/dev/full"), work, work)
     for line in TO_OUTPUT:
+        prints = run([place.program, *line.split()], place.fill(place.folder / "work")) != ""
         work = place.fill(place.folder / "work")
         with open("/dev/full", "wb") as full:
             done = subprocess.run(
@@ -210,7 +211,7 @@ def device_full(place: Place) -> str:
             )
         said = done.stderr.decode(errors="replace")
         plain(line, done.returncode, said)
-        if done.returncode == 0:
+        if done.returncode == 0 and prints:
             raise AssertionError(f"{line}: exit 0 though nothing could be printed")
     return f"{len(TO_FILE + TO_OUTPUT)} commands"
 
