@@ -4,7 +4,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .PHONY: FORCE help demo check test test-python test-fleet kept-outputs python-tools wheel docs bench-python \
   export-tools bench study article figures clean check-toolchain check-components \
-  app page page-tools browser-tools test-browser smoke-browser release-dry-run fuzz \
+  app page page-tools browser-tools test-browser smoke-browser release-dry-run fuzz faults \
   page-figure
 
 RECORD := examples/piezo-p885-200hz/identification_1hz.csv
@@ -86,7 +86,13 @@ wheel: python-tools ## a wheel for any Linux with glibc 2.17 or newer and CPytho
 	  --compatibility manylinux_2_17 --out $(OUT)/wheels
 
 fuzz: check-toolchain ## every entry of fuzz/ in libFuzzer for SECONDS (60); EXECUTIONS=N until each has had so many
-	scripts/fuzz.py $(if $(EXECUTIONS),--executions $(EXECUTIONS),--seconds $(or $(SECONDS),60))
+	scripts/fuzz.py --jobs $(or $(JOBS),$(shell nproc)) $(if $(EXECUTIONS),--executions $(EXECUTIONS),--seconds $(or $(SECONDS),60))
+
+faults: python-tools ## KILLS (500) at random instants, full disks, closed pipes, two writers: nothing is lost (SEED=N)
+	cargo build --locked -p hysteron-cli
+	VIRTUAL_ENV=$(abspath $(PYTHON)) $(PYTHON)/bin/maturin develop --locked --quiet
+	python3 scripts/faults target/debug/hysteron --kills $(or $(KILLS),500) $(if $(SEED),--seed $(SEED)) \
+	  --fleet $(PYTHON)/bin/python
 
 release-dry-run: python-tools ## what of a release can be tried here: workflows, wheel, binary, crates packaged in order (QUICK=1)
 	scripts/release-dry-run.sh
@@ -112,6 +118,7 @@ test: check
 	HYSTERON_PYTHON=$(abspath $(PYTHON))/bin/python \
 	  cargo test --workspace --exclude hysteron-export --locked --test '*'
 	$(MAKE) test-python docs
+	$(MAKE) faults KILLS=12
 	$(MAKE) smoke-browser
 	$(MAKE) export-tools
 	cargo test -p hysteron-export --locked --test '*'

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 """Runs the entries of `fuzz/` in libFuzzer, with stable Rust.
 
-    scripts/fuzz.py                          every entry for a minute, two at a time
+    scripts/fuzz.py                          every entry for a minute, one on each processor
+    scripts/fuzz.py --jobs 1 --nice 19       one at a time, in the background of other work
     scripts/fuzz.py --executions 5000000     each until it has had so many, those of earlier runs counted
     scripts/fuzz.py --seconds 600 csv mat    two of them
     scripts/fuzz.py --keep                   adds what found new ways to the corpus that the tests replay
+    scripts/fuzz.py --table                  prints the table of docs/trust.md
 
 Inputs that were found collect in target/fuzz/inputs, those that broke a promise in target/fuzz/findings.
 Executions, seconds and coverage are added up in fuzz/executions.json. Limits of an input: 10 s, 1 GiB.
@@ -60,6 +62,19 @@ def counts() -> dict[str, dict[str, int]]:
     return json.loads(COUNTS.read_text(encoding="utf-8")) if COUNTS.exists() else {}
 
 
+def table() -> str:
+    """Executions, seconds and coverage of every entry, as in docs/trust.md."""
+    known = counts()
+    rows = ["| entry | executions | seconds | edges covered |", "| --- | --: | --: | --: |"]
+    for entry in entries():
+        count = known.get(entry, {"executions": 0, "seconds": 0, "coverage": 0})
+        numbers = (f"{count[name]:,}".replace(",", " ") for name in ("executions", "seconds", "coverage"))
+        rows.append(f"| `{entry}` | {' | '.join(numbers)} |")
+    total = [sum(count[name] for count in known.values()) for name in ("executions", "seconds")]
+    rows.append(f"| in all | {' | '.join(f'{number:,}'.replace(',', ' ') for number in total)} | |")
+    return "\n".join(rows)
+
+
 lock = threading.Lock()
 
 
@@ -90,8 +105,10 @@ def run(fuzzer: Path, entry: str, seconds: int | None, executions: int | None) -
     ]  # fmt: skip
     command += [f"-max_total_time={seconds}"] if seconds is not None else []
     command += [f"-runs={executions}"] if executions is not None else []
+    # What an entry writes goes to memory where it can.
+    memory = {"TMPDIR": "/dev/shm"} if os.access("/dev/shm", os.W_OK) else {}
     done = subprocess.run(
-        command, cwd=ROOT, env={**os.environ, "HYSTERON_FUZZ": entry}, capture_output=True, text=True,
+        command, cwd=ROOT, env={**os.environ, **memory, "HYSTERON_FUZZ": entry}, capture_output=True, text=True,
         errors="replace",
     )  # fmt: skip
     log = WORK / f"{entry}.log"
@@ -131,19 +148,29 @@ def main() -> None:
     parser.add_argument("entries", nargs="*", help="all, if none is given")
     parser.add_argument("--seconds", type=int)
     parser.add_argument("--executions", type=int)
+    parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)))
+    parser.add_argument("--nice", type=int, default=0, help="added to the niceness of the fuzzer")
+    parser.add_argument("--fuzzer", type=Path, help="built before, rather than from what the source is now")
     parser.add_argument("--keep", action="store_true")
+    parser.add_argument("--table", action="store_true")
     options = parser.parse_args()
+    if options.table:
+        print(table())
+        return
     chosen = options.entries or entries()
     unknown = set(chosen) - set(entries())
     if unknown:
-        sys.exit(f"error: no entry is called {', '.join(sorted(unknown))}\n  there are: {', '.join(entries())}")
-    fuzzer = build()
+        sys.exit(
+            f"error: no entry is called {', '.join(sorted(unknown))}\n  there are: {', '.join(entries())}"
+        )
+    fuzzer = options.fuzzer.absolute() if options.fuzzer else build()
+    os.nice(options.nice)
     if options.keep:
         for entry in chosen:
             keep(fuzzer, entry)
         return
     seconds = options.seconds or (None if options.executions else 60)
-    with ThreadPoolExecutor(max(1, len(os.sched_getaffinity(0)))) as pool:
+    with ThreadPoolExecutor(max(1, options.jobs)) as pool:
         fine = list(pool.map(lambda entry: run(fuzzer, entry, seconds, options.executions), chosen))
     known = counts()
     print(f"in all: {sum(count['executions'] for count in known.values())} executions")

@@ -18,6 +18,12 @@ pub mod models;
 /// Largest difference over the output's size or 1 µm, in roundings: a compiler may fuse or reorder.
 const ROUNDINGS: f64 = 64.0;
 
+/// One more call for the driver: the state of a program that was just started.
+const AFRESH: &str = "if (call[0] < 0.0) {
+            MODEL_init(&state);
+            status = (MODEL_status)0;
+        } else if (call[0] < 1.0) {";
+
 /// A program around an exported model, built when first used.
 struct Program {
     subject: Subject,
@@ -58,8 +64,8 @@ pub fn steps(data: &[u8]) {
     };
     let mut running = program.running.lock().unwrap_or_else(PoisonError::into_inner);
     let running = running.get_or_insert_with(|| built(&program.subject));
-    for (k, (call, expected)) in calls.iter().zip(expected).enumerate() {
-        let [status, y] = running.answer(call);
+    let answers = running.answers(&calls);
+    for (k, ([status, y], expected)) in answers.into_iter().zip(expected).enumerate() {
         // The source tells extrapolation apart.
         assert_eq!(status.min(0.0), expected.0, "{}: call {k} of {calls:?}", program.subject.name);
         if let Some(wanted) = expected.1 {
@@ -99,8 +105,12 @@ fn built(subject: &Subject) -> Running {
     // Answers at once, where the one of the tests is asked everything first.
     let driver = include_str!("../../crates/hysteron-export/tests/export/driver.c")
         .replace("1, stdout) != 1", "1, stdout) != 1 || fflush(stdout) != 0")
+        .replace("if (call[0] < 1.0) {", AFRESH)
         .replace("MODEL", &subject.name);
-    assert!(driver.contains("fflush"), "the driver of the tests of the exports has changed");
+    assert!(
+        driver.contains("fflush") && driver.contains("call[0] < 0.0"),
+        "the driver of the tests of the exports has changed"
+    );
     std::fs::write(folder.path().join("driver.c"), driver).expect("a temporary folder takes files");
     let source = format!("{}.c", subject.name);
     let made = Command::new("cc")
@@ -119,10 +129,14 @@ fn built(subject: &Subject) -> Running {
 }
 
 impl Running {
-    fn answer(&mut self, call: &[f64; 3]) -> [f64; 2] {
-        let sent: Vec<u8> = call.iter().flat_map(|x| x.to_ne_bytes()).collect();
-        let mut answer = [0; 16];
-        self.input.write_all(&sent).and_then(|()| self.output.read_exact(&mut answer)).expect("it answers");
-        [0, 8].map(|at| f64::from_ne_bytes(answer[at..at + 8].try_into().expect("eight bytes")))
+    /// From the beginning, and all at once, which the pipes hold: a change of process for each call takes
+    /// longest.
+    fn answers(&mut self, calls: &[[f64; 3]]) -> Vec<[f64; 2]> {
+        let all = std::iter::once(&[-1.0, 0.0, 0.0]).chain(calls);
+        let sent: Vec<u8> = all.flatten().flat_map(|x| x.to_ne_bytes()).collect();
+        let mut answers = vec![0; 16 * (1 + calls.len())];
+        self.input.write_all(&sent).and_then(|()| self.output.read_exact(&mut answers)).expect("it answers");
+        let number = |bytes: &[u8]| f64::from_ne_bytes(bytes.try_into().expect("eight bytes"));
+        answers.chunks_exact(16).skip(1).map(|answer| [number(&answer[..8]), number(&answer[8..])]).collect()
     }
 }

@@ -7,7 +7,7 @@ use hysteron_rig::excitation::ExcitationSpec;
 use hysteron_rig::{CampaignPlan, Truth, measure};
 
 /// Longest drive that is played \[samples\].
-const PLAYED: usize = 2000;
+const PLAYED: usize = 400;
 
 /// A truth, then, after a byte 0, a plan.
 pub fn truth_and_plan(data: &[u8]) {

@@ -1,6 +1,8 @@
 """Records of a simulated fleet: the program's bench with numbers that scatter from device to device.
 
-python simulated_fleet.py FOLDER COUNT    writes them
+python simulated_fleet.py write FOLDER COUNT       writes them
+python simulated_fleet.py calibrate PATTERN URL    calibrates them one after another, into a registry
+python simulated_fleet.py content URL              prints what a registry holds, but for times
 """
 
 from __future__ import annotations
@@ -92,4 +94,14 @@ def content(url: str) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    write(Path(sys.argv[1]), int(sys.argv[2]))
+    match sys.argv[1:]:
+        case ["write", folder, count]:
+            write(Path(folder), int(count))
+        case ["calibrate", pattern, url]:
+            print("begins", flush=True)
+            fleet.calibrate(pattern, ESTIMATOR, executor=Serial(), registry=url)
+        case ["content", url]:
+            for place, row in sorted(content(url).items()):
+                print(place, row)
+        case _:
+            sys.exit(__doc__)

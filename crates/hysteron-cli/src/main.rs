@@ -3,6 +3,7 @@
 //! One file a subcommand; the numbers are the library's. Results go to standard output, messages and progress
 //! to standard error. Exit code 0: done; 1: could not (bad data, no fit); 2: wrong usage.
 
+use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -121,7 +122,7 @@ fn run(command: &Command) -> Result<(), Failure> {
 }
 
 fn main() -> ExitCode {
-    let matches = Cli::command().get_matches();
+    let matches = Cli::command().try_get_matches().unwrap_or_else(|e| answer(&e));
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
     match output::check_distinct(&matches).and_then(|()| run(&cli.command)) {
         Ok(()) => ExitCode::SUCCESS,
@@ -130,4 +131,11 @@ fn main() -> ExitCode {
             failure.exit_code()
         }
     }
+}
+
+/// Prints help, the version, or what is wrong with the command line, and ends.
+fn answer(answer: &clap::Error) -> ! {
+    let printed = answer.print().and_then(|()| std::io::stdout().flush());
+    let is_lost = printed.is_err_and(|e| e.kind() != ErrorKind::BrokenPipe);
+    std::process::exit(if is_lost { 1.max(answer.exit_code()) } else { answer.exit_code() })
 }

@@ -19,6 +19,7 @@ use crate::axes::AxesFlags;
 use crate::columns::{ColumnFlags, InputFlags, TimeFlags};
 use crate::failure::Failure;
 use crate::output;
+use crate::progress::during;
 use crate::remarks;
 use crate::start::StartFlags;
 
@@ -180,7 +181,8 @@ impl Loaded {
         start: &StartFlags,
     ) -> Result<Simulation, Failure> {
         let start = start.start(path, signals.time())?;
-        let found = self.model.simulate(signals, start).map_err(|e| self.cannot_run(path, e))?;
+        let found = during("simulating", || self.model.simulate(signals, start))
+            .map_err(|e| self.cannot_run(path, e))?;
         remarks::tell(path, &self.model, &found.remarks);
         Ok(found)
     }
@@ -210,7 +212,8 @@ impl Loaded {
         start: Start,
         scoring: &Scoring,
     ) -> Result<Score, Failure> {
-        let score = self.model.score(signals, start, scoring).map_err(|e| self.cannot_run(path, e))?;
+        let score = during("scoring", || self.model.score(signals, start, scoring))
+            .map_err(|e| self.cannot_run(path, e))?;
         remarks::tell(path, &self.model, &score.simulation.remarks);
         Ok(score)
     }
@@ -226,7 +229,8 @@ impl Loaded {
         start: Start,
         scoring: &Scoring,
     ) -> Result<RunScore, Failure> {
-        let score = self.model.score_run(run, start, scoring).map_err(|e| self.cannot_run(path, e))?;
+        let score = during("scoring", || self.model.score_run(run, start, scoring))
+            .map_err(|e| self.cannot_run(path, e))?;
         remarks::tell(path, &self.model, &score.whole.simulation.remarks);
         Ok(score)
     }

@@ -14,6 +14,8 @@ use crate::interrupt::Interrupt;
 
 /// Time between the lines where standard error is no terminal.
 const BETWEEN_LINES: Duration = Duration::from_secs(10);
+/// Time between two pictures of work that reports nothing.
+const BETWEEN_TICKS: Duration = Duration::from_millis(250);
 /// Steps of a bar.
 const STEPS: f64 = 1000.0;
 
@@ -31,6 +33,17 @@ pub fn watch(interrupt: &Interrupt) -> Watch<'static> {
 pub fn show() -> impl FnMut(&Event<'_>) + Send {
     let mut shown: Option<Progress> = None;
     move |event| shown.get_or_insert_with(Progress::new).tell(event)
+}
+
+/// Shows on a terminal what goes on, and for how long, during work that reports nothing itself.
+pub fn during<T>(told: &'static str, work: impl FnOnce() -> T) -> T {
+    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr()).with_message(told);
+    let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+    bar.enable_steady_tick(BETWEEN_TICKS);
+    let done = work();
+    bar.finish_and_clear();
+    done
 }
 
 /// Progress display of one computation; the bar is cleared on drop.

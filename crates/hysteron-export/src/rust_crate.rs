@@ -30,7 +30,9 @@ pub fn rust_files(subject: &Subject, inverse: Option<&Inverse>) -> Result<Vec<Na
     let mut files = vec![NamedFile::new("Cargo.toml", manifest(subject))];
     files.push(NamedFile::new(format!("{RUNTIME}/Cargo.toml"), runtime_manifest()));
     let sources = hysteron_rt::rust_source::FILES.iter();
-    files.extend(sources.map(|(name, text)| NamedFile::new(format!("{RUNTIME}/src/{name}"), *text)));
+    // The line tells a later export that it may replace the file.
+    let copied = |text| format!("// Copied by hysteron export.\n{text}");
+    files.extend(sources.map(|(name, text)| NamedFile::new(format!("{RUNTIME}/src/{name}"), copied(text))));
     let literal = |x: f64| subject.precision.rust_literal(x);
     let mut filling = common(subject, subject.description(), numbers(subject)?)?;
     filling.flag("has_inverse", inverse.is_some());

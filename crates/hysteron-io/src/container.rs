@@ -95,7 +95,9 @@ impl HeldArray {
     pub fn name_and_unit(&self) -> (String, Unit) {
         let (name, unit) = split_header(self.name());
         match self.unit.as_deref().map(str::trim) {
-            Some(symbol) if unit.symbol().is_empty() && !symbol.is_empty() => (name, Unit::new(symbol)),
+            Some(symbol) if unit.symbol().is_empty() && !symbol.is_empty() => {
+                (name, Unit::new(&symbol.replace(char::is_control, "\u{FFFD}")))
+            }
             _ => (name, unit),
         }
     }

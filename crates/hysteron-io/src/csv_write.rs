@@ -61,8 +61,10 @@ fn push_number(line: &mut String, value: f64) {
     };
 }
 
+/// The header, in quotes where a reader would take it for something else.
 fn quoted(header: &str) -> String {
-    if header.contains([',', '"', ';', '\t']) || header.starts_with(['#', '%']) {
+    let is_taken = header.starts_with(['#', '%']) || header.starts_with("LabVIEW Measurement");
+    if is_taken || header.contains([',', '"', ';', '\t']) {
         format!("\"{}\"", header.replace('"', "\"\""))
     } else {
         header.to_string()

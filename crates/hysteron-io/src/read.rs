@@ -153,11 +153,15 @@ pub(crate) fn open(path: &Path) -> Result<File, IoError> {
     Ok(file)
 }
 
-/// Whether a file is of a format of named arrays rather than a table of text, by its first bytes.
+/// Whether a file is of a format of named arrays rather than a table of text, by its first bytes. A pipe is
+/// not asked, since what is read from it is gone.
 ///
 /// # Errors
 /// [`IoError::Open`], [`IoError::Read`].
 pub fn holds_named_arrays(path: &Path) -> Result<bool, IoError> {
+    if std::fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+        return Ok(false);
+    }
     let file = path.display().to_string();
     let head = head_of(&file, &mut open(path)?)?;
     Ok(reader_of(&file, &head).is_some())

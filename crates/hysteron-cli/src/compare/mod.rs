@@ -20,7 +20,7 @@ use crate::console;
 use crate::design;
 use crate::failure::Failure;
 use crate::interrupt::{Interrupt, partial};
-use crate::kept::{self, KeptCandidates};
+use crate::kept::{self, Kept};
 use crate::maker::maker;
 use crate::numbers::positive;
 use crate::output::{self, OutFile};
@@ -122,8 +122,8 @@ impl Compare {
         let campaign: Vec<_> = records.map(|data| CampaignRecord { data, role: None }).collect();
         let resume = self.resume.as_deref().map(kept::read).transpose()?;
         let stop = Interrupt::listen("what is finished is printed")?;
-        let kept = KeptCandidates::beside(self.out.as_deref());
-        let watch = kept.watch(&stop);
+        let kept = Kept::beside(self.out.as_deref());
+        let watch = kept.watch_candidates(&stop);
         let selection = Selection::of(&self.candidates, self.quick);
         let options = Options { continued: self.continued, ..Options::default() };
         let comparison = match self.time_limit {
@@ -166,7 +166,8 @@ impl Compare {
             return Err(stop.told(interrupted()?));
         }
         let failure = || Failure::new(format!("cannot identify {candidate} from all records"));
-        crate::model::save(path, &fit.map_err(|e| failure().because(e))?.model)?;
+        let fit = fit.map_err(|e| failure().because(e))?;
+        crate::model::save(path, &fit.model).map_err(|e| kept.told(e))?;
         console::message(&format!("model of {candidate} written to {}", path.display()));
         console::message(&format!("the next drive: {}", self.next_drive(&campaign, Some(path))));
         kept.forget();

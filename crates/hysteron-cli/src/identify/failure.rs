@@ -16,7 +16,7 @@ const RESUME: &str =
 /// Failure of an identification that was interrupted while it compared families of hysteresis.
 pub(super) fn interrupted(file: &Path) -> Failure {
     Failure::new("the fit was interrupted")
-        .because(format!("the families that are fitted so far are in {}", file.display()))
+        .because(format!("what is done so far is in {}", file.display()))
         .hint(format!("go on with the same command and --resume {}", file.display()))
 }
 

@@ -38,7 +38,7 @@ use crate::console;
 use crate::design;
 use crate::failure::Failure;
 use crate::interrupt::{Interrupt, partial};
-use crate::kept::{self, KeptCandidates};
+use crate::kept::{self, Kept};
 use crate::maker::maker;
 use crate::model::{self, Loaded};
 use crate::numbers::{count, number, whole};
@@ -75,7 +75,8 @@ use crate::result_flags::ResultFlags;
     saturating_force, saturating_rate and saturating_reach.\n\n\
     Ctrl-C writes the best model so far to MODEL.partial.json, which every command reads, and leaves \
     MODEL.json unchanged (exit code 130, 143 after SIGTERM); --resume MODEL.partial.json continues the \
-    fit.\n\n\
+    fit. A fit that is killed leaves its state of at most two seconds before in MODEL.searches.json: \
+    --resume MODEL.searches.json.\n\n\
     Example: hysteron identify loop_1hz.csv -o model.json --report report.html\n\
     Example: hysteron identify loop_1hz.csv sweep.csv -o model.json --optimizer de-abc --seed 7\n\
     Example: hysteron identify multisine.csv --structure oscillator -o oscillator.json\n\
@@ -256,16 +257,20 @@ impl Identify {
         let records = self.fit_records(&task)?;
         let resume = self.resume.as_deref().map(kept::read).transpose()?;
         let stop = Interrupt::listen("the best so far is kept")?;
-        let families = KeptCandidates::beside(Some(&self.out));
-        let watch = families.watch(&stop);
+        let kept = Kept::beside(Some(&self.out));
+        let watch = kept.watch_searches(&stop);
         let found = fit_on(self.threads, || fit(&records, &task, &watch, resume, &maker()));
         drop(watch);
-        let found = found.map_err(|e| match (&e, families.file()) {
+        let found = found.map_err(|e| match (&e, kept.file()) {
             (IdentifyError::Stopped, Some(file)) => stop.told(interrupted(file)),
-            _ => stop.told(explain(&e, task.kind())),
+            _ => {
+                kept.forget();
+                stop.told(explain(&e, task.kind()))
+            }
         })?;
         let written = if found.interrupted { partial(&self.out) } else { self.out.to_path_buf() };
-        self.write(&written, &found, || self.page(&records, &task, &found, &stop))?;
+        let page = || self.page(&records, &task, &found, &stop);
+        self.write(&written, &found, page).map_err(|e| kept.told(e))?;
         for score in &found.scores {
             remarks::tell(Path::new(&score.record), &found.model, &score.simulation.remarks);
         }
@@ -285,7 +290,7 @@ impl Identify {
             let resume = format!("go on with the same command and --resume {}", written.display());
             return Err(stop.failure(&written, &resume));
         }
-        families.forget();
+        kept.forget();
         Ok(())
     }
 

@@ -2,7 +2,7 @@
 
 use crate::bench::Bench;
 use std::fmt::Write;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// A record whose search of 400 000 generations takes far longer than the test waits.
@@ -18,20 +18,23 @@ fn long_record() -> String {
 }
 
 #[cfg(unix)]
+fn start(bench: &Bench, extra: &str) -> Child {
+    let flags = "--degree 2 --optimizer de --population 8 --seed 3 --threads 1";
+    Command::new(env!("CARGO_BIN_EXE_hysteron"))
+        .args(format!("identify long.csv {flags} {extra}").split_whitespace())
+        .current_dir(bench.path("."))
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+#[cfg(unix)]
 #[test]
 fn an_interrupted_fit_keeps_the_best_and_resumes_to_the_same_bits() {
     let bench = Bench::new();
     bench.write("long.csv", long_record());
-    let flags = "--degree 2 --optimizer de --population 8 --seed 3 --threads 1";
-    let start = |extra: &str| {
-        Command::new(env!("CARGO_BIN_EXE_hysteron"))
-            .args(format!("identify long.csv {flags} {extra}").split_whitespace())
-            .current_dir(bench.path("."))
-            .stdout(Stdio::null())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap()
-    };
+    let start = |extra: &str| start(&bench, extra);
     bench.write("cut.json", "precious");
     // Interrupted after the small fits that choose the start, in the search itself: wait longer on a slow
     // machine.
@@ -54,18 +57,41 @@ fn an_interrupted_fit_keeps_the_best_and_resumes_to_the_same_bits() {
         generation(&std::fs::read_to_string(bench.path("cut.searches.json")).unwrap())
     });
     let reached = reached.unwrap();
+    ends_as_without_a_break(&bench, reached, "cut.partial.json", start);
+}
 
-    // A resumed run must be of the same length; go on from the interrupted state to the end of a run cut
-    // short.
+#[cfg(unix)]
+#[test]
+fn a_fit_that_is_killed_goes_on_from_its_last_state() {
+    let bench = Bench::new();
+    bench.write("long.csv", long_record());
+    let start = |extra: &str| start(&bench, extra);
+    let mut child = start("-o cut.json --generations 400000");
+    let kept = bench.path("cut.searches.json");
+    let begun = Instant::now();
+    let reached = loop {
+        assert!(begun.elapsed() < Duration::from_secs(60), "no state of the search is kept");
+        std::thread::sleep(Duration::from_millis(50));
+        if let Some(reached) = std::fs::read_to_string(&kept).ok().and_then(|text| generation(&text)) {
+            break reached;
+        }
+    };
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(!bench.path("cut.json").exists());
+    let reached = generation(&std::fs::read_to_string(&kept).unwrap()).unwrap().max(reached);
+    ends_as_without_a_break(&bench, reached, "cut.searches.json", start);
+}
+
+/// A resumed run must be of the same length; goes on from the interrupted state to the end of a run cut short.
+#[cfg(unix)]
+fn ends_as_without_a_break(bench: &Bench, reached: usize, from: &str, start: impl Fn(&str) -> Child) {
     let text = std::fs::read_to_string(bench.path("cut.searches.json")).unwrap();
     let total = reached + 3;
     let shorter = text.replace("\"generations\":400000", &format!("\"generations\":{total}"));
     bench.write("cut.searches.json", shorter);
     assert!(
-        start(&format!("-o resumed.json --generations {total} --resume cut.partial.json"))
-            .wait()
-            .unwrap()
-            .success()
+        start(&format!("-o resumed.json --generations {total} --resume {from}")).wait().unwrap().success()
     );
     assert!(start(&format!("-o straight.json --generations {total}")).wait().unwrap().success());
     let block = |name: &str| {

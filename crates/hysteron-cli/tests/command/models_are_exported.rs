@@ -104,6 +104,18 @@ fn the_other_forms_are_written_as_well() {
 
 /// Each with its inverse.
 #[test]
+fn every_form_is_written_over_an_earlier_export() {
+    let bench = bench();
+    for form in ["c", "rust", "matlab", "simulink", "fmu"] {
+        for rate in ["10000", "20000"] {
+            let command = format!("export P-885_stage.json --to {form} -o {form} --sample-rate {rate}");
+            let run = bench.run(&command);
+            assert_eq!(run.exit_code, 0, "{command}: {run:?}");
+        }
+    }
+}
+
+#[test]
 fn every_family_is_exported() {
     let bench = bench();
     for hysteresis in examples([0.0, 100.0], 2e3, 0.3).unwrap() {

@@ -65,6 +65,14 @@ pub enum RunError {
     /// The motion of a mass needs the time between samples.
     #[error("the record has no uniform sample rate: the motion of a mass cannot be followed")]
     NoSampleRate,
+    /// The output leaves the range of numbers.
+    #[error(
+        "the simulated output is not finite at sample {index}: numbers of the model or the drive are too large"
+    )]
+    NotFinite {
+        /// The first such sample.
+        index: usize,
+    },
     /// A Hammerstein model or an oscillator.
     #[error(transparent)]
     Simulation(#[from] SimulationError),

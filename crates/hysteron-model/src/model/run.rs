@@ -27,8 +27,12 @@ impl Model {
     ///
     /// # Errors
     /// [`RunError`]: other units or channels, no or another sample rate where one is needed, a motion that
-    /// cannot be simulated.
+    /// cannot be simulated, an output that is not finite.
     pub fn simulate(&self, signals: &Signals, start: Start) -> Result<Simulation, RunError> {
+        self.simulated(signals, start)?.finite()
+    }
+
+    fn simulated(&self, signals: &Signals, start: Start) -> Result<Simulation, RunError> {
         self.check_start(start)?;
         match (self, signals) {
             (Self::Hammerstein(_) | Self::Oscillator(_) | Self::Force(_), Signals::Single(record)) => {

@@ -1,6 +1,6 @@
 //! Result of a simulation.
 
-use super::{Remark, Signals};
+use super::{Remark, RunError, Signals};
 use crate::axes::SteadyPeriod;
 use crate::record::{Channel, Record, RecordError, Unit};
 use crate::start::Start;
@@ -21,6 +21,15 @@ pub struct Simulation {
 }
 
 impl Simulation {
+    /// This one, or an error where an output is not finite.
+    pub(super) fn finite(self) -> Result<Self, RunError> {
+        let mut beyond = self.outputs.iter().filter_map(|y| y.iter().position(|y| !y.is_finite()));
+        match beyond.next() {
+            Some(index) => Err(RunError::NotFinite { index }),
+            None => Ok(self),
+        }
+    }
+
     /// Of one output, without remarks.
     pub fn of_single(y: Vec<f64>, start: Start, input_unit: Unit) -> Self {
         Self { outputs: vec![y], start, input_unit, period: None, remarks: Vec::new() }
