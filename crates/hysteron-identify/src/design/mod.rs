@@ -2,12 +2,12 @@
 //! model is known best for a purpose.
 //!
 //! The covariance in the model file, or that of a fit of the records, is what is known now: independent
-//! directions z of variance 1 ([`prior`]). A drive adds the Fisher information F of its record about z
-//! ([`information`]), with the noise that the standard errors of the fit see, and leaves the covariance
-//! (I + F)⁻¹. The drive is put together from segments ([`candidates`]: loops, first-order reversals, sines,
-//! sweeps, multisines, random reversals, holds) by an exchange algorithm ([`objective`]), on the sum of the
+//! directions z of variance 1 (`prior`). A drive adds the Fisher information F of its record about z
+//! (`information`), with the noise that the standard errors of the fit see, and leaves the covariance
+//! (I + F)⁻¹. The drive is put together from segments (`candidates`: loops, first-order reversals, sines,
+//! sweeps, multisines, random reversals, holds) by an exchange algorithm (`objective`), on the sum of the
 //! segments' information, each from rest; then whole drives are compared by their own information, joined
-//! within the slew rate ([`limits`]). The usual experiment, a loop and a sweep of the same length, is one of
+//! within the slew rate (`limits`). The usual experiment, a loop and a sweep of the same length, is one of
 //! them: the result is never worse than it.
 //!
 //! The design is that of the present estimates (locally optimal); mathematics and a study:
