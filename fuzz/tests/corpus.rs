@@ -19,3 +19,25 @@ fn every_input_of_the_corpus_is_taken() {
         assert!(taken > 0, "{} has no input", folder.display());
     }
 }
+
+/// Digits in groups of three.
+fn grouped(count: u64) -> String {
+    let digits = count.to_string();
+    let groups: Vec<&str> =
+        digits.as_bytes().rchunks(3).rev().map(|group| std::str::from_utf8(group).unwrap()).collect();
+    groups.join(" ")
+}
+
+#[test]
+fn the_table_in_the_docs_is_that_of_the_counts() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let read = |path: &str| std::fs::read_to_string(root.join(path)).unwrap();
+    let counts: serde_json::Value = serde_json::from_str(&read("executions.json")).unwrap();
+    let docs = read("../docs/trust.md");
+    for entry in hysteron_fuzz::ENTRIES {
+        let number = |what: &str| grouped(counts[entry.name][what].as_u64().unwrap_or(0));
+        let [executions, seconds, edges] = ["executions", "seconds", "coverage"].map(number);
+        let row = format!("| `{}` | {executions} | {seconds} | {edges} |\n", entry.name);
+        assert!(docs.contains(&row), "scripts/fuzz.py --table prints the table of docs/trust.md: {row}");
+    }
+}
