@@ -12,6 +12,7 @@ use hysteron_export::{
     write_folder,
 };
 use hysteron_identify::Listener;
+use hysteron_model::decoupling::DecouplingError;
 use hysteron_model::invert::InversionError;
 use hysteron_model::model::{Capability, InverseRequest};
 use hysteron_model::record::Source;
@@ -227,6 +228,13 @@ impl Export {
             ExportError::SampleRate => failure.hint("give the controller's with --sample-rate HZ"),
             ExportError::Inverse(InversionError::RangeUnknown) => {
                 failure.hint("give the amplifier's with --range LOW:HIGH")
+            }
+            ExportError::Decoupling(e) if matches!(**e, DecouplingError::Limits { .. }) => {
+                Failure::usage(error.to_string())
+                    .hint("give one for all actuators, or one per actuator, separated by commas")
+            }
+            ExportError::Decoupling(e) if matches!(**e, DecouplingError::RangeUnknown) => {
+                failure.hint("e.g. --range=-1:1")
             }
             ExportError::Realise(error) => crate::realise::with_remedy(failure, error),
             ExportError::Name { .. } if self.name.is_some() => {

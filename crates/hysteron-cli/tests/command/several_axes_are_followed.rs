@@ -69,8 +69,11 @@ fn what_does_not_go_with_several_axes_is_refused() {
         assert!(run.stderr.contains(words), "{command}: {}", run.stderr);
     };
     let invert = "invert stage.json references.csv -o drives.csv";
-    refuse(invert, 1, "does not say which voltages");
-    refuse(&format!("{invert} --range=-1:1,-1:1,-1:1"), 2, "3 entries, the model has 2 inputs");
+    refuse(invert, 1, "does not say which drives");
+    refuse(&format!("{invert} --range=-1:1,-1:1,-1:1"), 2, "2 inputs, but there are limits for 3");
+    let export = "export stage.json --to c --inverse -o out";
+    refuse(export, 1, "give their limits");
+    refuse(&format!("{export} --range=-1:1,-1:1,-1:1"), 2, "2 inputs, but there are limits for 3");
     refuse(&format!("{invert} --range=-1:1 --predict-to 20"), 2, "--predict-to does not go");
     refuse(&format!("{invert} --range=-1:1 --outputs y1"), 2, "2 outputs, --outputs names 1");
     refuse(&format!("{invert} --range 0.5:1"), 1, "would have to rest at");
