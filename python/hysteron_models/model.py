@@ -325,13 +325,7 @@ class Model:
             virgin: drive at which it was demagnetised.
             last: drive and measured output of the last run of the same reference, for iterative learning.
         """
-        if isinstance(reference, Record):
-            fs = fs or reference.fs
-            reference = reference._native.samples(0)
-        rate = fs or self.fs
-        if rate is None:
-            raise OptionError("the reference has no sample rate: give it with fs=…", code="no-sample-rate")
-        samples = as_samples(reference, "reference")
+        samples, rate = self._reference(reference, fs)
         learnt = None if last is None else (as_samples(last[0], "last[0]"), as_samples(last[1], "last[1]"))
         options = _inverting(
             limits,
@@ -354,9 +348,19 @@ class Model:
             findings=tuple(Finding._of(f) for f in summary.get("findings", [])),
         )
 
+    def _reference(self, reference: ArrayLike | Record, fs: float | None) -> tuple[Array, float]:
+        """Samples of a reference and their rate [Hz]; the model's if it has none."""
+        if isinstance(reference, Record):
+            fs = fs or reference.fs
+            reference = reference._native.samples(0)
+        rate = fs or self.fs
+        if rate is None:
+            raise OptionError("the reference has no sample rate: give it with fs=…", code="no-sample-rate")
+        return as_samples(reference, "reference"), rate
+
     def decouple(
         self,
-        references: Sequence[ArrayLike],
+        references: Sequence[ArrayLike] | Record,
         *,
         fs: float | None = None,
         limits: Sequence[tuple[float, float]] | None = None,
@@ -369,7 +373,7 @@ class Model:
         """Find the drives of all actuators with which the outputs of several axes follow references.
 
         Args:
-            references: samples of every output, in the order of the model's.
+            references: samples of every output, or a record of them, in the order of the model's.
             fs: sample rate [Hz] of the references, which is the controller's; the model's if not given.
             limits: least and largest drive of every actuator; the range of the identification if not given.
             slew: largest rate of every drive, per second.
@@ -382,6 +386,9 @@ class Model:
         Returns:
             drives, predicted outputs and references, one row each.
         """
+        if isinstance(references, Record):
+            fs = fs or references.fs
+            references = [references[name] for name in references.channels]
         rate = fs or self.fs
         if rate is None:
             raise OptionError("the references have no sample rate: give it with fs=…", code="no-sample-rate")
@@ -419,8 +426,8 @@ class Model:
 
     def track(
         self,
-        reference: ArrayLike,
-        fs: float,
+        reference: ArrayLike | Record,
+        fs: float | None = None,
         *,
         plant: Literal["rig", "model"] = "rig",
         controllers: Sequence[str] = (),
@@ -436,8 +443,8 @@ class Model:
         """Follow a reference in closed loop, on the simulated bench or on the model itself.
 
         Args:
-            reference: samples, in the unit of the output.
-            fs: rate of the controller [Hz].
+            reference: samples, or a record with one channel, in the unit of the output.
+            fs: rate of the controller [Hz]; that of the record or the model if not given.
             plant: ``"rig"``, the simulated bench, or ``"model"``, the model without noise.
             controllers: names of controllers; all, if none is given.
             limits: least and largest drive.
@@ -459,12 +466,12 @@ class Model:
             "skip_s": skip,
         }
         options = {key: value for key, value in options.items() if value is not None}
-        samples = as_samples(reference, "reference")
+        samples, rate = self._reference(reference, fs)
         text, page, runs = self._native.track(
-            samples, fs, json.dumps(options), plant, None if truth is None else json.dumps(truth), seed
+            samples, rate, json.dumps(options), plant, None if truth is None else json.dumps(truth), seed
         )
         return Tracking(
-            t=np.arange(len(samples)) / fs,
+            t=np.arange(len(samples)) / rate,
             reference=samples,
             drives={name: drive for name, drive, _ in runs},
             displacements={name: displacement for name, _, displacement in runs},

@@ -70,7 +70,7 @@ def do(page: Page, loops: hy.Record, unseen: hy.Record, folder: Path) -> None:
     page.identified({"records": ["loops.csv"], "task": task, "model": "stage.json"})
     page.identified({"records": ["loops.csv"], "task": task, "start": "stage.json", "model": "again.json"})
     page.ask("POST", "models/stage.json/scores", {"records": ["unseen.csv"], "skip_s": 0.1})
-    simulated = {"record": "unseen.csv", "options": {"band": "measurement"}, "save": "simulated.csv"}
+    simulated = {"records": ["unseen.csv"], "options": {"band": "measurement"}, "save": "simulated.csv"}
     page.ask("POST", "models/stage.json/simulate", simulated)
     recalibrated = {"records": ["unseen.csv"], "save": "today.json", "options": {"least_fit_percent": 50.0}}
     page.ask("POST", "models/stage.json/recalibrate", recalibrated)
@@ -83,7 +83,14 @@ def do(page: Page, loops: hy.Record, unseen: hy.Record, folder: Path) -> None:
     drive = {"sample_rate_hz": 500.0, "low_v": 3.0, "high_v": 9.0, "waveform": waveform}
     reference = {"from": "waveform", "specification": drive}
     page.ask("POST", "models/stage.json/follow", {"reference": reference, "save": "drive.csv"})
-    page.ask("GET", "models/stage.json/download?as=c&inverse=true")
+    ahead = {"reference": {"from": "record", "id": "drive-reference.csv"}, "inverse": {"preview": 3}}
+    page.ask("POST", "models/stage.json/follow", {**ahead, "save": "ahead.csv"})
+    options = {"controllers": ["uncompensated", "feedforward"]}
+    played = {"reference": ahead["reference"], "on_model": True, "options": options, "save": "track.csv"}
+    page.ask("POST", "models/stage.json/track", played)
+    designed = {"options": {"purpose": "minor-loops", "time_s": 2.0}, "save": "next.csv"}
+    page.ask("POST", "models/stage.json/design", designed)
+    page.ask("GET", "models/stage.json/download?as=c&inverse=true&accuracy=0.001&name=axis")
 
 
 @pytest.mark.parametrize("language", ["shell", "python"])
@@ -93,7 +100,18 @@ def test_a_script_repeats_what_was_done(
     served, folder = page
     do(served, loops, unseen, folder)
     script = served.ask("GET", "history")[language]
-    for name in ("identify", "simulate", "recalibrate", "adapt", "realise", "prepare", "invert", "export"):
+    names = (
+        "identify",
+        "simulate",
+        "recalibrate",
+        "adapt",
+        "realise",
+        "prepare",
+        "invert",
+        "track",
+        "design",
+    )
+    for name in (*names, "export"):
         assert re.search(rf"\b{name}\b" if language == "shell" else rf"{name}\(|\.fit\(", script), script
     again = folder.parent / "again"
     again.mkdir()
@@ -114,9 +132,14 @@ def test_a_script_repeats_what_was_done(
         first, second = (json.loads((at / name).read_text()) for at in (folder, again))
         for block in ("hysteresis", "linear", "offset"):
             assert first.get(block) == second.get(block), f"{name}: {block}\n{script}"
-    for name in ("prepared.csv", *(["simulated.csv", "drive.csv"] if language == "shell" else [])):
+    written = ["simulated.csv", "drive.csv", "ahead.csv"] if language == "shell" else []
+    for name in ("prepared.csv", *written):
         first, second = (hy.read(at / name) for at in (folder, again))
         # The rate of a reference that is read again comes from its stamps.
         np.testing.assert_allclose(first.y, second.y, rtol=1e-12)
-    assert any((again / "stage").glob("*.c")), sorted(path.name for path in again.iterdir())
+    if language == "shell":
+        played = "y_feedforward"
+        np.testing.assert_allclose(*(hy.read(at / "track.csv")[played] for at in (folder, again)), rtol=1e-12)
+    assert hy.read(folder / "next.csv")["u"].tolist() == hy.read(again / "next.csv")["u"].tolist()
+    assert any((again / "axis").glob("*.c")), sorted(path.name for path in again.iterdir())
     assert urllib.parse.urlparse(served.url).hostname == "127.0.0.1"

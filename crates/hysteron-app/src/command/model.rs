@@ -84,7 +84,7 @@ pub(crate) fn decouple(model: &str, request: &DecoupleRequest, file: &str) -> Co
         .maybe("--preview", asked.preview);
     let limits = asked.ranges.iter().map(|[low, high]| format!("({low}, {high})")).collect();
     let arguments = Arguments::default()
-        .plain(format!("list(hy.read({}).channels.values())", text(&request.references)))
+        .plain(format!("hy.read({})", text(&request.references)))
         .value("limits", joined(limits).map(|limits| format!("[{limits}]")))
         .value("slew", asked.slews_per_s.first())
         .value("bandwidth", asked.bandwidth_hz)
