@@ -127,6 +127,11 @@ fn read(records: &[RecordEntry]) -> String {
     format!("hy.read({})", arguments.done())
 }
 
+/// Texts separated by commas; `None` where there is none.
+fn joined(texts: &[String]) -> Option<String> {
+    (!texts.is_empty()).then(|| texts.join(","))
+}
+
 fn ids(records: &[RecordEntry]) -> impl Iterator<Item = &str> {
     records.iter().map(|record| record.id.as_str())
 }

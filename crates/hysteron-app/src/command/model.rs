@@ -5,7 +5,7 @@ use hysteron_model::model::{DecouplingRequest, InverseRequest};
 use hysteron_model::tracking::TrackOptions;
 use hysteron_report::shell::word;
 
-use super::{Arguments, Words, beside, ids, read, text};
+use super::{Arguments, Words, beside, ids, joined, read, text};
 use crate::api::{
     Command, DecoupleRequest, DownloadQuery, FollowRequest, RecordEntry, Reference, ScoresRequest,
     TrackRequest,
@@ -76,16 +76,15 @@ pub(crate) fn invert(model: &str, request: &FollowRequest, reference: &str) -> C
 /// `hysteron invert` of a model of several axes.
 pub(crate) fn decouple(model: &str, request: &DecoupleRequest, file: &str) -> Command {
     let asked = &request.options;
-    let joined = |texts: Vec<String>| (!texts.is_empty()).then(|| texts.join(","));
     let words = Words::new("invert").word(model).word(&request.references).with("-o", file);
     let words = decoupled(words, asked)
         .maybe("--level", asked.level)
         .when("--periodic", asked.periodic)
         .maybe("--preview", asked.preview);
-    let limits = asked.ranges.iter().map(|[low, high]| format!("({low}, {high})")).collect();
+    let limits: Vec<String> = asked.ranges.iter().map(|[low, high]| format!("({low}, {high})")).collect();
     let arguments = Arguments::default()
         .plain(format!("hy.read({})", text(&request.references)))
-        .value("limits", joined(limits).map(|limits| format!("[{limits}]")))
+        .value("limits", joined(&limits).map(|limits| format!("[{limits}]")))
         .value("slew", asked.slews_per_s.first())
         .value("bandwidth", asked.bandwidth_hz)
         .value("preview", asked.preview)
@@ -97,10 +96,11 @@ pub(crate) fn decouple(model: &str, request: &DecoupleRequest, file: &str) -> Co
 
 /// Flags of the limits of several actuators.
 fn decoupled(words: Words, asked: &DecouplingRequest) -> Words {
-    let joined = |texts: Vec<String>| (!texts.is_empty()).then(|| texts.join(","));
+    let ranges: Vec<String> = asked.ranges.iter().map(|[low, high]| format!("{low}:{high}")).collect();
+    let slews: Vec<String> = asked.slews_per_s.iter().map(f64::to_string).collect();
     words
-        .maybe("--range", joined(asked.ranges.iter().map(|[low, high]| format!("{low}:{high}")).collect()))
-        .maybe("--slew", joined(asked.slews_per_s.iter().map(f64::to_string).collect()))
+        .maybe("--range", joined(&ranges))
+        .maybe("--slew", joined(&slews))
         .maybe("--bandwidth", asked.bandwidth_hz)
 }
 

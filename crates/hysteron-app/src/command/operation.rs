@@ -2,7 +2,7 @@
 
 use hysteron_identify::online::FollowMethod;
 
-use super::{Arguments, Words, beside, ids, read, text};
+use super::{Arguments, Words, beside, ids, joined, read, text};
 use crate::api::{
     AdaptOptions, BandOf, Command, PrepareOptions, RealiseOptions, RecalibrateOptions, RecordEntry,
     ResponseFitRequest, SimulateOptions,
@@ -12,11 +12,6 @@ use crate::api::{
 fn list(texts: &[String]) -> Option<String> {
     let texts: Vec<String> = texts.iter().map(|one| text(one)).collect();
     (!texts.is_empty()).then(|| format!("[{}]", texts.join(", ")))
-}
-
-/// Names separated by commas; `None` where there is none.
-fn joined(texts: &[String]) -> Option<String> {
-    (!texts.is_empty()).then(|| texts.join(","))
 }
 
 /// `hysteron prepare`.

@@ -1,15 +1,14 @@
 //! Drives of all actuators of a model of several axes.
 
-use hysteron_io::write_record;
 use hysteron_model::axes::AxesRecord;
-use hysteron_model::record::{Record, TimeBase, Unit};
+use hysteron_model::record::{TimeBase, Unit};
 use hysteron_report::results::decoupling::{actuators, axes, sentences};
 
-use crate::api::{DecoupleRequest, Figure, Outcome, Role, Series};
+use crate::api::{DecoupleRequest, Figure, Outcome, Series};
 use crate::command;
 use crate::draw::{Along, over_time};
 use crate::refused::{Answer, Refused};
-use crate::workspace::{Kind, Workspace};
+use crate::workspace::Workspace;
 
 /// Width of drawings \[pixels\].
 const PIXELS: usize = 1000;
@@ -49,11 +48,8 @@ pub(crate) fn decouple(workspace: &Workspace, id: &str, request: &DecoupleReques
         figure("Predicted errors", draw(outputs, "reference − ", &units.output, &errors)),
     ];
     if let Some(save) = &request.save {
-        let record: Record = model.decoupled_record(save, references, found).map_err(Refused::failed)?;
-        let path = workspace.to_write(save, Kind::Record)?;
-        // It holds what the model predicts: no fit may learn from it.
-        workspace.history.say_role(save, Role::Unused)?;
-        write_record(&path, &record).map_err(Refused::failed)?;
+        let record = model.decoupled_record(save, references, found).map_err(Refused::failed)?;
+        workspace.keep_predicted(save, &record)?;
         workspace.history.add_action(&command)?;
         workspace.look();
     }

@@ -2,16 +2,15 @@
 
 use hysteron_identify::Listener;
 use hysteron_identify::design::{DesignBasis, design as designed};
-use hysteron_io::write_record;
 use hysteron_model::model::Capability;
 use hysteron_model::record::{TimeBase, Unit};
 use hysteron_report::results::design::{expected, verdict};
 
-use crate::api::{DesignRequest, Figure, Outcome, Role, Series};
+use crate::api::{DesignRequest, Figure, Outcome, Series};
 use crate::command;
 use crate::draw::{Along, over_time};
 use crate::refused::{Answer, Refused};
-use crate::workspace::{Kind, Workspace};
+use crate::workspace::Workspace;
 
 /// Width of drawings \[pixels\].
 const PIXELS: usize = 1000;
@@ -28,13 +27,11 @@ pub(crate) fn design(
 ) -> Answer<Outcome> {
     let model = workspace.model(id)?;
     let body = model.hammerstein(Capability::Design).map_err(Refused::cannot)?;
-    let path = workspace.to_write(&request.save, Kind::Record)?;
     let found = designed(&DesignBasis::from(body.data()), &request.options, listener);
     let found = found.map_err(Refused::cannot)?;
     let summary = found.summary();
     let command = command::design(id, &request.options, &request.save);
-    workspace.history.say_role(&request.save, Role::Unused)?;
-    write_record(&path, &found.record()).map_err(Refused::failed)?;
+    workspace.keep_predicted(&request.save, &found.record())?;
     workspace.history.add_action(&command)?;
     workspace.look();
     let along = Along::new("u", &Unit::new(&found.unit), &found.drive);

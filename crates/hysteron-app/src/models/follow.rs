@@ -17,7 +17,7 @@ use crate::command;
 use crate::draw::{Along, over_time};
 use crate::problem::remedy;
 use crate::refused::{Answer, Refused};
-use crate::workspace::{Kind, Workspace};
+use crate::workspace::Workspace;
 
 /// Width of drawings unless given \[pixels\].
 const PIXELS: usize = 800;
@@ -164,9 +164,6 @@ fn save(
     input: &str,
     request: &FollowRequest,
 ) -> Answer<()> {
-    let path = workspace.to_write(file, Kind::Record)?;
-    // It holds what the model predicts: no fit may learn from it.
-    workspace.history.say_role(file, Role::Unused)?;
     let time = TimeBase::uniform(wanted.rate);
     let symbol = wanted.unit.symbol();
     let channels = vec![
@@ -174,8 +171,8 @@ fn save(
         Channel::new("y", symbol, found.predicted.clone()),
         Channel::new("reference", symbol, wanted.samples.clone()),
     ];
-    let record = Record::new(file, time.clone(), channels).map_err(Refused::cannot)?;
-    write_record(&path, &record).map_err(Refused::failed)?;
+    let record = Record::new(file, time, channels).map_err(Refused::cannot)?;
+    workspace.keep_predicted(file, &record)?;
     if !matches!(request.reference, Reference::Record { .. }) {
         write_reference(workspace, &reference_beside(file), wanted)?;
     }
@@ -257,9 +254,7 @@ pub(crate) fn track(
     };
     let command = command::track(id, request, &reference);
     if let Some(file) = &request.save {
-        let path = workspace.to_write(file, Kind::Record)?;
-        workspace.history.say_role(file, Role::Unused)?;
-        write_record(&path, &found.to_record(file).map_err(Refused::cannot)?).map_err(Refused::failed)?;
+        workspace.keep_predicted(file, &found.to_record(file).map_err(Refused::cannot)?)?;
         if !matches!(request.reference, Reference::Record { .. }) {
             write_reference(workspace, &reference, &wanted)?;
         }

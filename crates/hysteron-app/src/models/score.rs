@@ -1,7 +1,6 @@
 //! Scores of a model on records.
 
 use hysteron_identify::PredictionBand;
-use hysteron_io::write_record;
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::force::with_rate;
 use hysteron_model::model::{BandScore, Capability, Remark, Score as Found, Signals};
@@ -11,11 +10,11 @@ use hysteron_model::validate::{OffsetTreatment, Scoring, definitions};
 use hysteron_model::{Model, Start};
 use hysteron_report::record_curves::is_simulated;
 
-use crate::api::{Judged, Problem, Role, Score, ScoreDefinition, Scored, ScoresRequest};
+use crate::api::{Judged, Problem, Score, ScoreDefinition, Scored, ScoresRequest};
 use crate::command;
 use crate::problem::remedy;
 use crate::refused::{Answer, Refused};
-use crate::workspace::{Kind, Workspace};
+use crate::workspace::Workspace;
 
 /// Inputs and outputs of a record, in the order of the model.
 ///
@@ -104,10 +103,7 @@ fn judged(
 /// Writes the samples that were scored: drive, measured output, model, residual.
 fn write_series(workspace: &Workspace, file: &str, found: &Found, signals: &Signals) -> Answer<()> {
     let series = found.series(signals).map_err(Refused::failed)?;
-    let path = workspace.to_write(file, Kind::Record)?;
-    // It holds what the model predicts: no fit may learn from it.
-    workspace.history.say_role(file, Role::Unused)?;
-    write_record(&path, &series).map_err(Refused::failed)?;
+    workspace.keep_predicted(file, &series)?;
     workspace.look();
     Ok(())
 }

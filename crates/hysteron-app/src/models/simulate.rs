@@ -1,17 +1,16 @@
 //! A model's output for a drive.
 
-use hysteron_io::write_record;
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::model::{Capability, SignalRole, Signals, Simulation};
 use hysteron_model::record::{Driven, InputOutput, MeasurementRun, Unit};
 use hysteron_model::{Model, Start};
 
 use super::score::{band, in_words};
-use crate::api::{BandOf, Figure, Outcome, Role, Series, SimulateRequest};
+use crate::api::{BandOf, Figure, Outcome, Series, SimulateRequest};
 use crate::command;
 use crate::draw::{Along, over_time};
 use crate::refused::{Answer, Refused};
-use crate::workspace::{Kind, Workspace};
+use crate::workspace::Workspace;
 
 /// Width of drawings \[pixels\].
 const PIXELS: usize = 1000;
@@ -38,10 +37,7 @@ pub(crate) fn simulate(workspace: &Workspace, id: &str, request: &SimulateReques
     let command = command::simulate(id, &entries, options, file);
     if let Some(save) = &request.save {
         let record = found.to_record(save, &signals, &names, &units.output, ends).map_err(Refused::failed)?;
-        let path = workspace.to_write(save, Kind::Record)?;
-        // It holds what the model predicts: no fit may learn from it.
-        workspace.history.say_role(save, Role::Unused)?;
-        write_record(&path, &record).map_err(Refused::failed)?;
+        workspace.keep_predicted(save, &record)?;
         workspace.history.add_action(&command)?;
         workspace.look();
     }

@@ -1,12 +1,12 @@
 //! Entries of records in the list, and a record in full.
 
-use hysteron_io::{ReadOptions, contents};
+use hysteron_io::{ReadOptions, contents, write_record};
 use hysteron_model::record::{InputOutput, Inspection, Periods, Record, TimeBase, range_of, split_header};
 use hysteron_report::record_curves::is_simulated;
 
 use super::scan::{Found, Kind, file_at};
 use super::{ReadRecord, Workspace, device_of};
-use crate::api::{Column, ColumnUse, Command, Gap, RecordDetail, RecordEntry, RecordSettings};
+use crate::api::{Column, ColumnUse, Command, Gap, RecordDetail, RecordEntry, RecordSettings, Role};
 use crate::command;
 use crate::draw::glyph;
 use crate::refused::{Answer, Refused};
@@ -18,6 +18,17 @@ const LONG: usize = 200_000;
 const FEWEST: usize = 20;
 
 impl Workspace {
+    /// Writes a record of what a model predicts or a drive made for it, which no fit may learn from; a file of
+    /// this name goes to the trash folder.
+    ///
+    /// # Errors
+    /// For a name that is none, a file that cannot be written.
+    pub(crate) fn keep_predicted(&self, id: &str, record: &Record) -> Answer<()> {
+        let path = self.to_write(id, Kind::Record)?;
+        self.history.say_role(id, Role::Unused)?;
+        write_record(&path, record).map_err(Refused::failed)
+    }
+
     /// The records: what is known of each, at once. A record that was not read yet is marked, and the
     /// identifiers of those are returned too.
     ///
