@@ -512,6 +512,7 @@ class Model:
         bandwidth: float | None = None,
         preview: int | None = None,
         predict_to: float | None = None,
+        controller: str | None = None,
     ) -> list[str]:
         """Write the model, and its inverse if requested, as source for a controller; return the names of the
         files.
@@ -533,10 +534,13 @@ class Model:
             bandwidth: frequency up to which the inverse follows [Hz].
             preview: samples of the reference known ahead.
             predict_to: highest frequency that is predicted [Hz].
+            controller: a controller of :meth:`track` around the inverse, e.g. ``feedforward-pi`` or
+                ``feedforward-observer``: as C99 in double precision.
         """
         options = {
             "to": to,
             "sample_rate_hz": fs,
+            "controller": controller,
             "float": float_type,
             "name": name,
             "accuracy": accuracy,

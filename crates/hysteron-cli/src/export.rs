@@ -16,6 +16,7 @@ use hysteron_model::decoupling::DecouplingError;
 use hysteron_model::invert::InversionError;
 use hysteron_model::model::{Capability, InverseRequest};
 use hysteron_model::record::Source;
+use hysteron_model::tracking::Controller;
 
 use crate::advice;
 use crate::choices::one_of;
@@ -107,6 +108,13 @@ pub struct Export {
     /// frequency
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true, requires = "inverse")]
     predict_to: Option<f64>,
+
+    /// Controller of `track` around the inverse, with feedback or an observer, as C99 in double precision
+    #[arg(
+        long, value_name = "NAME", requires = "inverse",
+        value_parser = one_of(Controller::ALL, Controller::name, Controller::summary),
+    )]
+    controller: Option<Controller>,
 
     /// Day in the headers [default: that of SOURCE_DATE_EPOCH, else today]; `none` leaves it out
     #[arg(long, value_name = "DATE")]
@@ -202,6 +210,7 @@ impl Export {
             accuracy: self.accuracy,
             lowest_frequency_hz: self.lowest_frequency,
             inverse,
+            controller: self.controller,
             model_sha256: Some(source.sha256.clone()),
             date: self.date(),
         }
@@ -263,6 +272,10 @@ impl Export {
             ExportError::Still { .. } => {
                 failure.hint("check it with hysteron simulate: an exported model must respond to a voltage")
             }
+            ExportError::Departs { .. } => failure.hint("export it with --float f64"),
+            ExportError::Prediction { .. } => failure.hint("give the frequency with --predict-to HZ"),
+            ExportError::ControllerForm => failure.hint("export it with --to c"),
+            ExportError::ControllerPrecision => failure.hint("export it with --float f64"),
             ExportError::MatlabName { .. } => failure.hint("name it with --name, e.g. --name stage"),
             _ => failure,
         }
@@ -278,7 +291,8 @@ fn help() -> String {
          A folder that does not exist is made; files of other names in it are left alone, and a file of the \
          same name is replaced only where an export wrote it.\n\n\
          --inverse adds the inverse in the same form, as NAME_inverse: reference in, voltage out, within \
-         --range and --slew for any input; in C with an example loop.\n\n\
+         --range and --slew for any input; in C with an example loop. --controller adds NAME_controller around \
+         it: a feedback law or an observer, tuned with the margins of hysteron track.\n\n\
          Example: hysteron export model.json --to c -o firmware/stage --float f32 --sample-rate 10000",
         forms.join("\n")
     )

@@ -8,6 +8,7 @@ use crate::escape::{c_comment, c_string};
 use crate::golden::{Golden, HELD_FROM};
 use crate::number::Precision;
 use crate::operator::{self, Constant, OperatorNumbers, Table};
+use crate::saved;
 use crate::subject::Subject;
 use crate::template::Filling;
 use hysteron_io::NamedFile;
@@ -23,7 +24,8 @@ const SOURCE: &str = concat!(
     include_str!("../templates/c/opening.c"),
     include_str!("../templates/c/hysteresis.c"),
     include_str!("../templates/c/dynamics.c"),
-    include_str!("../templates/c/model.c")
+    include_str!("../templates/c/model.c"),
+    include_str!("../templates/c/saved.c")
 );
 const SELFTEST: &str = include_str!("../templates/c/selftest.c");
 
@@ -51,6 +53,8 @@ pub(crate) enum Numbers {
 
 /// Header and source.
 pub(crate) fn core_files(subject: &Subject, filling: &Filling) -> Result<Vec<NamedFile>, ExportError> {
+    let mut filling = filling.clone();
+    saved::fill(&mut filling, subject.precision, (HEADER, SOURCE), &[&subject.origin.model_sha256])?;
     Ok(vec![
         NamedFile::new(format!("{}.h", subject.name), filling.fill(HEADER)?),
         NamedFile::new(format!("{}.c", subject.name), filling.fill(SOURCE)?),
@@ -119,6 +123,7 @@ fn of_type<T: Real + Into<f64>>(subject: &Subject, numbers: Numbers) -> Result<F
         )
         .key("TUNED_FIRST", if tunable { "state, " } else { "" })
         .flag("tunable", tunable)
+        .flag("saves", !tunable)
         .flag("means", coefficients.joins_means)
         .flag("looks", coefficients.joins_means)
         .flag("range", subject.range.is_some());

@@ -82,6 +82,44 @@ pub enum ExportError {
         /// The bound in percent of the result's range.
         percent: f64,
     },
+    /// No controller to export.
+    #[error(
+        "controller `{controller}` is not exported: those with the inverse and a feedback law or an observer \
+         are: {}",
+        exported()
+    )]
+    Controller {
+        /// Its name.
+        controller: &'static str,
+    },
+    /// A predicting controller without a frequency.
+    #[error("controller `{controller}` predicts the reference: say up to which frequency it may move")]
+    Prediction {
+        /// Its name.
+        controller: &'static str,
+    },
+    /// A controller without the inverse, or in another form.
+    #[error("a controller is exported as C99, with the inverse")]
+    ControllerForm,
+    /// A controller in single precision.
+    #[error("a controller with feedback is exported in double precision: its tests compare it with double")]
+    ControllerPrecision,
+    /// A controller cannot be designed or played.
+    #[error(transparent)]
+    Control(#[from] hysteron_model::control::ControlError),
+    /// The source would fail its own test.
+    #[error(
+        "a dry run of the single-precision inverse departs from the double-precision one by {departure:.2e} \
+         {unit} along its own test vectors, where {bound:.2e} {unit} is allowed: export it in double precision"
+    )]
+    Departs {
+        /// Largest difference.
+        departure: f64,
+        /// Largest difference allowed.
+        bound: f64,
+        /// Unit of both.
+        unit: String,
+    },
     /// The folder cannot be written.
     #[error(transparent)]
     Folder(#[from] IoError),
@@ -102,4 +140,17 @@ pub enum ExportError {
         /// Where.
         place: String,
     },
+}
+
+/// Names of the controllers that are exported.
+fn exported() -> String {
+    use hysteron_model::tracking::Controller;
+    let all = [
+        Controller::FeedforwardPi,
+        Controller::FeedforwardFractionalPi,
+        Controller::FeedforwardObserver,
+        Controller::PredictedPi,
+        Controller::PredictedObserver,
+    ];
+    all.map(Controller::name).join(", ")
 }

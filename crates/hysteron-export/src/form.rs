@@ -70,14 +70,15 @@ impl Form {
     pub fn contents(self) -> &'static str {
         match self {
             Self::C => {
-                "NAME.h, NAME.c (no malloc, nothing but <math.h>), NAME_selftest.c with golden vectors"
+                "NAME.h, NAME.c (no malloc; <math.h> and memcpy alone), NAME_selftest.c with golden vectors"
             }
             Self::Rust => {
                 "a no_std crate with the source of hysteron-rt beside it, and the same golden vectors as a test"
             }
             Self::Fmu => {
-                "NAME_fmi2.fmu and NAME_fmi3.fmu for co-simulation: source, and on 64-bit Linux a binary \
-                 made by $CC or cc"
+                "NAME_fmi2.fmu and NAME_fmi3.fmu for co-simulation: source, and binaries for Linux and \
+                 Windows x86-64 and Linux aarch64, made by $CC or cc and Debian's cross compilers where \
+                 they are installed"
             }
             Self::Matlab => {
                 "NAME.m (no toolbox; GNU Octave too), NAME_parameters.m, NAME_selftest.m; double precision"

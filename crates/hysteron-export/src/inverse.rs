@@ -5,9 +5,11 @@ use hysteron_model::realise::Realisation;
 use hysteron_rt::Real;
 
 use crate::c::{Numbers, description_comment, filling, rows};
+use crate::dry_run::DryRun;
 use crate::error::ExportError;
 use crate::golden::{Rounding, patience, samples_of};
 use crate::number::Precision;
+use crate::saved;
 use crate::subject::{Subject, significant};
 use crate::template::Filling;
 use hysteron_io::NamedFile;
@@ -23,7 +25,8 @@ const SOURCE: &str = concat!(
     include_str!("../templates/c/opening.c"),
     include_str!("../templates/c/hysteresis.c"),
     include_str!("../templates/c/dynamics.c"),
-    include_str!("../templates/c/inverse.c")
+    include_str!("../templates/c/inverse.c"),
+    include_str!("../templates/c/saved.c")
 );
 const SELFTEST: &str = include_str!("../templates/c/inverse_selftest.c");
 const LOOP: &str = include_str!("../templates/c/loop.c");
@@ -42,6 +45,8 @@ pub struct Inverse {
     pub slew_v_per_s: f64,
     /// Bound on the rounding error of the voltage.
     pub rounding: Rounding,
+    /// Departure of the number type from double precision.
+    pub dry_run: DryRun,
 }
 
 impl Inverse {
@@ -49,7 +54,8 @@ impl Inverse {
     ///
     /// # Errors
     /// Those of [`CompensatorParts::new`]; [`ExportError::Rounding`] where single precision is too coarse for
-    /// the voltage, [`ExportError::Still`] where the voltage does not move.
+    /// the voltage, [`ExportError::Departs`] where a dry run fails the self-test, [`ExportError::Still`] where
+    /// the voltage does not move.
     pub fn new(
         subject: &Subject,
         compensation: Compensation,
@@ -67,11 +73,22 @@ impl Inverse {
         };
         let subject = Subject { name: format!("{}_inverse", subject.name), realisation, ..subject.clone() };
         let rounding = Rounding { bound: 0.0, share: 0.0 };
-        let mut inverse = Self { subject, compensation, range_v, slew_v_per_s, rounding };
-        let bound = GoldenInverse::new(&inverse)?.tolerance;
+        let dry_run = DryRun { along_vectors: 0.0, thrown: 0.0 };
+        let mut inverse = Self { subject, compensation, range_v, slew_v_per_s, rounding, dry_run };
+        let golden = GoldenInverse::new(&inverse)?;
+        let bound = golden.tolerance;
         inverse.rounding =
             Rounding::new("voltage", &inverse.subject.input_unit, bound, range_v[1] - range_v[0])?;
+        inverse.dry_run = DryRun::new(&inverse, &golden)?;
         Ok(inverse)
+    }
+
+    /// Least and largest voltage and its largest change in a sample, rounded inwards to the number type.
+    pub(crate) fn limits(&self) -> [f64; 3] {
+        let precision = self.subject.precision;
+        let [low, high] = self.range_v;
+        let step = self.slew_v_per_s / self.compensation.sample_rate_hz;
+        [precision.at_least(low), precision.at_most(high), precision.at_most(step)]
     }
 
     /// Description for the heads of the sources, as [`Subject::description`].
@@ -90,6 +107,9 @@ impl Inverse {
         ];
         if subject.precision == Precision::F32 {
             lines.push(self.rounding.in_words("voltage", &subject.input_unit));
+            if self.dry_run.departs(self.rounding) {
+                lines.push(format!("NOTE: {}", self.dry_run.in_words(self)));
+            }
         }
         lines.extend([String::new(), "The model:".into()]);
         lines.extend(subject.description());
@@ -142,7 +162,9 @@ fn settles(law: &Compensation) -> (usize, f64) {
 
 /// Header and source.
 pub(crate) fn inverse_core(inverse: &Inverse, filling: &Filling) -> Result<Vec<NamedFile>, ExportError> {
-    let name = &inverse.subject.name;
+    let Subject { name, precision, origin, .. } = &inverse.subject;
+    let mut filling = filling.clone();
+    saved::fill(&mut filling, *precision, (HEADER, SOURCE), &[&origin.model_sha256])?;
     Ok(vec![
         NamedFile::new(format!("{name}.h"), filling.fill(HEADER)?),
         NamedFile::new(format!("{name}.c"), filling.fill(SOURCE)?),
@@ -163,8 +185,7 @@ fn of_type<T: Real + Into<f64>>(inverse: &Inverse, numbers: Numbers) -> Result<F
     let literal = |x: f64| precision.c_literal(x);
     let limit =
         |x: f64| if x.is_finite() { format!("({})", literal(x)) } else { precision.c_infinity().into() };
-    let [low, high] = inverse.range_v;
-    let (low, high, step) = (limit(low), limit(high), limit(inverse.slew_v_per_s / law.sample_rate_hz));
+    let [low, high, step] = inverse.limits().map(limit);
     let mut tables = filling.text("TABLES").to_owned();
     let mut table = |comment: &str, declaration: String, content: String| {
         tables.push_str(&format!("/* {comment} */\nstatic const {declaration} = {{\n{content}\n}};\n"));

@@ -13,6 +13,9 @@
 //!   same forms.
 //! * [`AxesSubject`], [`axes_files`], [`axes_inverse_files`], [`axes_rust_files`]: a model of several axes
 //!   and its inverse, as C and Rust.
+//! * [`ClosedLoop`], [`controller_files`]: the inverse with a feedback law or an observer around it.
+//! * [`DryRun`]: the inverse in the number type of its source beside double precision, before it is
+//!   written.
 //! * [`write_folder`]: all files or none.
 //!
 //! The arithmetic of the exported source is that of `hysteron-rt`, operation by operation: in double
@@ -20,6 +23,8 @@
 
 mod axes;
 mod c;
+mod closed_loop;
+mod dry_run;
 mod error;
 mod escape;
 mod fmu;
@@ -32,6 +37,7 @@ mod operator;
 mod origin;
 mod request;
 mod rust_crate;
+mod saved;
 mod simulink;
 mod subject;
 mod summary;
@@ -41,8 +47,10 @@ pub use axes::{
     AxesExportRequest, AxesSubject, axes_files, axes_inverse_files, axes_rust_files, export_axes,
 };
 pub use c::c_files;
+pub use closed_loop::{ClosedLoop, controller_files};
+pub use dry_run::DryRun;
 pub use error::ExportError;
-pub use fmu::{fmu_files, inverse_fmu_files};
+pub use fmu::{Platform, fmu_files, inverse_fmu_files};
 pub use form::{Form, Means};
 pub use golden::{Golden, Rounding};
 pub use hysteron_io::NamedFile;

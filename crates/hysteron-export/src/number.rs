@@ -46,6 +46,22 @@ impl Precision {
         }
     }
 
+    /// The least number of this type not below `x`.
+    pub fn at_least(self, x: f64) -> f64 {
+        match self {
+            Self::F32 => f64::from(f32::at_least(x)),
+            Self::F64 => x,
+        }
+    }
+
+    /// The largest number of this type not above `x`.
+    pub fn at_most(self, x: f64) -> f64 {
+        match self {
+            Self::F32 => f64::from(f32::at_most(x)),
+            Self::F64 => x,
+        }
+    }
+
     /// The shortest text that reads back as `x`, which must be finite, rounded to this type; in C with its
     /// suffix.
     pub fn c_literal(self, x: f64) -> String {

@@ -3,10 +3,13 @@
 use hysteron_io::NamedFile;
 use hysteron_model::model::{Hammerstein, InverseRequest, Preview, Sweep};
 use hysteron_model::realise::{RealiseOptions, verify};
+use hysteron_model::tracking::Controller;
 use hysteron_model::{Finding, FindingKind};
 use serde::{Deserialize, Serialize};
 
+use crate::closed_loop::{ClosedLoop, controller_files};
 use crate::error::ExportError;
+use crate::fmu::Platform;
 use crate::form::{Form, Means};
 use crate::golden::Rounding;
 use crate::inverse::Inverse;
@@ -38,6 +41,10 @@ pub struct ExportRequest {
     /// The inverse too: reference in, drive out.
     #[serde(default)]
     pub inverse: Option<InverseRequest>,
+    /// A controller of `track` around the inverse: with a feedback law or an observer, as C99 in double
+    /// precision.
+    #[serde(default)]
+    pub controller: Option<Controller>,
     /// SHA-256 of the model file; left out: of the file as this program writes it.
     #[serde(default)]
     pub model_sha256: Option<String>,
@@ -57,6 +64,7 @@ impl ExportRequest {
             accuracy: None,
             lowest_frequency_hz: None,
             inverse: None,
+            controller: None,
             model_sha256: None,
             date: None,
         }
@@ -105,6 +113,16 @@ pub fn export(
     let along = verify(&subject.realisation, &sweep.drive)?;
     findings.extend(along.finding(accuracy));
     subject.along_sweep = Some((along, sweep.frequencies_hz));
+    if let Some(controller) = request.controller {
+        let (Some(asked), Form::C) = (&request.inverse, form) else {
+            return Err(ExportError::ControllerForm);
+        };
+        let realise = RealiseOptions { accuracy, lowest_frequency_hz: request.lowest_frequency_hz };
+        let closed = ClosedLoop::new(model, &subject, controller, asked, realise)?;
+        let mut files = form.files(&subject, None, means)?;
+        files.extend(controller_files(&closed)?);
+        return Ok(Exported { subject, files, findings });
+    }
     let inverse = match &request.inverse {
         Some(asked) => {
             let (inverse, told) = inverted(model, &subject, asked, request.lowest_frequency_hz)?;
@@ -114,6 +132,9 @@ pub fn export(
         None => None,
     };
     let files = form.files(&subject, inverse.as_ref(), means)?;
+    if form == Form::Fmu {
+        findings.extend(Platform::left_out().into_iter().map(without_binary));
+    }
     Ok(Exported { subject, files, findings })
 }
 
@@ -131,7 +152,21 @@ fn inverted(
     let mut findings: Vec<Finding> = Preview::from(&law).finding(asked.preview).into_iter().collect();
     let inverse = Inverse::new(subject, law, [limits.low, limits.high], limits.slew_v_per_s)?;
     findings.extend(coarse("voltage", &subject.input_unit, inverse.rounding));
+    if inverse.dry_run.departs(inverse.rounding) {
+        let text = inverse.dry_run.in_words(&inverse);
+        findings.push(Finding::new(FindingKind::Verdict, "single precision", text));
+    }
     Ok((inverse, findings))
+}
+
+/// What is to be said of a platform that no binary was made for.
+fn without_binary(platform: Platform) -> Finding {
+    let text = format!(
+        "The units have no binary for {}, only the source: `{}` is not installed.",
+        platform.words(),
+        platform.cross_compiler()
+    );
+    Finding::new(FindingKind::Verdict, "platforms", text)
 }
 
 /// What is to be said where single precision costs much.

@@ -1,5 +1,6 @@
 //! A `no_std` Rust crate.
 
+use hysteron_model::compensator::CompensatorParts;
 use hysteron_model::realise::RuntimeParts;
 use hysteron_rt::{Branch, LANES, Real, StateLaw};
 
@@ -10,6 +11,8 @@ use crate::golden::Golden;
 use crate::inverse::{Inverse, golden_inverse_keys};
 use crate::number::Precision;
 use crate::operator::{Constant, OperatorNumbers, Table};
+use crate::origin::Origin;
+use crate::saved;
 use crate::subject::Subject;
 use crate::template::Filling;
 use hysteron_io::NamedFile;
@@ -36,6 +39,11 @@ pub fn rust_files(subject: &Subject, inverse: Option<&Inverse>) -> Result<Vec<Na
     let literal = |x: f64| subject.precision.rust_literal(x);
     let mut filling = common(subject, subject.description(), numbers(subject)?)?;
     filling.flag("has_inverse", inverse.is_some());
+    let bytes = match subject.precision {
+        Precision::F32 => model_bytes::<f32>(subject)?,
+        Precision::F64 => model_bytes::<f64>(subject)?,
+    };
+    mark_saved(&mut filling, &subject.origin, bytes)?;
     files.push(NamedFile::new("src/lib.rs", filling.fill(SOURCE)?));
     golden_keys(&mut filling, subject, &Golden::new(subject)?, &literal);
     files.push(NamedFile::new("tests/selftest.rs", filling.fill(SELFTEST)?));
@@ -46,11 +54,39 @@ pub fn rust_files(subject: &Subject, inverse: Option<&Inverse>) -> Result<Vec<Na
             .flag("inverse", true)
             .key("crate", &subject.name)
             .key("N_PREVIEW", inverse.compensation.preview);
+        let bytes = match inverse.subject.precision {
+            Precision::F32 => inverse_bytes::<f32>(inverse)?,
+            Precision::F64 => inverse_bytes::<f64>(inverse)?,
+        };
+        mark_saved(&mut filling, &inverse.subject.origin, bytes)?;
         files.push(NamedFile::new("src/inverse.rs", filling.fill(SOURCE)?));
         golden_inverse_keys(&mut filling, inverse, &literal)?;
         files.push(NamedFile::new("tests/inverse_selftest.rs", filling.fill(INVERSE_SELFTEST)?));
     }
     Ok(files)
+}
+
+/// Bytes of a saved state of the model.
+fn model_bytes<T: Real>(subject: &Subject) -> Result<usize, ExportError> {
+    Ok(RuntimeParts::<T>::new(&subject.realisation)?.model()?.saved_bytes())
+}
+
+/// Bytes of a saved state of the inverse.
+fn inverse_bytes<T: Real>(inverse: &Inverse) -> Result<usize, ExportError> {
+    let parts = CompensatorParts::<T>::new(&inverse.compensation, inverse.range_v, inverse.slew_v_per_s);
+    Ok(parts?.compensator()?.saved_bytes())
+}
+
+/// Sets what a source says of saved states of so many bytes.
+fn mark_saved(filling: &mut Filling, origin: &Origin, bytes: usize) -> Result<(), ExportError> {
+    let (one, streams) =
+        if filling.has("inverse") { ("compensator", "Compensator") } else { ("model", "Model") };
+    filling.key("one", one).key("Streams", streams).key("SAVED_BYTES", bytes).key("MARK", "0");
+    let mut plain = filling.clone();
+    let text = plain.key("DESCRIPTION", "").fill(SOURCE)?;
+    let mark = saved::mark([&text, env!("CARGO_PKG_VERSION"), &origin.model_sha256].into_iter());
+    filling.key("MARK", format!("0x{mark:016x}"));
+    Ok(())
 }
 
 /// Filling common to both source files.
@@ -101,8 +137,7 @@ fn law(inverse: &Inverse) -> String {
         format!("/// {comment}\nstatic {name}: [{kind}; {}] = {content};\n", entries.len())
     };
     let plain = |numbers: &[f64]| numbers.iter().map(|&x| literal(x)).collect::<Vec<_>>();
-    let [low, high] = inverse.range_v;
-    let step = inverse.slew_v_per_s / law.sample_rate_hz;
+    let [low, high, step] = inverse.limits();
     let step = if step.is_finite() { literal(step) } else { "Real::INFINITY".into() };
     [
         table(

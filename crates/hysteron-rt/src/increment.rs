@@ -1,6 +1,7 @@
 //! States updated by increments with compensated summation.
 
 use crate::real::Real;
+use crate::saved::Tape;
 
 /// x ← x + δ by compensated summation (W. Kahan 1965, doi:10.1145/363707.363723).
 #[inline(always)]
@@ -44,6 +45,13 @@ impl<T: Real> IncrementMemory<T> {
         self.before = (self.z, self.carry);
         accumulate(&mut self.z, &mut self.carry, increment);
         self.z
+    }
+
+    /// Its members; a move is not taken back once restored.
+    pub(crate) fn each_member(&mut self, tape: &mut Tape<'_>) {
+        tape.number(&mut self.z);
+        tape.number(&mut self.carry);
+        self.before = (self.z, self.carry);
     }
 
     /// Undoes the last move.

@@ -17,6 +17,7 @@
 //!   [`FitMonitor`] detects misfit.
 //! * [`Dual`]: a number with its derivatives. Where a step is fed duals it returns the exact derivatives of
 //!   its own result with respect to β, γ and n ([`BoucWen::advance_with_sensitivities`]).
+//! * [`SavedError`]: states saved as bytes and restored after a reset ([`Model::save`]).
 //! * [`Real`], [`Scalar`]: the two sealed traits of the number types.
 //!
 //! ```
@@ -52,6 +53,7 @@ mod plane;
 mod play;
 mod real;
 pub mod rust_source;
+mod saved;
 mod series;
 
 /// dz/du = α − β s z|z|ⁿ⁻¹ − γ |z|ⁿ as the law of one state; several may act in parallel
@@ -76,3 +78,4 @@ pub use play::{
     bernstein_integrals, between, between_ramps, each_band, play, ramp,
 };
 pub use real::{Real, Scalar};
+pub use saved::SavedError;

@@ -83,8 +83,18 @@ pub trait Real: Scalar<Real = Self> + PartialOrd + Debug + Display + Send + Sync
     const LEAST_NORMAL: Self;
     /// A level far above any signal, from which linear dynamics do not leave the range of the number type.
     const LARGEST: Self;
+    /// Bytes of a number.
+    const BYTES: usize = size_of::<Self>();
+    /// The bits of IEEE 754, in the lowest places.
+    fn to_bits(self) -> u64;
+    /// The number with these bits.
+    fn from_bits(bits: u64) -> Self;
     /// Conversion of a literal, rounded to nearest.
     fn of(literal: f64) -> Self;
+    /// The least number not below a literal.
+    fn at_least(literal: f64) -> Self;
+    /// The largest number not above a literal.
+    fn at_most(literal: f64) -> Self;
     /// Absolute value.
     fn abs(self) -> Self;
     /// Neither infinite nor NaN.
@@ -178,10 +188,29 @@ macro_rules! real {
             const FLOOR: $t = $floor;
             const LEAST_NORMAL: $t = $t::MIN_POSITIVE;
             const LARGEST: $t = $largest;
+            #[inline]
+            fn to_bits(self) -> u64 {
+                u64::from($t::to_bits(self))
+            }
+            #[inline]
+            #[allow(clippy::cast_possible_truncation)]
+            fn from_bits(bits: u64) -> $t {
+                $t::from_bits(bits as _)
+            }
             #[inline(always)]
             #[allow(clippy::cast_possible_truncation)]
             fn of(literal: f64) -> $t {
                 literal as $t
+            }
+            #[inline]
+            fn at_least(literal: f64) -> $t {
+                let nearest = Self::of(literal);
+                if f64::from(nearest) < literal { nearest.next_up() } else { nearest }
+            }
+            #[inline]
+            fn at_most(literal: f64) -> $t {
+                let nearest = Self::of(literal);
+                if f64::from(nearest) > literal { nearest.next_down() } else { nearest }
             }
             #[inline(always)]
             fn abs(self) -> $t {

@@ -73,6 +73,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("play/sides.rs", include_str!("play/sides.rs")),
     ("real.rs", include_str!("real.rs")),
     ("rust_source.rs", include_str!("rust_source.rs")),
+    ("saved.rs", include_str!("saved.rs")),
     ("series.c", include_str!("series.c")),
     ("series.rs", include_str!("series.rs")),
 ];

@@ -1,13 +1,13 @@
 //{ relaxes
 /* G(x) = (exp(-x) - 1 + x)/x^2 where |x| <= 1/2, by its series; 0 where x is larger, and *g is not set. */
-static int small_remainder(real x, real *g)
+static bool small_remainder(real x, real *g)
 {
     const real size = F(fabs)(x);
     if (size <= R(SMALL)) {
         const real x2 = x * x;
         *g = ((x * R(-1/6) + R(1/2)) + (x * R(-1/120) + R(1/24)) * x2)
              + (x * R(-1/5040) + R(1/720)) * (x2 * x2);
-        return 1;
+        return true;
     }
     if (size <= R(0.5)) {
         const real x2 = x * x;
@@ -18,9 +18,9 @@ static int small_remainder(real x, real *g)
                            + (x * R(-1/6227020800) + R(1/479001600)) * x2)
                           + x4 * R(1/87178291200);
         *g = low + (middle + high * x4) * x4;
-        return 1;
+        return true;
     }
-    return 0;
+    return false;
 }
 
 /* (1 - exp(-kappa d))/kappa, which is d where kappa is 0; *decay = exp(-kappa d). */

@@ -16,19 +16,27 @@ use crate::error::ExportError;
 use crate::escape::{c_comment, rust_comment, toml_string};
 use crate::number::Precision;
 use crate::origin::Origin;
+use crate::saved;
 use crate::subject::{check_name, significant};
 use crate::template::Filling;
 pub use request::{AxesExportRequest, export_axes};
 use tables::{Language, Tables, literal};
 
 const HEADER: &str = include_str!("../../templates/c/axes_top.h");
-const MODEL: &str =
-    concat!(include_str!("../../templates/c/axes_model.c"), include_str!("../../templates/c/axes_forward.c"));
-const INVERSE: &str =
-    concat!(include_str!("../../templates/c/axes_model.c"), include_str!("../../templates/c/axes_inverse.c"));
+const MODEL: &str = concat!(
+    include_str!("../../templates/c/axes_model.c"),
+    include_str!("../../templates/c/axes_forward.c"),
+    include_str!("../../templates/c/saved.c")
+);
+const INVERSE: &str = concat!(
+    include_str!("../../templates/c/axes_model.c"),
+    include_str!("../../templates/c/axes_inverse.c"),
+    include_str!("../../templates/c/saved.c")
+);
 const SELFTEST: &str = include_str!("../../templates/c/axes_selftest.c");
 const RUST_MODEL: &str = include_str!("../../templates/rust/axes.rs");
 const RUST_INVERSE: &str = include_str!("../../templates/rust/axes_inverse.rs");
+const RUST_SAVED: &str = include_str!("../../templates/rust/axes_saved.rs");
 const RUST_SELFTEST: &str = include_str!("../../templates/rust/axes_selftest.rs");
 
 const PRECISION: Precision = Precision::F64;
@@ -187,6 +195,7 @@ impl AxesSubject {
             .key("N_PREVIEW", law.preview)
             .key("SMOOTHING", literal(law.smoothing))
             .key("TABLES", tables.text())
+            .flag("saves", true)
             .flag("inverse", inverse)
             .flag("strains", model.feedback.is_some())
             .flag("plays", plays > 0);
@@ -197,6 +206,7 @@ impl AxesSubject {
         let mut filling = self.filling(inverse, Language::C);
         let name = filling.text("name").to_owned();
         let source = if inverse { INVERSE } else { MODEL };
+        saved::fill(&mut filling, PRECISION, (HEADER, source), &[&self.origin.model_sha256])?;
         let mut files = vec![
             NamedFile::new(format!("{name}.h"), filling.fill(HEADER)?),
             NamedFile::new(format!("{name}.c"), filling.fill(source)?),
@@ -204,6 +214,15 @@ impl AxesSubject {
         golden.fill(&mut filling, Language::C);
         files.push(NamedFile::new(format!("{name}_selftest.c"), filling.fill(SELFTEST)?));
         Ok(files)
+    }
+
+    /// Sets the mark of saved states of a source.
+    fn mark_saved(&self, filling: &mut Filling, source: &str) -> Result<(), ExportError> {
+        filling.key("MARK", "0");
+        let text = filling.clone().key("DESCRIPTION", "").fill(source)?;
+        let sums = [&text, env!("CARGO_PKG_VERSION"), &self.origin.model_sha256];
+        filling.key("MARK", format!("0x{:016x}", saved::mark(sums.into_iter())));
+        Ok(())
     }
 
     /// Vectors of the model.
@@ -285,13 +304,18 @@ pub fn axes_rust_files(subject: &AxesSubject, inverse: bool) -> Result<Vec<Named
     );
     let mut filling = subject.filling(false, Language::Rust);
     filling.flag("has_inverse", inverse);
-    let mut files =
-        vec![NamedFile::new("Cargo.toml", manifest), NamedFile::new("src/lib.rs", filling.fill(RUST_MODEL)?)];
+    subject.mark_saved(&mut filling, RUST_MODEL)?;
+    let mut files = vec![
+        NamedFile::new("Cargo.toml", manifest),
+        NamedFile::new("src/lib.rs", filling.fill(RUST_MODEL)?),
+        NamedFile::new("src/saved.rs", RUST_SAVED),
+    ];
     subject.golden()?.fill(&mut filling, Language::Rust);
     filling.key("type", "Model").key("PLACE", "Model");
     files.push(NamedFile::new("tests/selftest.rs", filling.fill(RUST_SELFTEST)?));
     if inverse {
         let mut filling = subject.filling(true, Language::Rust);
+        subject.mark_saved(&mut filling, RUST_INVERSE)?;
         files.push(NamedFile::new("src/inverse.rs", filling.fill(RUST_INVERSE)?));
         subject.golden_inverse()?.fill(&mut filling, Language::Rust);
         filling.key("type", "Inverse").key("PLACE", "inverse::Inverse");

@@ -20,6 +20,8 @@ const STAGE: &str = "compiling";
 pub(super) struct Compiler<'a> {
     /// Its command.
     pub command: &'a str,
+    /// Flags of its platform.
+    pub flags: &'a [&'a str],
     /// Hears of it, and may stop it.
     pub listener: Listener<'a>,
 }
@@ -40,9 +42,10 @@ impl Compiler<'_> {
     }
 
     fn started(self, folder: &Path, main: &[String]) -> Result<Child, String> {
-        let flags = ["-std=c99", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-s"];
+        let flags = ["-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-s"];
         Command::new(self.command)
             .args(flags)
+            .args(self.flags)
             .args(main)
             .args(["-o", "unit", "-lm"])
             .current_dir(folder)
@@ -96,7 +99,7 @@ mod tests {
     #[test]
     fn a_stop_ends_a_compiler_that_runs() {
         let stop = |_: &str, _: f64| ControlFlow::Break(());
-        let compiler = Compiler { command: "cc", listener: Listener::new(&stop) };
+        let compiler = Compiler { command: "cc", flags: &[], listener: Listener::new(&stop) };
         let mut child = Command::new("sleep").arg("60").stderr(Stdio::piped()).spawn().unwrap();
         let begun = Instant::now();
         assert!(matches!(compiler.wait(&mut child), Err(ExportError::Stopped)));

@@ -1,6 +1,7 @@
 //! Functional mock-up units: FMI 2.0 and 3.0, co-simulation, source and binary.
 
 mod compiler;
+mod platform;
 mod variables;
 mod zip;
 
@@ -15,6 +16,7 @@ use crate::number::Precision;
 use crate::subject::Subject;
 use compiler::Compiler;
 use hysteron_io::NamedFile;
+pub use platform::Platform;
 use variables::{Parameter, build_description, cases, description, parameters};
 
 /// Version of the interface.
@@ -33,21 +35,10 @@ impl FmiVersion {
             Self::Three => 3,
         }
     }
-
-    /// Folder of the binary and its name's ending, on machines that a binary is made for.
-    fn binary(self) -> Option<(&'static str, &'static str)> {
-        if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
-            return None;
-        }
-        Some(match self {
-            Self::Two => ("binaries/linux64", "so"),
-            Self::Three => ("binaries/x86_64-linux", "so"),
-        })
-    }
 }
 
-/// The model as FMUs of both versions, `NAME_fmi2.fmu` and `NAME_fmi3.fmu`: source and, on 64-bit Linux, a
-/// binary made by `compiler`.
+/// The model as FMUs of both versions, `NAME_fmi2.fmu` and `NAME_fmi3.fmu`: source and a binary for each
+/// [`Platform`] that a compiler is there for, `compiler` on its own.
 ///
 /// # Errors
 /// [`ExportError::Compiler`] where the compiler is not there or fails; as [`crate::c_files`].
@@ -78,8 +69,7 @@ pub(crate) fn files(
     halves
         .into_iter()
         .map(|(version, listener)| {
-            let compiler = Compiler { command: compiler, listener };
-            let content = unit(subject, inverse, &parameters, version, compiler)?;
+            let content = unit(subject, inverse, &parameters, version, (compiler, listener))?;
             let bytes = zip::archive(&content)?;
             Ok(NamedFile::new(format!("{}_fmi{}.fmu", subject.name, version.number()), bytes))
         })
@@ -96,7 +86,7 @@ fn unit(
     inverse: Option<&Inverse>,
     parameters: &[Parameter],
     version: FmiVersion,
-    compiler: Compiler<'_>,
+    (compiler, listener): (&str, Listener<'_>),
 ) -> Result<Vec<(String, Vec<u8>)>, ExportError> {
     let (mut filling, mut sources) = match inverse {
         None => {
@@ -132,9 +122,16 @@ fn unit(
         "modelDescription.xml".to_owned(),
         description(subject, inverse, parameters, version, &token).into_bytes(),
     )];
-    if let Some((folder, ending)) = version.binary() {
-        let main = [format!("{}.c", subject.name), format!("{name}.c")];
-        files.push((format!("{folder}/{}.{ending}", subject.name), compiler.library(&sources, &main)?));
+    let main = [format!("{}.c", subject.name), format!("{name}.c")];
+    for platform in Platform::ALL {
+        if let Some(command) = platform.compiler(compiler) {
+            let compiler = Compiler { command, flags: platform.flags(), listener };
+            let library = compiler.library(&sources, &main)?;
+            files.push((
+                format!("{}/{}.{}", platform.folder(version), subject.name, platform.ending()),
+                library,
+            ));
+        }
     }
     if version == FmiVersion::Three {
         files.push(("sources/buildDescription.xml".into(), build_description(&subject.name).into_bytes()));

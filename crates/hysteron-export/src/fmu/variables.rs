@@ -40,9 +40,16 @@ pub(super) fn parameters<T: Real + Into<f64>>(
         name: "offset".into(),
         unit: per(0),
         start: coefficients.offset.into(),
-        member: "offset".into(),
+        member: "trims.offset".into(),
         description: "Constant of the displacement".into(),
     }];
+    all.push(Parameter {
+        name: "gain".into(),
+        unit: "1".into(),
+        start: 1.0,
+        member: "trims.gain".into(),
+        description: "Factor of what the model gives; not 0".into(),
+    });
     for (k, &c) in coefficients.polynomial.iter().enumerate() {
         all.push(Parameter {
             name: format!("polynomial_{}", k + 1),

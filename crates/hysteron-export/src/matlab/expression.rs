@@ -72,7 +72,11 @@ impl Parser<'_> {
     fn postfix(&mut self) -> Result<Expression, Untranslated> {
         let mut value = match self.next() {
             Some(Token::Number(text, whole)) => Expression::Number(text.clone(), *whole),
-            Some(Token::Name(name)) => Expression::Name(name.clone()),
+            Some(Token::Name(name)) => match name.as_str() {
+                "true" => Expression::Number("1".into(), true),
+                "false" => Expression::Number("0".into(), true),
+                _ => Expression::Name(name.clone()),
+            },
             Some(Token::Mark("(")) => {
                 let inside = self.expression()?;
                 self.expect(")")?;

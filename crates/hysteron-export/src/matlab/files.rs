@@ -38,6 +38,8 @@ const WORDS: &str = " elseif end endfor endfunction endif endwhile function glob
 pub fn matlab_files(subject: &Subject) -> Result<Vec<NamedFile>, ExportError> {
     check(subject)?;
     let mut filling = filling(subject, Numbers::Constant)?;
+    // A struct is saved as it is.
+    filling.flag("saves", false);
     let code = core_files(subject, &filling)?;
     let golden = Golden::new(subject)?;
     filling
@@ -58,6 +60,7 @@ pub fn matlab_inverse_files(inverse: &Inverse) -> Result<Vec<NamedFile>, ExportE
     let subject = &inverse.subject;
     check(subject)?;
     let mut filling = inverse_filling(inverse, Numbers::Constant)?;
+    filling.flag("saves", false);
     let code = inverse_core(inverse, &filling)?;
     let golden = GoldenInverse::new(inverse)?;
     let held_from = (0..golden.references.len()).find(|&k| golden.lasts(k) > 1);

@@ -90,7 +90,7 @@ impl<'a> Parser<'a> {
         let Some(Token::Name(name)) = self.peek(ahead) else { return false };
         matches!(
             name.as_str(),
-            "const" | "static" | "struct" | "void" | "int" | "unsigned" | "long" | "double" | "float"
+            "const" | "static" | "struct" | "void" | "bool" | "int32_t" | "uint32_t" | "double" | "float"
         ) || self.source.types.contains_key(name)
     }
 
@@ -107,7 +107,7 @@ impl<'a> Parser<'a> {
         let name = self.name()?;
         let of = match name.as_str() {
             "void" => Type::Void,
-            "int" | "unsigned" | "long" => Type::Int,
+            "bool" | "int32_t" | "uint32_t" => Type::Int,
             "double" | "float" => Type::Real,
             _ => self.source.types.get(&name).cloned().ok_or_else(|| Untranslated::new("a type", &name))?,
         };

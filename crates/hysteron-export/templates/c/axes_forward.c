@@ -7,7 +7,7 @@ void $name_init($name_state *state)
 
 $name_status $name_rest_at($name_state *state, const $name_real voltages[$NAME_INPUTS])
 {
-    int i;
+    int32_t i;
     for (i = 0; i < INPUTS; i++) {
         if (!is_finite(voltages[i])) {
             return $NAME_NOT_FINITE;
@@ -22,7 +22,7 @@ $name_status $name_step($name_state *state, const $name_real voltages[$NAME_INPU
 {
     $name_status status = $NAME_OK;
     real u[INPUTS];
-    int i, m;
+    int32_t i, m;
     for (i = 0; i < INPUTS; i++) {
         u[i] = voltages[i];
         if (!is_finite(u[i])) {

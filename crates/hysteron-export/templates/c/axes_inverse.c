@@ -4,7 +4,7 @@
 #define SMOOTHING $SMOOTHING
 
 /* The voltage nearest to `wanted` within range and slew of an actuator. */
-static real limited(int i, real wanted, real last, $name_status *status)
+static real limited(int32_t i, real wanted, real last, $name_status *status)
 {
     const real ranged = wanted < LOW[i] ? LOW[i] : wanted > HIGH[i] ? HIGH[i] : wanted;
     const real least = last - STEP[i], most = last + STEP[i];
@@ -19,7 +19,7 @@ static real limited(int i, real wanted, real last, $name_status *status)
 
 static void rest($name_state *state, const real *voltages)
 {
-    int i, k, m;
+    int32_t i, k, m;
     real u[INPUTS];
     for (i = 0; i < INPUTS; i++) {
         u[i] = voltages[i] < LOW[i] ? LOW[i] : voltages[i] > HIGH[i] ? HIGH[i] : voltages[i];
@@ -45,7 +45,7 @@ void $name_init($name_state *state)
 $name_status $name_rest_at($name_state *state, const $name_real voltages[$NAME_INPUTS],
                            $name_real outputs[$NAME_OUTPUTS])
 {
-    int i, m;
+    int32_t i, m;
     for (i = 0; i < INPUTS; i++) {
         if (!is_finite(voltages[i])) {
             return $NAME_NOT_FINITE;
@@ -60,9 +60,9 @@ $name_status $name_rest_at($name_state *state, const $name_real voltages[$NAME_I
 
 $name_status $name_know($name_state *state, const $name_real references[$NAME_OUTPUTS])
 {
-    const int last = (state->present + PREVIEW) % (PREVIEW + 1);
+    const int32_t last = (state->present + PREVIEW) % (PREVIEW + 1);
     $name_status status = $NAME_OK;
-    int m;
+    int32_t m;
     for (m = 0; m < OUTPUTS; m++) {
         real r = references[m];
         if (!is_finite(r)) {
@@ -80,7 +80,7 @@ $name_status $name_step($name_state *state, const $name_real references[$NAME_OU
 {
     $name_status status = $name_know(state, references);
     real u[INPUTS];
-    int i, j;
+    int32_t i, j;
     for (i = 0; i < INPUTS; i++) {
         state->last_strain[i] = state->strain[i];
     }

@@ -1,4 +1,6 @@
 $DESCRIPTION
+#include <string.h>
+
 #include "$name.h"
 
 #if defined(__clang__)
@@ -19,15 +21,15 @@ typedef $name_real real;
 //}
 
 $TABLES
-static int is_finite(real x)
+static bool is_finite(real x)
 {
     return x - x == R(0);
 }
 
-static real dot(const real *a, const real *b, int count)
+static real dot(const real *a, const real *b, int32_t count)
 {
     real sum = R(0);
-    int k;
+    int32_t k;
     for (k = 0; k < count; k++) {
         sum += a[k] * b[k];
     }
@@ -38,9 +40,9 @@ static real dot(const real *a, const real *b, int count)
 /* The strains of the actuators under their voltages; moves the plays. */
 static void strains($name_state *state, const real *u)
 {
-    int i;
+    int32_t i;
 //{ plays
-    int j;
+    int32_t j;
 //}
     for (i = 0; i < INPUTS; i++) {
         state->strain[i] = R(0);
@@ -70,7 +72,7 @@ static void strains($name_state *state, const real *u)
 static void advance($name_state *state)
 {
     real next[STATES];
-    int k;
+    int32_t k;
     for (k = 0; k < STATES; k++) {
         next[k] = dot(INPUT[k], state->held, INPUTS) + dot(STRAIN_INPUT[k], state->strain, INPUTS);
     }
@@ -91,7 +93,7 @@ static void advance($name_state *state)
 /* To the next sample. */
 static void next_sample($name_state *state)
 {
-    int step;
+    int32_t step;
     for (step = 0; step < STEPS; step++) {
 //{ strains
         if (step > 0) {
@@ -105,7 +107,7 @@ static void next_sample($name_state *state)
 /* Holds voltages from the present sample on; the outputs at it. */
 static void apply($name_state *state, const real *u)
 {
-    int i, m;
+    int32_t i, m;
     for (i = 0; i < INPUTS; i++) {
         state->held[i] = u[i];
     }
@@ -121,8 +123,8 @@ static void apply($name_state *state, const real *u)
 static void settle($name_state *state, const real *u)
 {
     static const $name_state still;
-    int i;
-    long k;
+    int32_t i;
+    int32_t k;
     *state = still;
     for (i = 0; i < INPUTS; i++) {
         state->held[i] = u[i];

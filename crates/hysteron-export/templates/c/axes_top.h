@@ -2,6 +2,9 @@ $DESCRIPTION
 #ifndef $NAME_H
 #define $NAME_H
 
+#include <stdbool.h>
+#include <stdint.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -19,7 +22,9 @@ typedef enum {
     $NAME_AT_SLEW = 2,
 //}
     /* A number handed in is infinite or not a number: the last finite one is used in its place. */
-    $NAME_NOT_FINITE = -1
+    $NAME_NOT_FINITE = -1,
+    /* The bytes are no saved state of this export, or damaged: the state is what it was. */
+    $NAME_NOT_SAVED = -3
 } $name_status;
 
 /* Samples a second [Hz]. The coefficients belong to this rate. */
@@ -37,7 +42,7 @@ typedef enum {
 #define $NAME_PREVIEW $N_PREVIEW
 //}
 
-/* The memory of the model: nothing in it is for other eyes. */
+/* Everything that it remembers; read and changed by the functions below alone. */
 typedef struct {
     $name_real x[$NAME_STATES];
     $name_real held[$NAME_INPUTS];
@@ -52,10 +57,11 @@ typedef struct {
     $name_real predicted[$NAME_INPUTS];
     $name_real rate[$NAME_INPUTS];
     $name_real window[$NAME_PREVIEW + 1][$NAME_OUTPUTS];
-    int present;
+    int32_t present; /* below $NAME_PREVIEW + 1: where the window is written next */
 //}
 } $name_state;
 
+//+ size of a saved state
 //{ !inverse
 /* At rest under voltages of 0. Call this once, first. */
 void $name_init($name_state *state);
@@ -86,6 +92,7 @@ $name_status $name_step($name_state *state, const $name_real references[$NAME_OU
                         $name_real voltages[$NAME_INPUTS]);
 //}
 
+//+ functions of a saved state
 #ifdef __cplusplus
 }
 #endif

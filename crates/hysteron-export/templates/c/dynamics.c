@@ -4,13 +4,13 @@ static real dynamics_step($name_state *state, real w)
     /* States decay towards a level far below any signal instead of through the subnormal numbers. */
     real newest = w - state->rest + R(FLOOR);
     real sum = REST_GAIN * state->rest;
-    int i;
+    int32_t i;
 //{ delay
     {
         const real oldest = state->delayed[state->at];
         state->delayed[state->at] = newest;
         newest = oldest;
-        state->at = state->at + 1u < (unsigned)$NAME_DELAY ? state->at + 1u : 0u;
+        state->at = state->at + 1u < (uint32_t)$NAME_DELAY ? state->at + 1u : 0u;
     }
 //}
     for (i = $NAME_TAPS; i > 0; i--) {
@@ -47,7 +47,7 @@ static real dynamics_step($name_state *state, real w)
 /* At rest, and virgin, at u, where the hysteresis puts out v. */
 static void settle($name_state *state, real u, real v)
 {
-    int i;
+    int32_t i;
     state->voltage = u;
     hysteresis_rest(state, u);
 //{ means
@@ -82,24 +82,24 @@ static void settle($name_state *state, real u, real v)
 /* Virgin at `virgin`, moved to u without turning, and at rest there: *v is what the hysteresis puts out. 0
    where that is out of range: the state is as it was, or at rest at `virgin` where it was the move that
    failed. */
-static int settle_after($name_state *state, real virgin, real u, real *v)
+static bool settle_after($name_state *state, real virgin, real u, real *v)
 {
     *v = hysteresis_at_rest($TUNED_FIRSTvirgin);
     if (!is_in_range(*v)) {
-        return 0;
+        return false;
     }
     settle(state, virgin, *v);
-    state->displacement = state->offset + REST_GAIN * *v;
+    state->displacement = state->trims.offset + state->trims.gain * (REST_GAIN * *v);
     if (u != virgin) {
         if (!hysteresis_move(state, u, v)) {
-            return 0;
+            return false;
         }
         state->rest = *v;
-        state->displacement = state->offset + REST_GAIN * *v;
+        state->displacement = state->trims.offset + state->trims.gain * (REST_GAIN * *v);
 //{ means
         state->last_v = *v;
 //}
     }
-    return 1;
+    return true;
 }
 

@@ -4,7 +4,7 @@ static real polynomial_at($TUNED_AS_ARGUMENT_FIRSTreal u)
 {
 //{ polynomial
     real sum = R(0);
-    int i;
+    int32_t i;
     for (i = $N_POLYNOMIAL - 1; i >= 0; i--) {
         sum = (sum + K(polynomial)[i]) * u;
     }
@@ -39,15 +39,15 @@ static real hysteresis_look(const $name_state *state, real u$RATE_PARAMETER)
 //}
 /* Moves monotonically to u: *v is the output of the hysteresis there. 0, and nothing has moved, where that is
    out of range. */
-static int hysteresis_move($name_state *state, real u, real *v)
+static bool hysteresis_move($name_state *state, real u, real *v)
 {
     const real out = polynomial_at($TUNED_FIRSTu);
     if (!is_in_range(out)) {
-        return 0;
+        return false;
     }
     state->voltage = u;
     *v = out;
-    return 1;
+    return true;
 }
 
 /* Makes the memory of the hysteresis virgin at u. */

@@ -8,7 +8,7 @@ static real within(real x, real low, real high)
 
 typedef struct {
     real voltage, output;
-    int missed; /* the target lies beyond */
+    bool missed; /* the target lies beyond */
 } reached;
 
 static reached reached_at(const $name_state *state, real voltage)
@@ -16,7 +16,7 @@ static reached reached_at(const $name_state *state, real voltage)
     reached there;
     there.voltage = voltage;
     there.output = hysteresis_look(state, voltage$AT_END);
-    there.missed = 0;
+    there.missed = false;
     return there;
 }
 
@@ -32,14 +32,15 @@ static reached reach(const $name_state *state, real target, real low, real high)
 //{ !moves_at_rest
     const real output = state->output;
 //}
-    const int upwards = target > output;
+    const bool upwards = target > output;
     const real end = upwards ? high : low;
     reached near, far;
     real guess, close, near_excess, far_excess;
-    int inside, count, kept = 0; /* the end kept last: 1 near, 2 far */
+    bool inside;
+    int32_t count, kept = 0; /* the end kept last: 1 near, 2 far */
     near.voltage = state->voltage;
     near.output = output;
-    near.missed = 0;
+    near.missed = false;
     if (target == output || end == near.voltage) {
         near.missed = target != output;
         return near;
@@ -55,7 +56,7 @@ static reached reach(const $name_state *state, real target, real low, real high)
         far = reached_at(state, end);
     }
     if (!BEYOND(far.output)) {
-        far.missed = 1;
+        far.missed = true;
         return far;
     }
     close = R(2) * R(EPSILON) * (F(fabs)(target) + F(fabs)(output));
@@ -64,7 +65,7 @@ static reached reach(const $name_state *state, real target, real low, real high)
     for (count = 2; count < $MOST_LOOKS; count++) {
         const real width = far.voltage - near.voltage;
         const real share = near_excess / (near_excess - far_excess);
-        const int halve = count % 3 == 1 || !is_finite(share);
+        const bool halve = count % 3 == 1 || !is_finite(share);
         real between = near.voltage + width * (halve ? R(0.5) : share);
         reached next;
         if (F(fabs)(near_excess) <= close || F(fabs)(far_excess) <= close) {
@@ -96,7 +97,7 @@ static reached reach(const $name_state *state, real target, real low, real high)
     }
 #undef BEYOND
     if (!is_finite(far.output)) {
-        near.missed = 1;
+        near.missed = true;
         return near;
     }
     return F(fabs)(near.output - target) < F(fabs)(far.output - target) ? near : far;
@@ -105,13 +106,15 @@ static reached reach(const $name_state *state, real target, real low, real high)
 /* What the hysteresis is to put out: a linear regulator with preview, counted from the last output v_1 so
    that a reference at rest is met exactly.
    v = v_1 + sum recent (v_l - v_1) + sum k (x - v_1) + sum f (r - y_1). */
-static real wanted(const $name_state *state)
+static real wanted(const $name_state *state, real disturbance)
 {
     const real newest = state->recent[0];
-    const real settles = state->offset + REST_GAIN * state->rest + GAIN * newest;
+    const real gain = state->trims.gain, per_gain = R(1) / gain;
+    const real settles = state->trims.offset + gain * (REST_GAIN * state->rest) + gain * (GAIN * newest)
+        + disturbance;
     real sum = R(0);
-    unsigned at = state->ring_at;
-    int i;
+    uint32_t at = state->ring_at;
+    int32_t i;
 //{ law_recent
     for (i = 0; i < $N_LAW_RECENT; i++) {
         sum = sum + LAW_RECENT[i] * (state->recent[i + 1] - newest);
@@ -128,8 +131,8 @@ static real wanted(const $name_state *state)
     }
 //}
     for (i = 0; i < $NAME_REFERENCES; i++) {
-        at = at > 0u ? at - 1u : (unsigned)$NAME_REFERENCES - 1u;
-        sum = sum + LAW_REFERENCE[i] * (state->ring[at] - settles);
+        at = at > 0u ? at - 1u : (uint32_t)$NAME_REFERENCES - 1u;
+        sum = sum + LAW_REFERENCE[i] * ((state->ring[at] - settles) * per_gain);
     }
     return state->rest + (newest + sum);
 }
@@ -137,7 +140,7 @@ static real wanted(const $name_state *state)
 /* The reference has been here for ever. */
 static void stand_at($name_state *state, real displacement)
 {
-    int i;
+    int32_t i;
     for (i = 0; i < $NAME_REFERENCES; i++) {
         state->ring[i] = displacement;
     }
@@ -151,7 +154,8 @@ void $name_init($name_state *state)
 //{ tunable
     state->parameters = DEFAULTS;
 //}
-    state->offset = OFFSET;
+    state->trims.gain = R(1);
+    state->trims.offset = OFFSET;
     state->displacement = OFFSET;
     state->voltage = R(0);
     (void)$name_rest_at(state, R(0), &ignored);
@@ -178,7 +182,7 @@ $name_status $name_rest_after($name_state *state, real virgin, real voltage, rea
         voltage = stood;
         v = hysteresis_at_rest($TUNED_FIRSTvoltage);
         settle(state, voltage, v);
-        state->displacement = state->offset + REST_GAIN * v;
+        state->displacement = state->trims.offset + state->trims.gain * (REST_GAIN * v);
         status = $NAME_OVERFLOW;
     }
     state->output = v;
@@ -192,11 +196,11 @@ $name_status $name_rest_after($name_state *state, real virgin, real voltage, rea
 
 $name_status $name_measured_at_rest($name_state *state, real displacement)
 {
-    const real offset = displacement - REST_GAIN * state->rest;
+    const real offset = displacement - state->trims.gain * (REST_GAIN * state->rest);
     if (!is_finite(offset)) {
         return $NAME_NOT_FINITE;
     }
-    state->offset = offset;
+    state->trims.offset = offset;
     state->displacement = displacement;
     stand_at(state, displacement);
     return $NAME_OK;
@@ -204,30 +208,35 @@ $name_status $name_measured_at_rest($name_state *state, real displacement)
 
 $name_status $name_know($name_state *state, real reference)
 {
-    const int sound = is_finite(reference);
+    const bool sound = is_finite(reference);
     if (sound) {
         state->reference = reference;
     }
     state->ring[state->ring_at] = state->reference;
-    state->ring_at = state->ring_at + 1u < (unsigned)$NAME_REFERENCES ? state->ring_at + 1u : 0u;
+    state->ring_at = state->ring_at + 1u < (uint32_t)$NAME_REFERENCES ? state->ring_at + 1u : 0u;
     return sound ? $NAME_OK : $NAME_NOT_FINITE;
 }
 
 $name_status $name_step($name_state *state, real reference, real *voltage)
 {
-    int sound = $name_know(state, reference) == $NAME_OK;
-    real target = wanted(state), rise, v;
+    return $name_step_against(state, reference, R(0), voltage);
+}
+
+$name_status $name_step_against($name_state *state, real reference, real disturbance, real *voltage)
+{
+    bool sound = $name_know(state, reference) == $NAME_OK;
+    real target = wanted(state, is_finite(disturbance) ? disturbance : R(0)), rise, v;
     const real from = state->voltage;
     reached there;
     if (!is_finite(target)) {
         target = state->output;
-        sound = 0;
+        sound = false;
     }
     there = reach(state, target, within(from - $NAME_VOLTAGE_STEP, $NAME_VOLTAGE_LOW, $NAME_VOLTAGE_HIGH),
                   within(from + $NAME_VOLTAGE_STEP, $NAME_VOLTAGE_LOW, $NAME_VOLTAGE_HIGH));
     *voltage = from;
     if (!hysteresis_move(state, there.voltage, &v)) {
-        state->displacement = state->offset + dynamics_step(state, state->output);
+        state->displacement = state->trims.offset + state->trims.gain * dynamics_step(state, state->output);
         return $NAME_OVERFLOW;
     }
     rise = (v - state->output) / (there.voltage - from);
@@ -235,7 +244,7 @@ $name_status $name_step($name_state *state, real reference, real *voltage)
         state->slope = rise;
     }
     state->output = v;
-    state->displacement = state->offset + dynamics_step(state, v);
+    state->displacement = state->trims.offset + state->trims.gain * dynamics_step(state, v);
     *voltage = there.voltage;
     if (!sound) {
         return $NAME_NOT_FINITE;
@@ -245,4 +254,13 @@ $name_status $name_step($name_state *state, real reference, real *voltage)
     }
     return there.voltage <= $NAME_VOLTAGE_LOW || there.voltage >= $NAME_VOLTAGE_HIGH ? $NAME_AT_RANGE
                                                                                      : $NAME_AT_SLEW;
+}
+
+$name_status $name_trim($name_state *state, const $name_trims *trims)
+{
+    if (!is_finite(trims->gain) || !is_finite(trims->offset) || trims->gain == R(0)) {
+        return $NAME_NOT_FINITE;
+    }
+    state->trims = *trims;
+    return $NAME_OK;
 }

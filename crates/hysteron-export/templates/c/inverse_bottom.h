@@ -1,5 +1,7 @@
 } $name_state;
 
+//+ size of a saved state
+
 /* Makes a state of any memory: at rest, and the hysteresis virgin, at the voltage within the limits that is
    next to 0. Call this once, first. */
 void $name_init($name_state *state);
@@ -25,6 +27,16 @@ $name_status $name_know($name_state *state, $name_real reference);
    $NAME_PREVIEW samples ahead. */
 $name_status $name_step($name_state *state, $name_real reference, $name_real *voltage);
 
+/* As $name_step, against a disturbance [$OUTPUT_UNIT]: the displacement of the stage less that of the model, as
+   an observer has it. */
+$name_status $name_step_against($name_state *state, $name_real reference, $name_real disturbance,
+                                $name_real *voltage);
+
+/* Changes the trims, from the next step on. $NAME_NOT_FINITE for a number that is not finite, or a gain of
+   0: they are then as they were. */
+$name_status $name_trim($name_state *state, const $name_trims *trims);
+
+//+ functions of a saved state
 #ifdef __cplusplus
 }
 #endif

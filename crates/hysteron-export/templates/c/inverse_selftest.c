@@ -10,7 +10,7 @@ typedef $name_real real;
 /* The first references last a sample each, those from here on so many: what they do has come out of the
    preview and of slow states then. */
 #define HELD_FROM $HELD_FROM
-#define HOLD $HOLDL
+#define HOLD $HOLD
 
 /* Voltage to rest at first [$INPUT_UNIT]. */
 static const real rest = $REST;
@@ -25,21 +25,21 @@ $VOLTAGES
 /* Largest difference allowed [$INPUT_UNIT]: $TOLERANCE_IN_WORDS. */
 static const real tolerance = $TOLERANCE;
 
-static $name_state state;
+static $name_state state, twin;
 
 static real difference(real a, real b)
 {
     return a > b ? a - b : b - a;
 }
 
-static int passed(const char *what, int holds)
+static bool passed(const char *what, bool holds)
 {
     printf("%s: %s\n", holds ? "passed" : "FAILED", what);
     return holds;
 }
 
 /* Whether a voltage keeps to the limits after the one before, but for the rounding of a difference. */
-static int within_limits(real before, real voltage)
+static bool within_limits(real before, real voltage)
 {
     const real rounding =
         R(4) * R(EPSILON) * ($NAME_VOLTAGE_HIGH - $NAME_VOLTAGE_LOW + difference($NAME_VOLTAGE_LOW, R(0)));
@@ -48,18 +48,19 @@ static int within_limits(real before, real voltage)
 }
 
 /* Along the golden references. */
-static int golden(void)
+static bool golden(void)
 {
     real worst = R(0), before, u = R(0), y;
-    long run = 0;
-    int k, good = 1;
+    int32_t run = 0;
+    bool good = true;
+    int32_t k;
     $name_init(&state);
     if ($name_rest_at(&state, rest, &y) != $NAME_OK) {
-        return passed("rest", 0);
+        return passed("rest", false);
     }
     before = rest;
     for (k = 0; k < SAMPLES; k++) {
-        long held = k < HELD_FROM ? 1L : HOLD;
+        int32_t held = k < HELD_FROM ? 1 : HOLD;
         for (run += held; held > 0; held--) {
             good = good && $name_step(&state, references[k], &u) >= $NAME_OK && within_limits(before, u);
             before = u;
@@ -69,17 +70,18 @@ static int golden(void)
             worst = difference(u, voltages[k]);
         }
     }
-    printf("golden vectors: %d of %ld samples, largest difference %.2e %s, allowed %.2e %s\n", SAMPLES, run,
+    printf("golden vectors: %d of %ld samples, largest difference %.2e %s, allowed %.2e %s\n", SAMPLES, (long)run,
            (double)worst, $INPUT_UNIT_STRING, (double)tolerance, $INPUT_UNIT_STRING);
     return passed("golden vectors", good && worst <= tolerance);
 }
 
 /* Whatever is handed in, every voltage keeps to the limits. */
-static int bad_numbers(void)
+static bool bad_numbers(void)
 {
     const real zero = references[0] - references[0];
     real bad[5], before, u = R(0), y;
-    int k, good = 1;
+    bool good = true;
+    int32_t k;
     bad[0] = zero / zero;
     bad[1] = R(1) / zero;
     bad[2] = -bad[1];
@@ -89,7 +91,7 @@ static int bad_numbers(void)
     good = good && $name_rest_at(&state, rest, &y) == $NAME_OK;
     before = rest;
     for (k = 0; k < SAMPLES; k++) {
-        const int is_bad = k % 7 == 0;
+        const bool is_bad = k % 7 == 0;
         const $name_status status = $name_step(&state, is_bad ? bad[(k / 7) % 5] : references[k], &u);
         good = good && within_limits(before, u);
         good = good && (!is_bad || (k / 7) % 5 > 2 || status == $NAME_NOT_FINITE);
@@ -100,9 +102,62 @@ static int bad_numbers(void)
     return passed("whatever is handed in, every voltage keeps to the limits", good);
 }
 
+/* A state that is saved and restored half-way goes on with the same bits; damaged bytes are refused. */
+static bool saved(void)
+{
+    static uint8_t bytes[$NAME_SAVED_BYTES];
+    real u = R(0), other = R(0);
+    bool same = true;
+    int32_t k;
+    uint32_t i;
+    $name_init(&state);
+    $name_init(&twin);
+    for (k = 0; k < SAMPLES; k++) {
+        same = same && $name_step(&state, references[k], &u) >= $NAME_OK;
+        if (k >= SAMPLES / 2) {
+            same = same && $name_step(&twin, references[k], &other) >= $NAME_OK && difference(u, other) <= R(0);
+        }
+        if (k == SAMPLES / 2 - 1) {
+            $name_save(&state, bytes);
+            for (i = 0u; i < $NAME_SAVED_BYTES; i += 1u + $NAME_SAVED_BYTES / 16u) {
+                bytes[i] ^= 1u;
+                same = same && $name_restore(&twin, bytes) == $NAME_NOT_SAVED;
+                bytes[i] ^= 1u;
+            }
+            same = same && $name_restore(&twin, bytes) == $NAME_OK;
+        }
+    }
+    return passed("a saved state goes on with the same bits, damaged bytes are refused", same);
+}
+
+/* Trims scale and shift what the model gives. */
+static bool trims(void)
+{
+    $name_trims own, bad;
+    real u = R(0), other = R(0), y = R(0);
+    bool good = true;
+    int32_t k;
+    $name_init(&state);
+    $name_init(&twin);
+    own = state.trims;
+    bad = own;
+    own.gain = R(2);
+    bad.gain = R(0);
+    good = $name_trim(&twin, &bad) == $NAME_NOT_FINITE && $name_trim(&twin, &own) == $NAME_OK;
+    good = good && $name_rest_at(&state, rest, &y) == $NAME_OK;
+    good = good && $name_rest_at(&twin, rest, &other) == $NAME_OK;
+    for (k = 0; k < HELD_FROM; k++) {
+        const real twice = own.offset + R(2) * (references[k] - own.offset);
+        good = good && $name_step(&state, references[k], &u) >= $NAME_OK;
+        good = good && $name_step(&twin, twice, &other) >= $NAME_OK;
+        good = good && difference(u, other) <= R(2) * tolerance;
+    }
+    return passed("trims scale and shift the reference", good);
+}
+
 int main(void)
 {
-    const int all = golden() & bad_numbers();
+    const bool all = golden() & bad_numbers() & saved() & trims();
     printf("%s: %s\n", all ? "PASSED" : "FAILED", "$name");
     return all ? 0 : 1;
 }

@@ -4,8 +4,10 @@ $DESCRIPTION
 
 //{ no_slew
 #include <math.h>
-
 //}
+#include <stdbool.h>
+#include <stdint.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -25,7 +27,9 @@ typedef enum {
        step the last reference that was finite is followed on; the other calls leave the state as it was. */
     $NAME_NOT_FINITE = -1,
     /* The hysteresis leaves the range that can be computed with: the voltage stays as it was. */
-    $NAME_OVERFLOW = -2
+    $NAME_OVERFLOW = -2,
+    /* The bytes are no saved state of this export, or damaged: the state is what it was. */
+    $NAME_NOT_SAVED = -3
 } $name_status;
 
 /* Samples a second [Hz]. The coefficients belong to this rate. */

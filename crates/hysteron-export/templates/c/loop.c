@@ -27,26 +27,26 @@
 extern void wait_for_tick(void);                     /* returns at the beginning of a period */
 extern $name_real next_reference(void);              /* [$OUTPUT_UNIT] */
 extern $name_real read_displacement(void);           /* analogue-to-digital converter [$OUTPUT_UNIT] */
-extern int present_voltage($name_real *voltage);     /* what the converter puts out now [$INPUT_UNIT]:
+extern bool present_voltage($name_real *voltage);     /* what the converter puts out now [$INPUT_UNIT]:
                                                         1 where it is known, 0 where it is a guess */
 extern void write_voltage($name_real voltage);       /* digital-to-analogue converter and amplifier
                                                         [$INPUT_UNIT] */
 extern void alarm($name_status status);
 
-void control_loop(unsigned long samples);
+void control_loop(uint32_t samples);
 
 static $name_real within($name_real x, $name_real low, $name_real high)
 {
     return x < low ? low : x > high ? high : x;
 }
 
-void control_loop(unsigned long samples)
+void control_loop(uint32_t samples)
 {
     static $name_state state;
     const $name_real rest = within(R(0), $NAME_VOLTAGE_LOW, $NAME_VOLTAGE_HIGH);
     $name_real from = rest, voltage, there, displacement;
-    const int known = present_voltage(&from);
-    int ahead;
+    const bool known = present_voltage(&from);
+    int32_t ahead;
     $name_init(&state);
     if ($name_rest_at(&state, from, &displacement) != $NAME_OK) {
         alarm($NAME_NOT_FINITE);
@@ -59,7 +59,7 @@ void control_loop(unsigned long samples)
         write_voltage(voltage);
     }
     if (!known || from < there || from > there) {
-        unsigned long waited;
+        uint32_t waited;
         for (waited = 0; waited < SETTLES; waited++) {
             wait_for_tick();
         }

@@ -15,5 +15,5 @@
 //}
 //{ delay
     $name_real delayed[$NAME_DELAY]; /* a ring */
-    unsigned at;                         /* where it is written next */
+    uint32_t at;                     /* below $NAME_DELAY: where it is written next */
 //}

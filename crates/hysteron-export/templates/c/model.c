@@ -17,9 +17,10 @@ void $name_init($name_state *state)
 //{ tunable
     state->parameters = DEFAULTS;
 //}
-    state->offset = OFFSET;
+    state->trims.gain = R(1);
+    state->trims.offset = OFFSET;
     settle(state, R(0), hysteresis_at_rest($TUNED_FIRSTR(0)));
-    state->displacement = state->offset + REST_GAIN * state->rest;
+    state->displacement = state->trims.offset + state->trims.gain * (REST_GAIN * state->rest);
 }
 
 $name_status $name_rest_at($name_state *state, real voltage, real *displacement)
@@ -50,11 +51,11 @@ $name_status $name_start_at($name_state *state, real voltage, real displacement)
     }
     status = $name_rest_at(state, voltage, &there);
     if (status >= $NAME_OK) {
-        there = displacement - REST_GAIN * state->rest;
+        there = displacement - state->trims.gain * (REST_GAIN * state->rest);
         if (!is_finite(there)) {
             return $NAME_NOT_FINITE;
         }
-        state->offset = there;
+        state->trims.offset = there;
         state->displacement = displacement;
     }
     return status;
@@ -89,7 +90,16 @@ $name_status $name_step($name_state *state, real voltage, real *displacement)
         v = v + left_out;
     }
 //}
-    state->displacement = state->offset + dynamics_step(state, v);
+    state->displacement = state->trims.offset + state->trims.gain * dynamics_step(state, v);
     *displacement = state->displacement;
     return status_of(voltage);
+}
+
+$name_status $name_trim($name_state *state, const $name_trims *trims)
+{
+    if (!is_finite(trims->gain) || !is_finite(trims->offset) || trims->gain == R(0)) {
+        return $NAME_NOT_FINITE;
+    }
+    state->trims = *trims;
+    return $NAME_OK;
 }

@@ -1,5 +1,7 @@
 } $name_state;
 
+//+ size of a saved state
+
 /* Makes a state of any memory: at rest, and the hysteresis virgin, at 0 $INPUT_UNIT. Call this once,
    first. */
 void $name_init($name_state *state);
@@ -21,6 +23,11 @@ $name_status $name_start_at($name_state *state, $name_real voltage, $name_real d
    sample period. */
 $name_status $name_step($name_state *state, $name_real voltage, $name_real *displacement);
 
+/* Changes the trims, from the next step on. $NAME_NOT_FINITE for a number that is not finite, or a gain of
+   0: they are then as they were. */
+$name_status $name_trim($name_state *state, const $name_trims *trims);
+
+//+ functions of a saved state
 #ifdef __cplusplus
 }
 #endif

@@ -2,6 +2,9 @@ $DESCRIPTION
 #ifndef $NAME_H
 #define $NAME_H
 
+#include <stdbool.h>
+#include <stdint.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -19,11 +22,13 @@ typedef enum {
        extrapolates. */
     $NAME_EXTRAPOLATED = 1,
 //}
-    /* A voltage or a displacement is infinite or not a number. */
+    /* A voltage, displacement or trim is infinite or not a number, or a gain 0. */
     $NAME_NOT_FINITE = -1,
     /* The hysteresis leaves the range that can be computed with (above 1e$LARGEST_EXPONENT): a voltage out of
        all reason. */
-    $NAME_OVERFLOW = -2
+    $NAME_OVERFLOW = -2,
+    /* The bytes are no saved state of this export, or damaged: the state is what it was. */
+    $NAME_NOT_SAVED = -3
 } $name_status;
 
 /* Samples a second [Hz]. The coefficients belong to this rate. */

@@ -1,5 +1,6 @@
 $DESCRIPTION
 #include <math.h>
+#include <string.h>
 
 #include "$name.h"
 
@@ -21,13 +22,13 @@ typedef $name_state_law state_law;
 //}
 $TABLES
 /* Neither infinite nor NaN. */
-static int is_finite(real x)
+static bool is_finite(real x)
 {
     return F(fabs)(x) <= R(MAX);
 }
 
 /* Whether the dynamics can be fed with v: from there on they stay within the range of the number type. */
-static int is_in_range(real v)
+static bool is_in_range(real v)
 {
     return F(fabs)(v) <= R(LARGEST);
 }

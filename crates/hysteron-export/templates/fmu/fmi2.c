@@ -149,7 +149,7 @@ FMU_EXPORT fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state)
 FMU_EXPORT fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size)
 {
     (void)c, (void)state;
-    *size = sizeof(fmu_memory);
+    *size = FMU_SAVED_BYTES;
     return fmi2OK;
 }
 

@@ -236,7 +236,7 @@ FMU_EXPORT fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *state)
 FMU_EXPORT fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState state, size_t *size)
 {
     (void)c, (void)state;
-    *size = sizeof(fmu_memory);
+    *size = FMU_SAVED_BYTES;
     return fmi3OK;
 }
 

@@ -41,7 +41,7 @@ typedef struct {
 //}
     double start, time; /* of the first sample, of the last communication point [s] */
     double samples;     /* taken since; whole, exact up to 2^53 */
-    int status;         /* of the last call of the model */
+    int32_t status;     /* of the last call of the model */
     fmu_phase phase;
 } fmu_memory;
 
@@ -163,14 +163,14 @@ static int fmu_settle(fmu_instance *fmu)
 {
     $name_real y;
 //{ inverse
-    fmu->now.status = (int)$name_rest_at(&fmu->now.model, ($name_real)fmu->now.rest_voltage, &y);
+    fmu->now.status = (int32_t)$name_rest_at(&fmu->now.model, ($name_real)fmu->now.rest_voltage, &y);
     fmu->now.output = (double)fmu->now.model.voltage;
 //}
 //{ !inverse
-    fmu->now.status = (int)$name_rest_at(&fmu->now.model, ($name_real)fmu->now.input, &y);
+    fmu->now.status = (int32_t)$name_rest_at(&fmu->now.model, ($name_real)fmu->now.input, &y);
     fmu->now.output = (double)y;
 //}
-    return fmu->now.status >= (int)$NAME_OK
+    return fmu->now.status >= (int32_t)$NAME_OK
            || fmu_fail(fmu, "the model cannot rest at the voltage it is to start at");
 }
 
@@ -187,7 +187,7 @@ static int fmu_step(fmu_instance *fmu, double time, double length)
     end = time + length - 1e-3 * period;
     while (fmu->now.start + fmu->now.samples * period < end) {
         $name_real y;
-        fmu->now.status = (int)$name_step(&fmu->now.model, ($name_real)fmu->now.input, &y);
+        fmu->now.status = (int32_t)$name_step(&fmu->now.model, ($name_real)fmu->now.input, &y);
         fmu->now.output = (double)y;
         fmu->now.samples += 1.0;
     }
@@ -266,20 +266,49 @@ static int fmu_restore(fmu_instance *fmu, const void *saved)
     return 1;
 }
 
+/* A saved state as bytes: the memory, and the CRC-32 of this unit's token and the memory. */
+#define FMU_SAVED_BYTES (sizeof(fmu_memory) + sizeof(uint32_t))
+
+static uint32_t fmu_checksum_from(uint32_t crc, const unsigned char *bytes, size_t n)
+{
+    size_t k;
+    int bit;
+    for (k = 0; k < n; k++) {
+        crc ^= bytes[k];
+        for (bit = 0; bit < 8; bit++) {
+            crc = (crc & 1u) != 0u ? (crc >> 1) ^ 0xEDB88320u : crc >> 1;
+        }
+    }
+    return crc;
+}
+
+static uint32_t fmu_checksum(const unsigned char *memory)
+{
+    const uint32_t token = fmu_checksum_from(0xFFFFFFFFu, (const unsigned char *)FMU_TOKEN, strlen(FMU_TOKEN));
+    return ~fmu_checksum_from(token, memory, sizeof(fmu_memory));
+}
+
 static int fmu_write(const fmu_instance *fmu, const void *saved, void *bytes, size_t size)
 {
-    if (saved == NULL || size < sizeof(fmu_memory)) {
+    uint32_t crc;
+    if (saved == NULL || size < FMU_SAVED_BYTES) {
         return fmu_fail(fmu, "no saved state, or too little room for it");
     }
     memcpy(bytes, saved, sizeof(fmu_memory));
+    crc = fmu_checksum(bytes);
+    memcpy((unsigned char *)bytes + sizeof(fmu_memory), &crc, sizeof crc);
     return 1;
 }
 
 static int fmu_read(const fmu_instance *fmu, const void *bytes, size_t size, void **place)
 {
     fmu_memory memory;
-    if (size != sizeof memory) {
-        return fmu_fail(fmu, "these bytes are no saved state of this model");
+    uint32_t crc = 0;
+    if (size == FMU_SAVED_BYTES) {
+        memcpy(&crc, (const unsigned char *)bytes + sizeof memory, sizeof crc);
+    }
+    if (size != FMU_SAVED_BYTES || crc != fmu_checksum(bytes)) {
+        return fmu_fail(fmu, "these bytes are no saved state of this model, or damaged");
     }
     memcpy(&memory, bytes, sizeof memory);
     return fmu_save(&memory, place);

@@ -2,11 +2,15 @@ $DESCRIPTION
 #![no_std]
 #![forbid(unsafe_code)]
 #![allow(clippy::needless_range_loop, clippy::excessive_precision, clippy::unreadable_literal)]
+#![allow(clippy::let_and_return)]
 
 //{ has_inverse
 pub mod inverse;
-
 //}
+mod saved;
+
+pub use saved::NotSaved;
+
 /// Samples a second \[Hz\]. The coefficients belong to this rate.
 pub const SAMPLE_RATE_HZ: f64 = $RATE;
 /// Actuators.
@@ -23,6 +27,17 @@ const PLAYS: usize = $N_PLAYS;
 //}
 
 $TABLES
+/// Marks the saved states of this export: those of another model, rate or version have another.
+const MARK: u64 = $MARK;
+/// Numbers that the model remembers.
+const NUMBERS: usize = STATES + 2 * INPUTS + OUTPUTS
+//{ strains
+    + 2 * INPUTS * PLAYS
+//}
+    ;
+/// Bytes of a saved state.
+pub const SAVED_BYTES: usize = saved::bytes_of(NUMBERS);
+
 /// The model. A step allocates nothing.
 #[derive(Clone, Debug)]
 pub struct Model {
@@ -84,6 +99,43 @@ impl Model {
         self.next_sample();
         self.apply(u);
         self.output
+    }
+
+    /// The state, as bytes that outlast a reset.
+    pub fn save(&self) -> [u8; SAVED_BYTES] {
+        let mut bytes = [0; SAVED_BYTES];
+        saved::save(MARK, self.numbers().map(|x| x.to_bits()), &mut bytes);
+        bytes
+    }
+
+    /// Takes the state that was saved, and goes on with the same bits.
+    ///
+    /// # Errors
+    /// [`NotSaved`]; the state is then as it was.
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), NotSaved> {
+        if bytes.len() != SAVED_BYTES {
+            return Err(NotSaved);
+        }
+        let words = saved::restore(MARK, bytes)?;
+        self.numbers_mut().zip(words).for_each(|(x, word)| *x = f64::from_bits(word));
+        Ok(())
+    }
+
+    fn numbers(&self) -> impl Iterator<Item = &f64> {
+        let numbers = self.x.iter().chain(&self.held).chain(&self.strain).chain(&self.output);
+//{ strains
+        let numbers = numbers.chain(self.plays.as_flattened());
+//}
+        numbers
+    }
+
+    fn numbers_mut(&mut self) -> impl Iterator<Item = &mut f64> {
+        let Self { x, held, strain, output, .. } = self;
+        let numbers = x.iter_mut().chain(held).chain(strain).chain(output);
+//{ strains
+        let numbers = numbers.chain(self.plays.as_flattened_mut());
+//}
+        numbers
     }
 
     fn settle(&mut self, u: [f64; INPUTS]) {

@@ -1,7 +1,8 @@
 $DESCRIPTION
 #![allow(clippy::needless_range_loop, clippy::excessive_precision, clippy::unreadable_literal)]
 
-use crate::{INPUTS, Model, OUTPUTS, STATES, dot};
+use crate::saved::{self, NotSaved};
+use crate::{INPUTS, Model, NUMBERS, OUTPUTS, STATES, dot};
 
 /// Samples that the references handed to a step are ahead of those that its voltages are for.
 pub const PREVIEW: usize = $N_PREVIEW;
@@ -9,6 +10,11 @@ pub const PREVIEW: usize = $N_PREVIEW;
 const SMOOTHING: f64 = $SMOOTHING;
 
 $TABLES
+/// Marks the saved states of this export.
+const MARK: u64 = $MARK;
+/// Bytes of a saved state.
+pub const SAVED_BYTES: usize = saved::bytes_of(NUMBERS + 3 * INPUTS + (PREVIEW + 1) * OUTPUTS + 1);
+
 /// The inverse, sample by sample: references in, voltages out. A step allocates nothing.
 #[derive(Clone, Debug)]
 pub struct Inverse {
@@ -96,6 +102,31 @@ impl Inverse {
             self.predicted[i] = self.model.strain[i] + self.rate[i];
         }
         u
+    }
+
+    /// The state, as bytes that outlast a reset.
+    pub fn save(&self) -> [u8; SAVED_BYTES] {
+        let mut bytes = [0; SAVED_BYTES];
+        let own = self.before.iter().chain(&self.predicted).chain(&self.rate);
+        let numbers = self.model.numbers().chain(own).chain(self.window.as_flattened());
+        saved::save(MARK, numbers.map(|x| x.to_bits()).chain([self.present as u64]), &mut bytes);
+        bytes
+    }
+
+    /// Takes the state that was saved, and goes on with the same bits.
+    ///
+    /// # Errors
+    /// [`NotSaved`]; the state is then as it was.
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), NotSaved> {
+        if bytes.len() != SAVED_BYTES {
+            return Err(NotSaved);
+        }
+        let mut words = saved::restore(MARK, bytes)?;
+        let Self { model, before, predicted, rate, window, present } = self;
+        let own = before.iter_mut().chain(predicted).chain(rate).chain(window.as_flattened_mut());
+        model.numbers_mut().chain(own).zip(&mut words).for_each(|(x, word)| *x = f64::from_bits(word));
+        *present = words.next().map_or(0, |word| (word % (PREVIEW as u64 + 1)) as usize);
+        Ok(())
     }
 
     /// Outputs of the model at the last step \[$OUTPUT_UNIT\].

@@ -33,6 +33,25 @@ fn golden_vectors() {
 }
 
 #[test]
+fn a_saved_state_goes_on_with_the_same_bits() {
+    let (mut one, mut twin) = ($type::new(), $type::new());
+    let (before, after) = GIVEN.split_at(GIVEN.len() / 2);
+    for &given in before {
+        one.step(given);
+    }
+    let mut bytes = one.save();
+    for k in (0..bytes.len()).step_by(7) {
+        bytes[k] ^= 1;
+        assert!(twin.restore(&bytes).is_err());
+        bytes[k] ^= 1;
+    }
+    twin.restore(&bytes).unwrap();
+    for &given in after {
+        assert_eq!(one.step(given).map(f64::to_bits), twin.step(given).map(f64::to_bits));
+    }
+}
+
+#[test]
 fn bad_numbers_are_not_used() {
     let mut one = $type::new();
     for (k, given) in GIVEN.into_iter().enumerate() {

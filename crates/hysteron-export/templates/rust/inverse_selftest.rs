@@ -2,7 +2,7 @@
 #![allow(clippy::excessive_precision, clippy::unreadable_literal)]
 
 use $crate::Real;
-use $crate::inverse::Memory;
+use $crate::inverse::{self, Memory};
 
 /// Voltage to rest at first \[$INPUT_UNIT\].
 const REST: Real = $REST;
@@ -37,6 +37,27 @@ fn golden_vectors() {
     }
     println!("largest difference {worst:e}, allowed {TOLERANCE:e}");
     assert!(worst <= TOLERANCE, "{worst:e}");
+}
+
+#[test]
+fn a_saved_state_goes_on_with_the_same_bits() {
+    let (mut memory, mut twin) = (Memory::new().unwrap(), Memory::new().unwrap());
+    let (mut compensator, mut twin) = (memory.compensator().unwrap(), twin.compensator().unwrap());
+    let (before, after) = REFERENCES.split_at(REFERENCES.len() / 2);
+    for &reference in before {
+        compensator.step(reference);
+    }
+    let mut bytes = inverse::save(&mut compensator).unwrap();
+    for k in 0..bytes.len() {
+        bytes[k] ^= 1;
+        assert!(inverse::restore(&mut twin, &bytes).is_err());
+        bytes[k] ^= 1;
+    }
+    inverse::restore(&mut twin, &bytes).unwrap();
+    for &reference in after {
+        let [own, other] = [&mut compensator, &mut twin].map(|one| one.step(reference).voltage.to_bits());
+        assert_eq!(own, other);
+    }
 }
 
 #[test]

@@ -70,7 +70,7 @@ use crate::Real;
 //{ !inverse
 use hysteron_rt::Model;
 //}
-use hysteron_rt::{Hysteresis, Linear, ModelError, Operator, Sections, SectionsMemory};
+use hysteron_rt::{Hysteresis, Linear, ModelError, Operator, SavedError, Sections, SectionsMemory};
 //{ !inverse
 
 /// The number type of everything in here.
@@ -94,6 +94,11 @@ $TABLES
 /// Turning points that are remembered at once.
 const TURNS: usize = $N_TURNS;
 //}
+/// Marks the saved states of this export: those of another model, rate, number type or version have another.
+const MARK: u64 = $MARK;
+/// Bytes of a saved state.
+pub const SAVED_BYTES: usize = $SAVED_BYTES;
+
 /// What is remembered: the caller's, one for each device.
 #[derive(Clone, Debug)]
 pub struct Memory {
@@ -254,6 +259,24 @@ impl Memory {
 //}
 //}
     }
+}
+
+/// The state, as bytes that outlast a reset. Nothing changes.
+///
+/// # Errors
+/// [`SavedError::Length`] where this is not the one of [`Memory`].
+pub fn save($one: &mut $Streams<'_, Real>) -> Result<[u8; SAVED_BYTES], SavedError> {
+    let mut bytes = [0; SAVED_BYTES];
+    $one.save(MARK, &mut bytes)?;
+    Ok(bytes)
+}
+
+/// Takes the state that was saved, and goes on with the same bits.
+///
+/// # Errors
+/// [`SavedError`] for bytes of another export, or damaged ones; the state is then as it was.
+pub fn restore($one: &mut $Streams<'_, Real>, bytes: &[u8]) -> Result<(), SavedError> {
+    $one.restore(MARK, bytes)
 }
 //{ states
 

@@ -37,6 +37,27 @@ fn golden_vectors() {
 }
 
 #[test]
+fn a_saved_state_goes_on_with_the_same_bits() {
+    let (mut memory, mut twin) = (Memory::new().unwrap(), Memory::new().unwrap());
+    let (mut model, mut twin) = (memory.model().unwrap(), twin.model().unwrap());
+    let (before, after) = VOLTAGES.split_at(VOLTAGES.len() / 2);
+    for &u in before {
+        model.step(u).unwrap();
+    }
+    let mut bytes = $name::save(&mut model).unwrap();
+    for k in 0..bytes.len() {
+        bytes[k] ^= 1;
+        assert!($name::restore(&mut twin, &bytes).is_err());
+        bytes[k] ^= 1;
+    }
+    assert!($name::restore(&mut twin, &bytes[1..]).is_err());
+    $name::restore(&mut twin, &bytes).unwrap();
+    for &u in after {
+        assert_eq!(model.step(u).unwrap().to_bits(), twin.step(u).unwrap().to_bits());
+    }
+}
+
+#[test]
 fn bad_numbers_are_refused_and_leave_no_trace() {
     let (mut memory, mut twin) = (Memory::new().unwrap(), Memory::new().unwrap());
     let (mut model, mut twin) = (memory.model().unwrap(), twin.model().unwrap());

@@ -56,15 +56,22 @@ fn device(hysteresis: bool) -> ScheduledModes {
     model
 }
 
+/// With and without hysteresis, at the model's rate and others, by name.
+pub fn subjects() -> Vec<(&'static str, AxesSubject)> {
+    [("held", true, 2000.0), ("refitted", true, 20_000.0), ("linear", false, 4000.0)]
+        .into_iter()
+        .map(|(name, hysteresis, rate)| {
+            let law = DecouplingLaw::new(&device(hysteresis), rate, &LawOptions::default()).unwrap();
+            let limits = vec![Limits::range(-1.0, 1.0).slew(2000.0), Limits::range(-0.5, 1.5)];
+            (name, AxesSubject::new(name, Some("two */ axes"), ("V", "um"), law, limits).unwrap())
+        })
+        .collect()
+}
+
 #[test]
 fn several_axes_in_c_are_the_library_s() {
     let place = tempfile::tempdir().unwrap();
-    for (name, hysteresis, rate) in
-        [("held", true, 2000.0), ("refitted", true, 20_000.0), ("linear", false, 4000.0)]
-    {
-        let law = DecouplingLaw::new(&device(hysteresis), rate, &LawOptions::default()).unwrap();
-        let limits = vec![Limits::range(-1.0, 1.0).slew(2000.0), Limits::range(-0.5, 1.5)];
-        let subject = AxesSubject::new(name, Some("two */ axes"), ("V", "um"), law, limits).unwrap();
+    for (name, subject) in subjects() {
         for compiler in c_compilers() {
             let folder = place.path().join(format!("{name}_{compiler}"));
             let files = [axes_files(&subject).unwrap(), axes_inverse_files(&subject).unwrap()].concat();
@@ -87,12 +94,7 @@ fn several_axes_in_c_are_the_library_s() {
 fn several_axes_in_rust_are_the_library_s() {
     let place = tempfile::tempdir().unwrap();
     let mut members = Vec::new();
-    for (name, hysteresis, rate) in
-        [("held", true, 2000.0), ("refitted", true, 20_000.0), ("linear", false, 4000.0)]
-    {
-        let law = DecouplingLaw::new(&device(hysteresis), rate, &LawOptions::default()).unwrap();
-        let limits = vec![Limits::range(-1.0, 1.0).slew(2000.0), Limits::range(-0.5, 1.5)];
-        let subject = AxesSubject::new(name, Some("two */ axes"), ("V", "um"), law, limits).unwrap();
+    for (name, subject) in subjects() {
         let mut files = axes_rust_files(&subject, true).unwrap();
         let manifest = files.iter_mut().find(|f| f.name == "Cargo.toml").unwrap();
         let text = String::from_utf8(manifest.bytes.clone()).unwrap();

@@ -76,6 +76,14 @@ else:
     restored = unit.deserializeFMUState(data)
     unit.setFMUState(restored)
 assert np.array_equal(onwards, run(200, 300)), "from a saved state it goes on as it did"
+damaged = bytearray(data)
+damaged[len(damaged) // 2] ^= 1
+try:
+    (unit.deSerializeFMUstate if kind is FMU2Slave else unit.deserializeFMUState)(bytes(damaged))
+except Exception as refused:
+    assert "tatus" in str(refused), refused
+else:
+    raise AssertionError("damaged bytes are taken for a saved state")
 
 # Numbers that are none: the output holds, the status says so, and nothing is remembered of it.
 before = get(at["displacement"])
@@ -110,6 +118,10 @@ assert abs(run(0, 1)[0] - rest - 2.5) < 1e-9
 unit.reset()
 initialize()
 assert get(at["offset"]) == offset, "a reset takes the parameters back"
+put(at["gain"], 1.5)
+assert np.max(np.abs(run(0, 200) - offset - 1.5 * (whole - offset))) < 1e-5 * np.max(np.abs(whole))
+unit.reset()
+initialize()
 put(at["polynomial_1"], 2.0 * get(at["polynomial_1"]))
 tuned = run(0, 200)
 assert np.max(np.abs(tuned - whole)) > 1.0

@@ -8,11 +8,11 @@
 #include "MODEL.h"
 #include "MODEL_inverse.h"
 
-extern void control_loop(unsigned long samples);
+extern void control_loop(uint32_t samples);
 extern void wait_for_tick(void);
 extern MODEL_inverse_real next_reference(void);
 extern MODEL_inverse_real read_displacement(void);
-extern int present_voltage(MODEL_inverse_real *voltage);
+extern bool present_voltage(MODEL_inverse_real *voltage);
 extern void write_voltage(MODEL_inverse_real voltage);
 extern void alarm(MODEL_inverse_status status);
 
@@ -21,7 +21,7 @@ static MODEL_real put_out, displacement;
 static MODEL_inverse_real reference;
 static double largest;
 static unsigned long taken, late, alarms;
-static int known;
+static bool known;
 
 void wait_for_tick(void)
 {
@@ -39,7 +39,7 @@ MODEL_inverse_real read_displacement(void)
     return displacement;
 }
 
-int present_voltage(MODEL_inverse_real *voltage)
+bool present_voltage(MODEL_inverse_real *voltage)
 {
     *voltage = put_out;
     return known;
@@ -78,14 +78,14 @@ int main(int count, char **arguments)
     if (count != 6) {
         return 2;
     }
-    known = atoi(arguments[3]);
+    known = atoi(arguments[3]) != 0;
     reference = (MODEL_inverse_real)atof(arguments[4]);
     samples = strtoul(arguments[5], NULL, 10);
     late = samples - samples / 4;
     MODEL_init(&stage);
     go_to(atof(arguments[1]));
     go_to(atof(arguments[2]));
-    control_loop(samples);
+    control_loop((uint32_t)samples);
     printf("%.9g %.9g %lu\n", largest, (double)displacement, alarms);
     return 0;
 }

@@ -26,7 +26,7 @@ pub struct CompensatorParts<T> {
 
 impl<T: Real> CompensatorParts<T> {
     /// The parts of a law within the voltages `range_v` and the rate `slew_v_per_s` (infinite for none),
-    /// rounded to `T`.
+    /// rounded to `T`, limits inwards.
     ///
     /// # Errors
     /// [`InversionError::NotInvertible`] for a hysteresis that has no inverse within the range; as
@@ -75,9 +75,9 @@ impl<T: Real> CompensatorParts<T> {
             reference: compensation.reference.iter().copied().map(of).collect(),
             ring: vec![of(0.0); compensation.reference.len()],
             limits: Limits {
-                low: of(low),
-                high: of(high),
-                step: of(slew_v_per_s / compensation.sample_rate_hz),
+                low: T::at_least(low),
+                high: T::at_most(high),
+                step: T::at_most(slew_v_per_s / compensation.sample_rate_hz),
             },
             offset: of(model.offset),
         })

@@ -2,7 +2,7 @@
 /* z after a move by du that passes through 0: there dz/d|u| = s alpha - kappa z changes its kappa. */
 static real move_through_zero(const state_law *p, real z, real du)
 {
-    const int down = du < R(0);
+    const bool down = du < R(0);
     const real rise = down ? -p->alpha : p->alpha;
     const real turn = down ? -p->gamma : p->gamma;
     const real distance = down ? -du : du;
@@ -25,7 +25,7 @@ static real move_through_zero(const state_law *p, real z, real du)
    dz = (s alpha - kappa z) (1 - exp(-kappa |du|))/kappa, kappa = beta + s gamma sign z. */
 static real increment(const state_law *p, real z, real du)
 {
-    const int down = du < R(0);
+    const bool down = du < R(0);
     const real rise = down ? -p->alpha : p->alpha;
     const real turn = down ? -p->gamma : p->gamma;
     const real distance = down ? -du : du;

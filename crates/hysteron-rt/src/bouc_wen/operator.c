@@ -10,7 +10,7 @@ static real hysteresis_at_rest($TUNED_AS_ARGUMENT_FIRSTreal u)
 static real hysteresis_look(const $name_state *state, real u$RATE_PARAMETER)
 {
     real v = polynomial_at($TUNED_FIRSTu);
-    int i;
+    int32_t i;
     for (i = 0; i < $NAME_STATE_LAWS; i++) {
         v = v - (state->z[i] + increment(&K(state_laws)[i], state->z[i], u - state->voltage));
     }
@@ -20,11 +20,11 @@ static real hysteresis_look(const $name_state *state, real u$RATE_PARAMETER)
 //}
 /* Moves monotonically to u: *v is the output of the hysteresis there. 0, and nothing has moved, where that is
    out of range. */
-static int hysteresis_move($name_state *state, real u, real *v)
+static bool hysteresis_move($name_state *state, real u, real *v)
 {
     real z[$NAME_STATE_LAWS], z_carry[$NAME_STATE_LAWS];
     const real du = u - state->voltage;
-    int i;
+    int32_t i;
     real out = polynomial_at($TUNED_FIRSTu);
     for (i = 0; i < $NAME_STATE_LAWS; i++) {
         z[i] = state->z[i];
@@ -33,7 +33,7 @@ static int hysteresis_move($name_state *state, real u, real *v)
         out = out - z[i];
     }
     if (!is_in_range(out)) {
-        return 0;
+        return false;
     }
     for (i = 0; i < $NAME_STATE_LAWS; i++) {
         state->z[i] = z[i];
@@ -41,13 +41,13 @@ static int hysteresis_move($name_state *state, real u, real *v)
     }
     state->voltage = u;
     *v = out;
-    return 1;
+    return true;
 }
 
 /* Makes the memory of the hysteresis virgin at u. */
 static void hysteresis_rest($name_state *state, real u)
 {
-    int i;
+    int32_t i;
     (void)u;
     for (i = 0; i < $NAME_STATE_LAWS; i++) {
         state->z[i] = R(0);

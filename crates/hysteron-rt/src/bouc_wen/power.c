@@ -9,7 +9,7 @@ static real phi3(real x)
     real phi1, phi2, ignored;
     if (F(fabs)(x) <= R(0.5)) {
         real sum = R(0);
-        int k;
+        int32_t k;
         for (k = 9; k >= 0; k--) {
             sum = factorial[k] - x * sum;
         }
@@ -37,7 +37,7 @@ static real held(real z, real bound)
    within it. */
 static real increment(const state_law *p, real z, real du)
 {
-    const int down = du < R(0);
+    const bool down = du < R(0);
     const real rise = down ? -p->alpha : p->alpha;
     const real turn = down ? -p->gamma : p->gamma;
     const real distance = down ? -du : du, longest = distance * R(0.5);
@@ -45,7 +45,7 @@ static real increment(const state_law *p, real z, real du)
     const real inwards = p->alpha < R(0) ? p->beta + p->gamma : p->beta - p->gamma;
     const real saturation = F(pow)(F(fabs)(p->alpha) / outwards, R(1) / p->n);
     real bound = F(HUGE_VAL), now = z, change = R(0), left = distance;
-    int k;
+    int32_t k;
     if (outwards > R(0) && inwards >= R(0)) {
         bound = F(fabs)(z) > saturation ? F(fabs)(z) : saturation;
     }

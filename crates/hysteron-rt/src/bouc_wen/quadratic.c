@@ -1,7 +1,7 @@
 //{ quadratic_law
 /* tanh(h sqrt(a kappa))/sqrt(a kappa), and as it continues where a kappa <= 0; 0 where the tangent has gone
    through its pole, and *t is not set. */
-static int tangent(real a, real kappa, real h, real *t)
+static bool tangent(real a, real kappa, real h, real *t)
 {
     const real y = (a * h) * (kappa * h);
     real root, angle;
@@ -15,19 +15,19 @@ static int tangent(real a, real kappa, real h, real *t)
         ratio = ratio * y + R(-1/3);
         ratio = ratio * y + R(1);
         *t = h * ratio;
-        return 1;
+        return true;
     }
     root = F(sqrt)(F(fabs)(a)) * F(sqrt)(F(fabs)(kappa));
     angle = root * h;
     if ((a > R(0)) == (kappa > R(0))) {
         *t = F(tanh)(angle) / root;
-        return 1;
+        return true;
     }
     if (angle >= R(HALF_PI)) {
-        return 0;
+        return false;
     }
     *t = F(tan)(angle) / root;
-    return 1;
+    return true;
 }
 
 /* The h at which `tangent` is t. */
@@ -89,10 +89,10 @@ static leg_kind leg(real a, real kappa, real w, real h, real *end)
 /* z after a move by du that passes through 0; infinite where it has no bound. */
 static real move_through_zero(const state_law *p, real z, real du)
 {
-    const int down = du < R(0);
+    const bool down = du < R(0);
     const real rise = down ? -p->alpha : p->alpha;
     const real lead = z == R(0) ? rise : z;
-    const int negative = lead < R(0);
+    const bool negative = lead < R(0);
     const real kappa = down == negative ? p->beta + p->gamma : p->beta - p->gamma;
     real end = R(0);
     if (du == R(0)) {
@@ -119,10 +119,10 @@ static real move_through_zero(const state_law *p, real z, real du)
    T = tanh(|du| sqrt(a kappa))/sqrt(a kappa). */
 static real increment(const state_law *p, real z, real du)
 {
-    const int down = du < R(0);
+    const bool down = du < R(0);
     const real rise = down ? -p->alpha : p->alpha;
     const real lead = z == R(0) ? rise : z;
-    const int negative = lead < R(0);
+    const bool negative = lead < R(0);
     const real kappa = down == negative ? p->beta + p->gamma : p->beta - p->gamma;
     const real a = negative ? -rise : rise;
     const real w = negative ? -z : z;

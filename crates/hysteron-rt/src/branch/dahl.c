@@ -3,7 +3,7 @@
 static real branch_increment(real y, real from, real to)
 {
     const real by = to - from;
-    const int down = by < R(0);
+    const bool down = by < R(0);
     const real x = R(1) - (down ? -y : y) / SHAPE[0];
     real q, lost = R(1), ignored;
     const real over = SHAPE[1] - R(1);

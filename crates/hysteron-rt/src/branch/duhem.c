@@ -4,7 +4,7 @@ static real branch_change(const $name_state *state, real u, real *own)
     const real by = u - state->voltage;
     const real x = SHAPE[0] * F(fabs)(by);
     real power = by, lost;
-    int j, k;
+    int32_t j, k;
     moments(x, $NAME_STATES, own);
     lost = x * own[0];
     for (k = 0; k < $NAME_STATES; k++) {

@@ -4,7 +4,7 @@ static real langevin(real x)
     if (F(fabs)(x) < R(2)) {
         const real square = x * x;
         real tail = R(27);
-        int k;
+        int32_t k;
         for (k = 12; k >= 1; k--) {
             tail = square / tail + (real)(2 * k + 1);
         }
@@ -79,10 +79,10 @@ static real relaxed(real field, real p, real sign, real way)
         {R(0.8983332387068134), R(0.11119051722668724)}, {R(0.9801449282487681), R(0.05061426814518813)}
     };
     const real shortest = SHAPE[0] < SHAPE[1] ? SHAPE[0] : SHAPE[1];
-    const int is_short = way <= R(0.1) * shortest;
+    const bool is_short = way <= R(0.1) * shortest;
     const real x = way / SHAPE[1];
     real sum = R(0);
-    int i;
+    int32_t i;
     for (i = is_short ? 0 : 4; i < (is_short ? 4 : 12); i++) {
         const real drawn = anhysteretic(field + sign * way * point[i][0]) - p;
         sum = sum + F(exp)(x * (point[i][0] - R(1))) * drawn * point[i][1];
@@ -111,7 +111,7 @@ static real branch_increment(real p, real from, real to)
     real field = frozen_field(SHAPE[2], from, p, from), left = sign * (to - from), change = R(0);
     const real shortest = SHAPE[0] < SHAPE[1] ? SHAPE[0] : SHAPE[1];
     real part, panel, slope;
-    int count;
+    int32_t count;
     rising_function f;
     if (sign * (anhysteretic(field) - p) < R(0)) {
         /* Frozen until m_an = p. */

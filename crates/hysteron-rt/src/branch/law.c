@@ -22,7 +22,7 @@ static real hysteresis_at_rest($TUNED_AS_ARGUMENT_FIRSTreal u)
 {
     const real state_there = branch_virgin(u);
     real sum = R(0);
-    int i;
+    int32_t i;
     for (i = 0; i < $NAME_STATES; i++) {
         sum = sum + K(weight)[i] * branch_output(state_there, u);
     }
@@ -35,7 +35,7 @@ static real hysteresis_look(const $name_state *state, real u$RATE_PARAMETER)
 {
     real own[$NAME_STATES], sum = R(0);
     const real lost = branch_change(state, u, own);
-    int i;
+    int32_t i;
     for (i = 0; i < $NAME_STATES; i++) {
         const real y = state->y[i] + (own[i] - lost * state->y[i]);
         sum = sum + K(weight)[i] * branch_output(y, u);
@@ -46,11 +46,11 @@ static real hysteresis_look(const $name_state *state, real u$RATE_PARAMETER)
 //}
 /* Moves monotonically to u: *v is the output of the hysteresis there. 0, and nothing has moved, where that is
    out of range. */
-static int hysteresis_move($name_state *state, real u, real *v)
+static bool hysteresis_move($name_state *state, real u, real *v)
 {
     real y[$NAME_STATES], y_carry[$NAME_STATES], own[$NAME_STATES], sum = R(0);
     const real lost = branch_change(state, u, own);
-    int i;
+    int32_t i;
     real out = polynomial_at($TUNED_FIRSTu);
     for (i = 0; i < $NAME_STATES; i++) {
         y[i] = state->y[i];
@@ -60,7 +60,7 @@ static int hysteresis_move($name_state *state, real u, real *v)
     }
     out = out + sum;
     if (!is_in_range(out)) {
-        return 0;
+        return false;
     }
     for (i = 0; i < $NAME_STATES; i++) {
         state->y[i] = y[i];
@@ -68,13 +68,13 @@ static int hysteresis_move($name_state *state, real u, real *v)
     }
     state->voltage = u;
     *v = out;
-    return 1;
+    return true;
 }
 
 /* Makes the memory of the hysteresis virgin at u. */
 static void hysteresis_rest($name_state *state, real u)
 {
-    int i;
+    int32_t i;
     for (i = 0; i < $NAME_STATES; i++) {
         state->y[i] = branch_virgin(u);
         state->y_carry[i] = R(0);

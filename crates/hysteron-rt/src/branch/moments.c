@@ -1,11 +1,11 @@
 //{ moments
 /* m_k(x), the integral of theta^k exp(-x (1 - theta)) from 0 to 1, x >= 0: a series of positive terms, far
    out the recurrence. */
-static void moments(real x, int count, real *m)
+static void moments(real x, int32_t count, real *m)
 {
     const real decay = F(exp)(-x);
     real term = R(1);
-    int i, k;
+    int32_t i, k;
     if (x > R(30)) {
         real last = (-decay + R(1)) / x;
         for (k = 0; k < count; k++) {

@@ -23,7 +23,7 @@ static real one_way_increment(real s, real y, real from, real to)
 {
     const real way = (to - from) * s;
     const real drive = s + SHAPE[2] * (R(0.5) * from + R(0.5) * to);
-    const int negative = y == R(0) ? drive < R(0) : y < R(0);
+    const bool negative = y == R(0) ? drive < R(0) : y < R(0);
     const real turned = s * SHAPE[1];
     const real rate = SHAPE[0] + (negative ? -turned : turned);
     const real end = along(rate, s, from, y, way);

@@ -9,7 +9,7 @@ typedef struct rising_function {
 static real rising_root(const rising_function *f, real low, real high, real start)
 {
     real x = start < low ? low : start;
-    int count;
+    int32_t count;
     x = x > high ? high : x;
     for (count = 0; count < 80; count++) {
         real slope, newton, next;

@@ -1,7 +1,7 @@
 /* A move on one side of 0 is one of a state law with n = 1. */
-static real one_sided_increment(int negative, real y, real by)
+static real one_sided_increment(bool negative, real y, real by)
 {
-    const int down = by < R(0);
+    const bool down = by < R(0);
     const real b2 = negative ? -SHAPE[1] : SHAPE[1], b3 = negative ? -SHAPE[2] : SHAPE[2];
     const real b6 = negative ? -SHAPE[5] : SHAPE[5];
     const real turned = b3 + SHAPE[4], straight = b2 + SHAPE[3];

@@ -11,7 +11,7 @@ static real risen(real z)
 /* What a move to u changes the state by; nothing is lost. */
 static real branch_change(const $name_state *state, real u, real *own)
 {
-    const int down = u < state->voltage;
+    const bool down = u < state->voltage;
     const real y = down ? -state->y[0] : state->y[0];
     const real way = down ? state->voltage - u : u - state->voltage;
     const real beyond = down ? SHAPE[0] - u : u - SHAPE[0];

@@ -2,6 +2,7 @@
 
 use super::{Hysteresis, LANES, Linear, MOST_TAPS, ModelError};
 use crate::real::Real;
+use crate::saved::{Tape, saves};
 
 /// The linear part of a compensator: the hysteresis output v with which the dynamics follow the reference,
 /// from their state and the known samples of the reference,
@@ -88,6 +89,8 @@ pub struct Compensator<'a, T> {
     /// Its newest value.
     reference: T,
     limits: Limits<T>,
+    /// Trims of the displacement.
+    trim: T,
     offset: T,
     /// DC gain of taps and sections.
     gain: T,
@@ -159,6 +162,7 @@ impl<'a, T: Real> Compensator<'a, T> {
             at: 0,
             reference: zero,
             limits,
+            trim: T::of(1.0),
             offset,
             gain,
             output: zero,
@@ -196,7 +200,7 @@ impl<'a, T: Real> Compensator<'a, T> {
         };
         self.output = output;
         self.dynamics.rest_at(self.output);
-        self.displacement = self.offset + self.dynamics.output_at_rest();
+        self.displacement = self.offset + self.trim * self.dynamics.output_at_rest();
         self.stand_at(self.displacement);
         // Slope at rest, the first estimate.
         let away = T::of(1e-3) * (self.limits.high - self.limits.low);
@@ -218,7 +222,7 @@ impl<'a, T: Real> Compensator<'a, T> {
     /// # Errors
     /// [`ModelError::Start`]; the compensator is then as it was.
     pub fn measured_at_rest(&mut self, displacement: T) -> Result<(), ModelError<T>> {
-        let offset = displacement - self.dynamics.output_at_rest();
+        let offset = displacement - self.trim * self.dynamics.output_at_rest();
         if !offset.is_finite() {
             return Err(ModelError::Start { displacement });
         }
@@ -226,6 +230,34 @@ impl<'a, T: Real> Compensator<'a, T> {
         self.displacement = displacement;
         self.stand_at(displacement);
         Ok(())
+    }
+
+    /// Sets gain and offset of the displacement, from the next step on, as [`Model::trim`](super::Model::trim).
+    ///
+    /// # Errors
+    /// [`ModelError::Coefficient`]; both are then as they were.
+    pub fn trim(&mut self, gain: T, offset: T) -> Result<(), ModelError<T>> {
+        super::trims_are_sound(gain, offset)?;
+        (self.trim, self.offset) = (gain, offset);
+        Ok(())
+    }
+
+    /// Everything that it remembers.
+    pub(crate) fn each_member(&mut self, tape: &mut Tape<'_>) {
+        self.hysteresis.each_member(tape);
+        self.dynamics.each_member(tape);
+        tape.numbers(self.ring);
+        tape.index(&mut self.at, self.ring.len());
+        for number in [
+            &mut self.reference,
+            &mut self.trim,
+            &mut self.offset,
+            &mut self.output,
+            &mut self.slope,
+            &mut self.displacement,
+        ] {
+            tape.number(number);
+        }
     }
 
     /// Appends a reference sample without a step, to fill the preview before the first one. Returns whether
@@ -267,7 +299,7 @@ impl<'a, T: Real> Compensator<'a, T> {
         let high = within(voltage + limits.step, limits.low, limits.high);
         let reached = self.hysteresis.reach(self.output, wanted, [low, high], self.slope);
         let Ok(output) = self.hysteresis.step(reached.voltage) else {
-            self.displacement = self.offset + self.dynamics.step(self.output);
+            self.displacement = self.offset + self.trim * self.dynamics.step(self.output);
             return Drive { voltage, limited: Limited::Overflow };
         };
         let slope = (output - self.output) / (reached.voltage - voltage);
@@ -275,7 +307,7 @@ impl<'a, T: Real> Compensator<'a, T> {
             self.slope = slope;
         }
         self.output = output;
-        self.displacement = self.offset + self.dynamics.step(output);
+        self.displacement = self.offset + self.trim * self.dynamics.step(output);
         let limited = if !sound {
             Limited::Reference
         } else if !reached.missed {
@@ -307,11 +339,13 @@ impl<'a, T: Real> Compensator<'a, T> {
             let [re, im] = state.value;
             sum = sum + *on_re * (re - newest) + *on_im * im;
         }
-        let settles = self.offset + self.dynamics.output_at_rest() + self.gain * newest + disturbance;
+        let (trim, per_trim) = (self.trim, T::of(1.0) / self.trim);
+        let settles =
+            self.offset + trim * self.dynamics.output_at_rest() + trim * (self.gain * newest) + disturbance;
         let (older, newer) = self.ring.split_at_checked(self.at).unwrap_or((&[], self.ring));
         let newest_first = older.iter().rev().chain(newer.iter().rev());
         for (gain, r) in self.law.reference.iter().zip(newest_first) {
-            sum = sum + *gain * (*r - settles);
+            sum = sum + *gain * ((*r - settles) * per_trim);
         }
         rest + (newest + sum)
     }
@@ -336,6 +370,8 @@ impl<'a, T: Real> Compensator<'a, T> {
         self.limits
     }
 }
+
+saves!(Compensator);
 
 #[inline(always)]
 pub(super) fn within<T: Real>(x: T, low: T, high: T) -> T {

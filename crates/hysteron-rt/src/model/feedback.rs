@@ -5,6 +5,7 @@ use super::{Limited, Limits, Linear, ModelError};
 use crate::increment::accumulate;
 use crate::model::Drive;
 use crate::real::Real;
+use crate::saved::{Tape, saves};
 
 /// c = k e + i Σ e + H e: proportional, integral and linear dynamics in parallel, which covers PI, PI^λ (the
 /// fractional integral as real poles) and an integral with a notch (its partial fractions: integral and pair
@@ -82,6 +83,14 @@ impl<'a, T: Real> Feedback<'a, T> {
         (self.sum, self.carry, self.remembered, self.correction) = (zero, zero, zero, zero);
     }
 
+    /// Everything that it remembers.
+    pub(crate) fn each_member(&mut self, tape: &mut Tape<'_>) {
+        self.dynamics.each_member(tape);
+        for number in [&mut self.sum, &mut self.carry, &mut self.remembered, &mut self.correction] {
+            tape.number(number);
+        }
+    }
+
     /// Correction to add to the reference, from the newest error and the direction in which the drive was
     /// limited since the last one.
     #[inline]
@@ -104,6 +113,8 @@ impl<'a, T: Real> Feedback<'a, T> {
         self.correction
     }
 }
+
+saves!(Feedback);
 
 /// Uncompensated stage: reference to voltage by displacement = offset + slope · voltage, within limits.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,7 @@
 //! Mean of a hysteresis operator between two samples.
 
 use crate::real::Real;
+use crate::saved::Tape;
 
 /// Corrects the outputs v of a hysteresis operator so that their linear interpolation has the means of v.
 ///
@@ -17,6 +18,11 @@ impl<T: Real> Means<T> {
     /// Starts from rest at the output `v`.
     pub fn at(v: T) -> Self {
         Self { last: v }
+    }
+
+    /// Its members.
+    pub(super) fn each_member(&mut self, tape: &mut Tape<'_>) {
+        tape.number(&mut self.last);
     }
 
     /// w at the end of a move, from v half-way and at the end.

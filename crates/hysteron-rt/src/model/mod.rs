@@ -22,8 +22,9 @@ pub use reach::{MOST_LOOKS, Reached};
 pub use sections::{Compensated, LANES, Linear, MOST_TAPS, PolePair, RealPoles, Sections, SectionsMemory};
 
 use crate::real::Real;
+use crate::saved::{Tape, saves};
 
-/// displacement = offset + (H ∗ v)(t), v = hysteresis\[voltage\].
+/// displacement = offset + gain (H ∗ v)(t), v = hysteresis\[voltage\]. The gain is 1 but for [`Self::trim`].
 ///
 /// Coefficients and memory are borrowed: nothing is allocated. The linear dynamics, plays and states
 /// in parallel with n = 1 and 2 cost the same number of operations whatever the voltage does, up to the
@@ -52,6 +53,7 @@ use crate::real::Real;
 pub struct Model<'a, T> {
     hysteresis: Hysteresis<'a, T>,
     dynamics: Linear<'a, T>,
+    gain: T,
     offset: T,
     means: Option<Means<T>>,
 }
@@ -69,7 +71,7 @@ impl<'a, T: Real> Model<'a, T> {
         if !offset.is_finite() {
             return Err(ModelError::Coefficient);
         }
-        let mut model = Self { hysteresis, dynamics, offset, means: None };
+        let mut model = Self { hysteresis, dynamics, gain: T::of(1.0), offset, means: None };
         model.rest_at(T::of(0.0))?;
         Ok(model)
     }
@@ -106,7 +108,7 @@ impl<'a, T: Real> Model<'a, T> {
             *means = Means::at(v);
         }
         self.dynamics.rest_at(v);
-        Ok(self.offset + self.dynamics.output_at_rest())
+        Ok(self.offset + self.gain * self.dynamics.output_at_rest())
     }
 
     /// [`Self::rest_at`] with the offset chosen such that the displacement there is `displacement`: bumpless
@@ -120,7 +122,7 @@ impl<'a, T: Real> Model<'a, T> {
         }
         self.rest_at(voltage)?;
         // Not by a difference to the previous offset: a huge one would cancel all digits.
-        let offset = displacement - self.dynamics.output_at_rest();
+        let offset = displacement - self.gain * self.dynamics.output_at_rest();
         if !offset.is_finite() {
             return Err(ModelError::Start { displacement });
         }
@@ -136,10 +138,32 @@ impl<'a, T: Real> Model<'a, T> {
     pub fn step(&mut self, voltage: T) -> Result<T, ModelError<T>> {
         let Some(means) = &mut self.means else {
             let v = self.hysteresis.step(voltage)?;
-            return Ok(self.offset + self.dynamics.step(v));
+            return Ok(self.offset + self.gain * self.dynamics.step(v));
         };
         let (middle, v) = self.hysteresis.step_with_middle(voltage)?;
-        Ok(self.offset + self.dynamics.step(means.join(middle, v)))
+        Ok(self.offset + self.gain * self.dynamics.step(means.join(middle, v)))
+    }
+
+    /// Sets gain and offset, from the next step on: trims for a stage that has drifted since the model was
+    /// identified.
+    ///
+    /// # Errors
+    /// [`ModelError::Coefficient`] for one that is not finite, or a gain of 0; both are then as they were.
+    pub fn trim(&mut self, gain: T, offset: T) -> Result<(), ModelError<T>> {
+        trims_are_sound(gain, offset)?;
+        (self.gain, self.offset) = (gain, offset);
+        Ok(())
+    }
+
+    /// Everything that it remembers.
+    pub(crate) fn each_member(&mut self, tape: &mut Tape<'_>) {
+        self.hysteresis.each_member(tape);
+        self.dynamics.each_member(tape);
+        if let Some(means) = &mut self.means {
+            means.each_member(tape);
+        }
+        tape.number(&mut self.gain);
+        tape.number(&mut self.offset);
     }
 
     /// The hysteresis block.
@@ -156,4 +180,12 @@ impl<'a, T: Real> Model<'a, T> {
     pub fn offset(&self) -> T {
         self.offset
     }
+}
+
+saves!(Model);
+
+/// Whether these may be the gain and offset of a stage.
+fn trims_are_sound<T: Real>(gain: T, offset: T) -> Result<(), ModelError<T>> {
+    let sound = gain.is_finite() && offset.is_finite() && gain != T::of(0.0);
+    if sound { Ok(()) } else { Err(ModelError::Coefficient) }
 }

@@ -2,6 +2,7 @@
 
 use super::{Model, ModelError};
 use crate::real::Real;
+use crate::saved::{Tape, saves};
 
 /// Model and measurement combined: displacement = model + disturbance, the disturbance (drift, load,
 /// unmodelled creep) a random walk, the measurement noisy.
@@ -74,4 +75,11 @@ impl<'a, T: Real> Observer<'a, T> {
         }
         Ok(Observed { displacement: own + self.disturbance, disturbance: self.disturbance })
     }
+    /// Everything that it remembers.
+    pub(crate) fn each_member(&mut self, tape: &mut Tape<'_>) {
+        self.model.each_member(tape);
+        tape.number(&mut self.disturbance);
+    }
 }
+
+saves!(Observer);

@@ -7,6 +7,7 @@ use crate::increment::IncrementMemory;
 use crate::plane::{LEAST_TURNS, Plane, Turns};
 use crate::play::{PlayBank, RelaxingPlays, SidedPlays};
 use crate::real::Real;
+use crate::saved::Tape;
 
 /// Hysteresis operator beside the polynomial l\[u\].
 #[derive(Debug)]
@@ -129,6 +130,22 @@ impl<'a, T: Real> Hysteresis<'a, T> {
             Operator::Plane { plane, turns } => turns.rest_at(plane, voltage),
         }
         self.output_at_rest(voltage)
+    }
+
+    /// Its members.
+    pub(super) fn each_member(&mut self, tape: &mut Tape<'_>) {
+        match &mut self.operator {
+            Operator::None => {}
+            Operator::States { memory, .. } | Operator::Branch { memory, .. } => {
+                memory.iter_mut().for_each(|state| state.each_member(tape));
+            }
+            Operator::Plays { states, .. }
+            | Operator::SidedPlays { states, .. }
+            | Operator::RelaxingPlays { states, .. } => tape.numbers(states),
+            Operator::Plane { turns, .. } => turns.each_member(tape),
+        }
+        tape.number(&mut self.voltage);
+        tape.flag(&mut self.rested);
     }
 
     /// Makes the block virgin at `virgin`, moves it monotonically to `voltage` and returns its output there.

@@ -5,6 +5,7 @@ use core::array::from_fn;
 use super::ModelError;
 use crate::increment::accumulate;
 use crate::real::Real;
+use crate::saved::Tape;
 
 /// Real poles updated together in one SIMD vector.
 pub const LANES: usize = 4;
@@ -163,6 +164,23 @@ impl<'a, T: Real> Linear<'a, T> {
         self.memory.delay.fill(T::of(0.0));
         self.memory.real.fill(Compensated::zero());
         self.memory.pairs.fill(Compensated::zero());
+    }
+
+    /// Its members.
+    pub(super) fn each_member(&mut self, tape: &mut Tape<'_>) {
+        for state in self.memory.real.iter_mut() {
+            tape.numbers(&mut state.value);
+            tape.numbers(&mut state.carry);
+        }
+        for state in self.memory.pairs.iter_mut() {
+            tape.numbers(&mut state.value);
+            tape.numbers(&mut state.carry);
+        }
+        tape.numbers(self.memory.delay);
+        tape.index(&mut self.at, self.memory.delay.len());
+        tape.numbers(&mut self.recent.ring);
+        tape.index(&mut self.recent.newest, RING);
+        tape.number(&mut self.rest);
     }
 
     /// Steady-state output for the input of [`Self::rest_at`].

@@ -2,6 +2,7 @@
 
 use super::Plane;
 use crate::real::{Real, Scalar};
+use crate::saved::Tape;
 
 /// Wiping-out: number of the `turns` turns left after a monotone move to `u`.
 ///
@@ -91,6 +92,20 @@ impl<'a, T: Real> Turns<'a, T> {
     /// Capacity for turns.
     pub fn room(&self) -> usize {
         self.turns.len()
+    }
+
+    /// Its members.
+    pub(crate) fn each_member(&mut self, tape: &mut Tape<'_>) {
+        let room = self.turns.len();
+        tape.index(&mut self.kept, room.saturating_add(1));
+        for turn in self.turns.iter_mut().chain([&mut self.rest, &mut self.now]) {
+            tape.number(&mut turn.voltage);
+            tape.number(&mut turn.output);
+        }
+        let (mut moved, mut rising) = (self.rising.is_some(), self.rising == Some(true));
+        tape.flag(&mut moved);
+        tape.flag(&mut rising);
+        self.rising = moved.then_some(rising);
     }
 
     /// Virgin at `u`.

@@ -1,6 +1,6 @@
 //{ plane
 /* Half of the Everett function at levels p and q: weight of the relays that switch between them. */
-static real node(int p, int q)
+static real node(int32_t p, int32_t q)
 {
     return p <= q ? R(0) : EVERETT[p * (p - 1) / 2 + q];
 }
@@ -12,12 +12,12 @@ static real scaled(real u)
 }
 
 /* The interval of x, held to the levels, and the share of it passed. */
-static int place(real x, real *share)
+static int32_t place(real x, real *share)
 {
-    int interval;
+    int32_t interval;
     x = x > $REAL_INTERVALS ? $REAL_INTERVALS : x;
     x = x > R(0) ? x : R(0);
-    interval = (int)x;
+    interval = (int32_t)x;
     interval = interval > $N_INTERVALS - 1 ? $N_INTERVALS - 1 : interval;
     *share = x - (real)interval;
     return interval;
@@ -27,7 +27,7 @@ static int place(real x, real *share)
 static real weight_between(real alpha, real beta)
 {
     real a, b, first, second;
-    const int i = place(alpha, &a), j = place(beta, &b);
+    const int32_t i = place(alpha, &a), j = place(beta, &b);
     if (i == j) {
         return node(i + 1, i) * (a - b);
     }
@@ -37,17 +37,18 @@ static real weight_between(real alpha, real beta)
 }
 
 /* Of the plane, or of the plane mirrored at an antidiagonal. */
-static real mirror_node(int mirrored, int p, int q)
+static real mirror_node(bool mirrored, int32_t p, int32_t q)
 {
     return mirrored ? node($N_INTERVALS - q, $N_INTERVALS - p) : node(p, q);
 }
 
 /* Weight of the relays with alpha up to `to` above the antidiagonal through `rest`: along it, cell by
    cell. */
-static real virgin_weight(int mirrored, real rest, real to)
+static real virgin_weight(bool mirrored, real rest, real to)
 {
     real x = rest > R(0) ? rest : R(0), share, sum = R(0), row, column;
-    int i, j, below, count;
+    bool below;
+    int32_t i, j, count;
     to = to > $REAL_INTERVALS ? $REAL_INTERVALS : to;
     i = place(x, &share);
     j = place(rest + rest - x, &share);
@@ -56,7 +57,7 @@ static real virgin_weight(int mirrored, real rest, real to)
     below = rest + rest - x <= R(0);
     for (count = 0; count < 2 * $N_INTERVALS + 2; count++) {
         const real row_end = row + R(1), column_end = rest + rest - column;
-        const int by_column = !below && column_end < row_end;
+        const bool by_column = !below && column_end < row_end;
         real end = by_column ? column_end : row_end;
         if (x >= to || i >= $N_INTERVALS) {
             break;
@@ -79,7 +80,7 @@ static real virgin_weight(int mirrored, real rest, real to)
         }
         if (by_column) {
             below = j == 0;
-            j -= j > 0;
+            j -= j > 0 ? 1 : 0;
             column = (real)j;
         } else {
             i++;
@@ -92,17 +93,17 @@ static real virgin_weight(int mirrored, real rest, real to)
 /* What the plane puts out where it is virgin at u. */
 static real plane_at_rest(real u)
 {
-    return node($N_INTERVALS, 0) - R(2) * virgin_weight(0, scaled(u), $REAL_INTERVALS);
+    return node($N_INTERVALS, 0) - R(2) * virgin_weight(false, scaled(u), $REAL_INTERVALS);
 }
 
 /* A move that has been looked at: turns left at its end, and what the plane puts out there. */
 typedef struct {
-    int left;
+    int32_t left;
     real output;
 } plane_move;
 
 /* A turn; the present place behind those that are kept. */
-static real turn_voltage(const $name_state *state, int index)
+static real turn_voltage(const $name_state *state, int32_t index)
 {
     return index < state->kept ? state->turn_voltage[index] : state->voltage;
 }
@@ -110,14 +111,14 @@ static real turn_voltage(const $name_state *state, int index)
 /* A loop ends where it began, the widest where the virgin curve does. */
 static plane_move plane_look(const $name_state *state, real u)
 {
-    const int rising = u > state->voltage;
+    const bool rising = u > state->voltage;
     plane_move to;
     to.left = state->kept;
     to.output = state->plane;
     if (u == state->voltage) {
         return to;
     }
-    to.left += state->moved && state->rising != rising;
+    to.left += state->moved && state->rising != rising ? 1 : 0;
     while (to.left > 1 && (rising ? u >= turn_voltage(state, to.left - 2)
                                   : u <= turn_voltage(state, to.left - 2))) {
         to.left -= 2;
@@ -131,10 +132,10 @@ static plane_move plane_look(const $name_state *state, real u)
     if (to.left == 0) {
         const real rest = scaled(state->virgin), end = scaled(u);
         to.output = state->plane_virgin
-                    + (end > rest ? R(2) * virgin_weight(0, rest, end)
-                                  : R(-2) * virgin_weight(1, $REAL_INTERVALS - rest, $REAL_INTERVALS - end));
+                    + (end > rest ? R(2) * virgin_weight(false, rest, end)
+                                  : R(-2) * virgin_weight(true, $REAL_INTERVALS - rest, $REAL_INTERVALS - end));
     } else {
-        const int last = to.left - 1;
+        const int32_t last = to.left - 1;
         const real turn = turn_voltage(state, last);
         to.output = (last < state->kept ? state->turn_output[last] : state->plane)
                     + (u > turn ? R(2) * weight_between(scaled(u), scaled(turn))
@@ -148,7 +149,7 @@ static plane_move plane_look(const $name_state *state, real u)
 static void forget_turns($name_state *state)
 {
     real least = F(HUGE_VAL);
-    int at = 1, i;
+    int32_t at = 1, i;
     for (i = 0; i + 3 <= $NAME_TURNS; i++) {
         const real across = F(fabs)(state->turn_voltage[i] - state->turn_voltage[i + 2]);
         const real size = across * F(fabs)(turn_voltage(state, i + 3) - state->turn_voltage[i + 1]);
@@ -180,7 +181,7 @@ static void plane_make($name_state *state, plane_move to, real u)
     } else {
         state->kept = to.left;
     }
-    state->moved = 1;
+    state->moved = true;
     state->rising = u > state->voltage;
     state->plane = to.output;
 }
@@ -203,17 +204,17 @@ static real hysteresis_look(const $name_state *state, real u$RATE_PARAMETER)
 //}
 /* Moves monotonically to u: *v is the output of the hysteresis there. 0, and nothing has moved, where that is
    out of range. */
-static int hysteresis_move($name_state *state, real u, real *v)
+static bool hysteresis_move($name_state *state, real u, real *v)
 {
     const plane_move to = plane_look(state, u);
     const real out = polynomial_at($TUNED_FIRSTu) + to.output;
     if (!is_in_range(out)) {
-        return 0;
+        return false;
     }
     plane_make(state, to, u);
     state->voltage = u;
     *v = out;
-    return 1;
+    return true;
 }
 
 /* Makes the memory of the hysteresis virgin at u. */
@@ -223,8 +224,8 @@ static void hysteresis_rest($name_state *state, real u)
     state->plane_virgin = plane_at_rest(u);
     state->plane = state->plane_virgin;
     state->kept = 0;
-    state->moved = 0;
-    state->rising = 0;
+    state->moved = false;
+    state->rising = false;
 }
 
 //}

@@ -9,5 +9,6 @@
     $name_real turn_voltage[$NAME_TURNS], turn_output[$NAME_TURNS];
     $name_real virgin, plane_virgin; /* where the relays were virgin, and what they put out there */
     $name_real plane;                /* what they put out now */
-    int kept, moved, rising;             /* turns; whether there has been a move, and upwards */
+    int32_t kept;       /* below $NAME_TURNS + 1: turns */
+    bool moved, rising; /* whether there has been a move, and upwards */
 //}

@@ -13,7 +13,7 @@ static real play(real r, real state, real u)
 static real hysteresis_at_rest($TUNED_AS_ARGUMENT_FIRSTreal u)
 {
     real v = polynomial_at($TUNED_FIRSTu);
-    int i;
+    int32_t i;
     for (i = 0; i < $NAME_PLAYS; i++) {
         v = v + K(weight)[i] * u;
     }
@@ -25,7 +25,7 @@ static real hysteresis_at_rest($TUNED_AS_ARGUMENT_FIRSTreal u)
 static real hysteresis_look(const $name_state *state, real u$RATE_PARAMETER)
 {
     real sum = R(0);
-    int i;
+    int32_t i;
     for (i = 0; i < $NAME_PLAYS; i++) {
         sum = sum + K(weight)[i] * play(THRESHOLD[i], state->play[i], u);
     }
@@ -35,10 +35,10 @@ static real hysteresis_look(const $name_state *state, real u$RATE_PARAMETER)
 //}
 /* Moves monotonically to u: *v is the output of the hysteresis there. 0, and nothing has moved, where that is
    out of range. */
-static int hysteresis_move($name_state *state, real u, real *v)
+static bool hysteresis_move($name_state *state, real u, real *v)
 {
     real moved[$NAME_PLAYS], sum = R(0);
-    int i;
+    int32_t i;
     real out = polynomial_at($TUNED_FIRSTu);
     for (i = 0; i < $NAME_PLAYS; i++) {
         moved[i] = play(THRESHOLD[i], state->play[i], u);
@@ -46,20 +46,20 @@ static int hysteresis_move($name_state *state, real u, real *v)
     }
     out = out + sum;
     if (!is_in_range(out)) {
-        return 0;
+        return false;
     }
     for (i = 0; i < $NAME_PLAYS; i++) {
         state->play[i] = moved[i];
     }
     state->voltage = u;
     *v = out;
-    return 1;
+    return true;
 }
 
 /* Makes the memory of the hysteresis virgin at u. */
 static void hysteresis_rest($name_state *state, real u)
 {
-    int i;
+    int32_t i;
     for (i = 0; i < $NAME_PLAYS; i++) {
         state->play[i] = u;
     }

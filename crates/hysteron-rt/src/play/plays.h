@@ -10,7 +10,7 @@
     $name_real play[$NAME_PLAYS]; /* distances behind the voltage */
 //}
 //{ rate|relaxing
-    int rested; /* has not moved since it was virgin */
+    bool rested; /* has not moved since it was virgin */
 //}
 //= parameters
 //{ plays|sided

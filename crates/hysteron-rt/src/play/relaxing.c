@@ -49,7 +49,7 @@ static real beyond(const relaxing_move *step, real r, real distance)
 /* The distance behind the drive of a play of half-width r after the move. */
 static real relaxing_distance(const relaxing_move *step, real r, real z)
 {
-    const int behind = z < R(0) || (z == R(0) && step->by < R(0));
+    const bool behind = z < R(0) || (z == R(0) && step->by < R(0));
     const real distance = behind ? -z : z, outwards = behind ? -step->by : step->by;
     const real limit = -step->shrinks + r;
     real left;
@@ -69,7 +69,7 @@ static real relaxing_distance(const relaxing_move *step, real r, real z)
 }
 
 /* What a play puts out that stands at p: slopes over the range, straight beyond its ends. */
-static real relaxing_output(real p, int i)
+static real relaxing_output(real p, int32_t i)
 {
     const real x = (p - RANGE[0]) * (R(1) / (RANGE[1] - RANGE[0])), span = RANGE[1] - RANGE[0];
     const real inner = x < R(0) ? R(0) : x > R(1) ? R(1) : x;
@@ -87,7 +87,7 @@ static real plays_at(const $name_state *state, real u, real share, real *moved)
     const real du = u - state->voltage;
     const relaxing_move step = relaxing_move_by(du, state->rested ? F(fabs)(du) : share * INTERVAL);
     real sum = R(0);
-    int i;
+    int32_t i;
     for (i = 0; i < $NAME_PLAYS; i++) {
         const real z = relaxing_distance(&step, THRESHOLD[i], state->play[i]);
         sum = sum + relaxing_output(u - z, i);
@@ -104,7 +104,7 @@ static real plays_at(const $name_state *state, real u, real share, real *moved)
 static real hysteresis_at_rest($TUNED_AS_ARGUMENT_FIRSTreal u)
 {
     real sum = R(0);
-    int i;
+    int32_t i;
     for (i = 0; i < $NAME_PLAYS; i++) {
         sum = sum + relaxing_output(u, i);
     }
@@ -121,28 +121,28 @@ static real hysteresis_look(const $name_state *state, real u$RATE_PARAMETER)
 //}
 /* Moves monotonically to u: *v is the output of the hysteresis there. 0, and nothing has moved, where that is
    out of range. */
-static int hysteresis_move($name_state *state, real u, real *v)
+static bool hysteresis_move($name_state *state, real u, real *v)
 {
     const real out = polynomial_at($TUNED_FIRSTu) + plays_at(state, u, R(1), (real *)0);
     if (!is_in_range(out)) {
-        return 0;
+        return false;
     }
     (void)plays_at(state, u, R(1), state->play);
-    state->rested = 0;
+    state->rested = false;
     state->voltage = u;
     *v = out;
-    return 1;
+    return true;
 }
 
 /* Makes the memory of the hysteresis virgin at u. */
 static void hysteresis_rest($name_state *state, real u)
 {
-    int i;
+    int32_t i;
     (void)u;
     for (i = 0; i < $NAME_PLAYS; i++) {
         state->play[i] = R(0);
     }
-    state->rested = 1;
+    state->rested = true;
 }
 
 //}

@@ -19,7 +19,7 @@ static real ramp(real x)
 static real line_at(real h)
 {
     real sum = h < CORNER[0] ? SLOPE[0] * (h - CORNER[0]) : R(0);
-    int i;
+    int32_t i;
     for (i = 1; i < $N_CORNERS; i++) {
         const real inside = h > CORNER[i] ? CORNER[i] : h;
         if (inside > CORNER[i - 1]) {
@@ -50,9 +50,9 @@ static real plays_at(const $name_state *state, $THROUGH_PARAMETERreal u, real *m
 //}
 //{ ramps
     real first = ramp(u - THRESHOLD[0]);
-    int row = 0, column = 0;
+    int32_t row = 0, column = 0;
 //}
-    int i;
+    int32_t i;
 //{ envelopes
     if (right - left > R(2) * THRESHOLD[0] + R(4) * R(EPSILON)) {
         return F(HUGE_VAL); /* the narrowest has no place to stand */
@@ -100,7 +100,7 @@ static real plays_at(const $name_state *state, $THROUGH_PARAMETERreal u, real *m
 }
 
 /* Where play number i is virgin at u. */
-static real virgin_play(real u, int i)
+static real virgin_play(real u, int32_t i)
 {
 //{ even|rate|below
     (void)i;
@@ -111,7 +111,7 @@ static real virgin_play(real u, int i)
     return R(0.5) * (F(tanh)(RIGHT[0] * (u - RIGHT[1])) + F(tanh)(LEFT[0] * (u - LEFT[1])));
 //}
 //{ ramps
-    int row = 0;
+    int32_t row = 0;
     while (i > row) {
         row++;
         i -= row;
@@ -126,7 +126,7 @@ static real virgin_play(real u, int i)
 static real hysteresis_at_rest($TUNED_AS_ARGUMENT_FIRSTreal u)
 {
     real sum = R(0);
-    int i;
+    int32_t i;
     for (i = 0; i < $NAME_PLAYS; i++) {
         sum = sum + K(weight)[i] * virgin_play(u, i);
     }
@@ -157,7 +157,7 @@ static real hysteresis_look(const $name_state *state, real u$RATE_PARAMETER)
 //}
 /* Moves monotonically to u: *v is the output of the hysteresis there. 0, and nothing has moved, where that is
    out of range. */
-static int hysteresis_move($name_state *state, real u, real *v)
+static bool hysteresis_move($name_state *state, real u, real *v)
 {
 //{ rate
     const real du = state->rested ? R(0) : u - state->voltage;
@@ -173,29 +173,29 @@ static int hysteresis_move($name_state *state, real u, real *v)
     const real out = polynomial_at($TUNED_FIRSTu) + plays_at(state, u, (real *)0);
 //}
     if (!is_in_range(out)) {
-        return 0;
+        return false;
     }
 //{ rate
     (void)plays_at(state, middle, du, u, state->play);
-    state->rested = 0;
+    state->rested = false;
 //}
 //{ !rate
     (void)plays_at(state, u, state->play);
 //}
     state->voltage = u;
     *v = out;
-    return 1;
+    return true;
 }
 
 /* Makes the memory of the hysteresis virgin at u. */
 static void hysteresis_rest($name_state *state, real u)
 {
-    int i;
+    int32_t i;
     for (i = 0; i < $NAME_PLAYS; i++) {
         state->play[i] = virgin_play(u, i);
     }
 //{ rate
-    state->rested = 1;
+    state->rested = true;
 //}
 }
 
