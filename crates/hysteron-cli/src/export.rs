@@ -272,7 +272,8 @@ impl Export {
             ExportError::Still { .. } => {
                 failure.hint("check it with hysteron simulate: an exported model must respond to a voltage")
             }
-            ExportError::Departs { .. } => failure.hint("export it with --float f64"),
+            ExportError::Departs { .. } => failure
+                .hint("export it with --float f64, for a lower --sample-rate, or for another --bandwidth"),
             ExportError::Prediction { .. } => failure.hint("give the frequency with --predict-to HZ"),
             ExportError::ControllerForm => failure.hint("export it with --to c"),
             ExportError::ControllerPrecision => failure.hint("export it with --float f64"),

@@ -110,7 +110,7 @@ pub enum ExportError {
     /// The source would fail its own test.
     #[error(
         "a dry run of the single-precision inverse departs from the double-precision one by {departure:.2e} \
-         {unit} along its own test vectors, where {bound:.2e} {unit} is allowed: export it in double precision"
+         {unit} along its own test vectors, where {bound:.2e} {unit} is allowed"
     )]
     Departs {
         /// Largest difference.

@@ -73,13 +73,15 @@ impl Inverse {
         };
         let subject = Subject { name: format!("{}_inverse", subject.name), realisation, ..subject.clone() };
         let rounding = Rounding { bound: 0.0, share: 0.0 };
-        let dry_run = DryRun { along_vectors: 0.0, thrown: 0.0 };
+        let dry_run = DryRun::NONE;
         let mut inverse = Self { subject, compensation, range_v, slew_v_per_s, rounding, dry_run };
         let golden = GoldenInverse::new(&inverse)?;
-        let bound = golden.tolerance;
-        inverse.rounding =
-            Rounding::new("voltage", &inverse.subject.input_unit, bound, range_v[1] - range_v[0])?;
+        let stated = |unit: &str, bound| Rounding::new("voltage", unit, bound, range_v[1] - range_v[0]);
+        inverse.rounding = stated(&inverse.subject.input_unit, golden.tolerance)?;
         inverse.dry_run = DryRun::new(&inverse, &golden)?;
+        if inverse.dry_run.drifts() {
+            inverse.rounding = stated(&inverse.subject.input_unit, inverse.dry_run.stated())?;
+        }
         Ok(inverse)
     }
 
@@ -107,9 +109,7 @@ impl Inverse {
         ];
         if subject.precision == Precision::F32 {
             lines.push(self.rounding.in_words("voltage", &subject.input_unit));
-            if self.dry_run.departs(self.rounding) {
-                lines.push(format!("NOTE: {}", self.dry_run.in_words(self)));
-            }
+            lines.extend(self.dry_run.in_words(self).iter().map(|line| format!("NOTE: {line}")));
         }
         lines.extend([String::new(), "The model:".into()]);
         lines.extend(subject.description());
@@ -278,6 +278,7 @@ pub(crate) fn golden_inverse_keys(
             "TOLERANCE_IN_WORDS",
             match inverse.subject.precision {
                 Precision::F64 => "1e-12 of their range",
+                Precision::F32 if inverse.dry_run.drifts() => "twice the departure of a dry run",
                 Precision::F32 => "16 units of rounding (2^-23) of the sum of magnitudes for a voltage",
             },
         );
@@ -348,6 +349,7 @@ impl GoldenInverse {
         let added_up = (1.0 + gains) * span * (high - low) / (top - bottom).abs();
         let tolerance = match precision {
             Precision::F64 => DOUBLE * (high - low),
+            Precision::F32 if inverse.dry_run.drifts() => inverse.dry_run.stated(),
             Precision::F32 => SINGLE * precision.epsilon() * added_up,
         };
         // Too coarse a precision is reported by [`Rounding::new`]; a voltage below its tolerance would seem

@@ -152,17 +152,15 @@ fn inverted(
     let mut findings: Vec<Finding> = Preview::from(&law).finding(asked.preview).into_iter().collect();
     let inverse = Inverse::new(subject, law, [limits.low, limits.high], limits.slew_v_per_s)?;
     findings.extend(coarse("voltage", &subject.input_unit, inverse.rounding));
-    if inverse.dry_run.departs(inverse.rounding) {
-        let text = inverse.dry_run.in_words(&inverse);
-        findings.push(Finding::new(FindingKind::Verdict, "single precision", text));
-    }
+    let said = inverse.dry_run.in_words(&inverse).into_iter();
+    findings.extend(said.map(|text| Finding::new(FindingKind::Verdict, "single precision", text)));
     Ok((inverse, findings))
 }
 
 /// What is to be said of a platform that no binary was made for.
 fn without_binary(platform: Platform) -> Finding {
     let text = format!(
-        "The units have no binary for {}, only the source: `{}` is not installed.",
+        "The units have no binary for {}, only the source: `{}` is not installed, or its C library is not.",
         platform.words(),
         platform.cross_compiler()
     );

@@ -12,6 +12,8 @@ use crate::error::ExportError;
 
 /// Time between two looks at a running compiler.
 const LOOK: Duration = Duration::from_millis(20);
+/// Name of the library while it is made: with an ending, since some compilers add one.
+const LIBRARY: &str = "unit.bin";
 /// Stage that the listener hears.
 const STAGE: &str = "compiling";
 
@@ -38,7 +40,7 @@ impl Compiler<'_> {
         }
         let mut child = self.started(folder.path(), main).map_err(failed)?;
         self.wait(&mut child)?;
-        std::fs::read(at("unit")).map_err(|e| failed(format!("left nothing behind: {e}")))
+        std::fs::read(at(LIBRARY)).map_err(|e| failed(format!("left nothing behind: {e}")))
     }
 
     fn started(self, folder: &Path, main: &[String]) -> Result<Child, String> {
@@ -47,7 +49,7 @@ impl Compiler<'_> {
             .args(flags)
             .args(self.flags)
             .args(main)
-            .args(["-o", "unit", "-lm"])
+            .args(["-o", LIBRARY, "-lm"])
             .current_dir(folder)
             .stdin(Stdio::null())
             .stdout(Stdio::null())

@@ -52,13 +52,14 @@ impl Platform {
             return Some(own);
         }
         let command = self.cross_compiler();
-        let started = Command::new(command)
-            .arg("--version")
+        // It is of use with the headers of its C library alone.
+        let looked = Command::new(command)
+            .args(["-include", "math.h", "-include", "stdlib.h", "-E", "-x", "c", "-"])
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .status();
-        started.is_ok_and(|status| status.success()).then_some(command)
+        looked.is_ok_and(|status| status.success()).then_some(command)
     }
 
     /// The platforms that no compiler is there for: their binaries are left out.

@@ -31,7 +31,7 @@ static bool is_finite(real x)
 static void take_reference($name_state *state)
 {
     state->due[state->due_at] = state->inverse.reference;
-    state->due_at = state->due_at < (uint32_t)$NAME_PREVIEW ? state->due_at + 1u : 0u;
+    state->due_at = (state->due_at + 1u) % ((uint32_t)$NAME_PREVIEW + 1u);
 }
 
 //{ feedback

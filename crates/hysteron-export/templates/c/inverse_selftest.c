@@ -157,7 +157,10 @@ static bool trims(void)
 
 int main(void)
 {
-    const bool all = golden() & bad_numbers() & saved() & trims();
+    bool all = golden();
+    all = bad_numbers() && all;
+    all = saved() && all;
+    all = trims() && all;
     printf("%s: %s\n", all ? "PASSED" : "FAILED", "$name");
     return all ? 0 : 1;
 }

@@ -163,7 +163,11 @@ static bool trims(void)
 
 int main(void)
 {
-    const bool all = golden() & start() & bad_numbers() & saved() & trims();
+    bool all = golden();
+    all = start() && all;
+    all = bad_numbers() && all;
+    all = saved() && all;
+    all = trims() && all;
     printf("%s: %s\n", all ? "PASSED" : "FAILED", "$name");
     return all ? 0 : 1;
 }

@@ -106,7 +106,10 @@ fn binaries_of_other_platforms_put_out_what_the_library_does() {
                 library.rest_at(golden.voltages[0]).unwrap();
                 let wanted: Vec<f64> = golden.voltages.iter().map(|&u| library.step(u).unwrap()).collect();
                 let units = fmu_files(&subject, "cc").unwrap();
-                judge(place.path(), &units, &foreign, &golden.voltages, &wanted, golden.tolerance);
+                let worst =
+                    judge(place.path(), &units, &foreign, &golden.voltages, &wanted, golden.tolerance);
+                let (words, of) = (foreign.platform.words(), precision.name());
+                println!("{words}, {name} {of}: {worst:.1e} um, allowed {:.1e}", golden.tolerance);
             }
         }
         let inverse = models::inverse("stage", &models::stage(), Precision::F64, Prediction::Stays);
@@ -118,10 +121,12 @@ fn binaries_of_other_platforms_put_out_what_the_library_does() {
         library.rest_at(0.0).unwrap();
         let wanted: Vec<f64> = golden.references.iter().map(|&r| library.step(r).voltage).collect();
         let units = inverse_fmu_files(&inverse, "cc").unwrap();
-        judge(place.path(), &units, &foreign, &golden.references, &wanted, golden.tolerance);
+        let worst = judge(place.path(), &units, &foreign, &golden.references, &wanted, golden.tolerance);
+        println!("{}, inverse: {worst:.1e} V, allowed {:.1e}", foreign.platform.words(), golden.tolerance);
     }
 }
 
+/// Largest difference of the binaries of both versions.
 fn judge(
     place: &Path,
     units: &[NamedFile],
@@ -129,7 +134,8 @@ fn judge(
     inputs: &[f64],
     wanted: &[f64],
     tolerance: f64,
-) {
+) -> f64 {
+    let mut largest = 0.0_f64;
     for (version, unit) in (2..).zip(units) {
         let folder = place.join("unit");
         std::fs::create_dir_all(&folder).unwrap();
@@ -137,7 +143,8 @@ fn judge(
         std::fs::remove_dir_all(&folder).unwrap();
         assert_eq!(found.len(), wanted.len());
         let worst = found.iter().zip(wanted).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        println!("{:?} {}: {worst:.1e}, allowed {tolerance:.1e}", foreign.platform, unit.name);
         assert!(worst <= tolerance, "{:?} {}: {worst:e} {tolerance:e}", foreign.platform, unit.name);
+        largest = largest.max(worst);
     }
+    largest
 }

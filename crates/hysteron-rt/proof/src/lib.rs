@@ -8,9 +8,9 @@ use core::panic::PanicInfo;
 
 use hysteron_rt::{
     BoucWen, BoucWenState, Branch, BrokenLine, Compensated, Compensator, Drive, Dual, Feedback, FilteredLms,
-    FitMonitor, HeldBack, Hysteresis, IncrementMemory, LANES, Law, Limits, Line, Linear, LmsFilter, LmsMemory,
-    LmsSettings, Model, MonitorSettings, Nlms, NlmsSettings, Observer, Operator, Plane, PlayBank, PolePair,
-    Real, RealPoles, Rls, RlsSettings, Sections, SectionsMemory, SidedPlays, Sides, Turn, Turns,
+    FitMonitor, HeldBack, Hysteresis, IncrementMemory, LANES, Law, Limits, Line, Linear, LmsFilter,
+    LmsMemory, LmsSettings, Model, MonitorSettings, Nlms, NlmsSettings, Observer, Operator, Plane, PlayBank,
+    PolePair, Real, RealPoles, Rls, RlsSettings, Sections, SectionsMemory, SidedPlays, Sides, Turn, Turns,
 };
 
 unsafe extern "C" {
@@ -152,7 +152,10 @@ type Coefficients<'a, T> = (&'a [T], &'a [T], &'a [RealPoles<T>], &'a [PolePair<
 /// Memory of a dynamic block: real poles, pairs, delay.
 type Memory<'a, T> = (&'a mut [Compensated<T, LANES>], &'a mut [Compensated<T, 2>], &'a mut [T]);
 
-/// A model with any operator along voltages, from rest, with means and without.
+/// Room for a saved state.
+const SAVED: usize = 4096;
+
+/// A model with any operator along voltages, from rest, with means and without, saved and restored.
 #[inline(always)]
 fn model<T: Real>(
     (polynomial, taps, real, pairs, rest_gain, offset): Coefficients<'_, T>,
@@ -179,7 +182,12 @@ fn model<T: Real>(
         }
         true
     };
-    if !run(&mut model) {
+    if !run(&mut model) || model.trim(rest_gain, offset).is_err() {
+        return false;
+    }
+    let mut bytes = [0; SAVED];
+    let Some(bytes) = bytes.get_mut(..model.saved_bytes()) else { return false };
+    if model.save(1, bytes).is_err() || model.restore(1, bytes).is_err() {
         return false;
     }
     match model.with_means() {
@@ -215,7 +223,11 @@ fn compensator<T: Real>(
             compensator.know(r);
             *slot = compensator.step(r);
         }
-        return compensator.displacement() < compensator.voltage();
+        let mut bytes = [0; SAVED];
+        let Some(bytes) = bytes.get_mut(..compensator.saved_bytes()) else { return false };
+        return compensator.save(2, bytes).is_ok()
+            && compensator.restore(2, bytes).is_ok()
+            && compensator.displacement() < compensator.voltage();
     };
     if observer.rest_after(first, first, first).is_err() {
         return false;
