@@ -20,6 +20,9 @@ for crate in $crates; do
         left=$((left + 1))
     fi
 done
+# Cargo verifies a crate against the packages made just before, which it takes for a registry without a name, and
+# does not unpack again what it unpacked there in an earlier run: that would be the source of then.
+rm -rf "${CARGO_HOME:-$HOME/.cargo}"/registry/{src,cache}/-*/hysteron{,-*}-"$version"{,.crate}
 if ((left)); then
     cargo publish --workspace --locked "${arguments[@]}" "$@"
 fi
