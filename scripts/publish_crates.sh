@@ -20,6 +20,12 @@ for crate in $crates; do
         left=$((left + 1))
     fi
 done
+# Cargo verifies a crate against the packages made just before, which it takes for a registry whose versions never
+# change: what it unpacked and built of them in an earlier run would be the source of then. So they are built in a
+# folder of their own, without what is there of these crates.
+export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-target}/packages
+rm -rf "$CARGO_TARGET_DIR"/package "$CARGO_TARGET_DIR"/debug/{.fingerprint,build,deps,incremental}/*hysteron* \
+    "${CARGO_HOME:-$HOME/.cargo}"/registry/{src,cache}/-*/hysteron{,-*}-"$version"{,.crate}
 if ((left)); then
     cargo publish --workspace --locked "${arguments[@]}" "$@"
 fi
