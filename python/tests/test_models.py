@@ -131,6 +131,9 @@ def test_models_are_saved_pickled_and_copied(
     matlab = stage.export(tmp_path / "m", "matlab", name="stage", inverse=True, limits=(0, 10))
     assert {"stage.m", "stage_inverse.m"} <= set(matlab) and (tmp_path / "m/stage.m").exists()
     assert "stage_sfun.c" in stage.export(tmp_path / "s", "simulink", name="stage")
+    pi = "feedforward-pi"
+    around = stage.export(tmp_path / "l", name="stage", inverse=True, limits=(0, 10), controller=pi)
+    assert "stage_controller.c" in around
     with pytest.raises(hy.OptionError) as refused:
         stage.export(tmp_path / "x", "punched-cards")  # type: ignore[arg-type]
     offered = str(refused.value).partition("expected one of ")[2]

@@ -119,6 +119,7 @@ pub fn export(
         };
         let realise = RealiseOptions { accuracy, lowest_frequency_hz: request.lowest_frequency_hz };
         let closed = ClosedLoop::new(model, &subject, controller, asked, realise)?;
+        findings.extend(Preview::from(&closed.inverse.compensation).finding(asked.preview));
         let mut files = form.files(&subject, None, means)?;
         files.extend(controller_files(&closed)?);
         return Ok(Exported { subject, files, findings });

@@ -46,7 +46,9 @@ fn a_trimmed_model_goes_on_with_the_same_bits() {
     let (mut memory, mut other) = (Memory::new(), Memory::new());
     let (mut model, mut twin) = (memory.model(), other.model());
     model.trim(1.5, -3.0).unwrap();
-    (0..57).for_each(|k| drop(model.step(drive(k)).unwrap()));
+    for k in 0..57 {
+        model.step(drive(k)).unwrap();
+    }
     let mut bytes = vec![0; model.saved_bytes()];
     model.save(MARK, &mut bytes).unwrap();
     twin.restore(MARK, &bytes).unwrap();

@@ -303,3 +303,39 @@ fn the_inverse_comes_in_the_same_forms() {
         assert!(run.stderr.contains(part) && !bench.path("out").exists(), "{arguments}: {run:?}");
     }
 }
+
+#[test]
+fn a_controller_comes_with_its_inverse() {
+    let bench = bench();
+    let limits = "--inverse --range 0:100 --slew 200000 --name stage";
+    let run = bench
+        .run(&format!("export P-885_stage.json --to c -o source {limits} --controller feedforward-observer"));
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    let header = std::fs::read_to_string(bench.path("source/stage_controller.h")).unwrap();
+    for part in ["controller `feedforward-observer`", "gain margin", "Gain of the observer", "SHA-256"] {
+        assert!(header.contains(part), "{part}: {header}");
+    }
+    let folder = bench.path("source");
+    let sources =
+        ["stage_observed.c", "stage_inverse.c", "stage_controller.c", "stage_controller_selftest.c"];
+    let compiled = Command::new("cc")
+        .arg("-std=c99")
+        .args(sources)
+        .args(["-o", "selftest", "-lm"])
+        .current_dir(&folder)
+        .status();
+    assert!(compiled.unwrap().success());
+    assert!(Command::new(folder.join("selftest")).status().unwrap().success());
+    for (arguments, exit_code, part) in [
+        ("--to c --controller pi --inverse", 1, "feedforward-pi, feedforward-fractional-pi"),
+        ("--to c --controller predicted-pi --inverse", 1, "--predict-to HZ"),
+        ("--to c --controller feedforward-pi --inverse --float f32", 1, "--float f64"),
+        ("--to rust --controller feedforward-pi --inverse", 1, "--to c"),
+        ("--to c --controller feedforward-pi", 2, "--inverse"),
+    ] {
+        let range = if exit_code == 1 { "--range 0:100" } else { "" };
+        let run = bench.run(&format!("export P-885_stage.json -o out --name stage {arguments} {range}"));
+        assert_eq!(run.exit_code, exit_code, "{arguments}: {run:?}");
+        assert!(run.stderr.contains(part) && !bench.path("out").exists(), "{arguments}: {run:?}");
+    }
+}
