@@ -97,7 +97,7 @@ faults: python-tools ## KILLS (500) at random instants, full disks, closed pipes
 release-dry-run: python-tools ## what of a release can be tried here: workflows, wheel, binary, crates packaged in order (QUICK=1)
 	scripts/release-dry-run.sh
 
-export-tools: ## install what the tests of exported source use: clang, an ARM simulator, Octave, FMPy, cross compilers, wine, QEMU
+export-tools: ## install what the tests of exported source use: compilers, simulators, Octave, FMPy
 	@crates/hysteron-export/tests/install-tools.sh
 
 check: ## before every commit: format, lints, arrows between crates and folders, unit and doc tests

@@ -292,8 +292,8 @@ fn help() -> String {
          A folder that does not exist is made; files of other names in it are left alone, and a file of the \
          same name is replaced only where an export wrote it.\n\n\
          --inverse adds the inverse in the same form, as NAME_inverse: reference in, voltage out, within \
-         --range and --slew for any input; in C with an example loop. --controller adds NAME_controller around \
-         it: a feedback law or an observer, tuned with the margins of hysteron track.\n\n\
+         --range and --slew for any input; in C with an example loop. --controller adds NAME_controller \
+         around it: a feedback law or an observer, tuned with the margins of hysteron track.\n\n\
          Example: hysteron export model.json --to c -o firmware/stage --float f32 --sample-rate 10000",
         forms.join("\n")
     )

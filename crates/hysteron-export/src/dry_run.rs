@@ -25,7 +25,7 @@ pub struct DryRun {
     pub explained: f64,
 }
 
-/// Multiple of the departure along the vectors that is stated as the accuracy where it is more than explained.
+/// Multiple of the departure along the vectors that is stated as the accuracy where it is not explained.
 const STATED: f64 = 2.0;
 
 impl DryRun {
@@ -35,8 +35,8 @@ impl DryRun {
     /// Runs the inverse along its vectors and from limit to limit.
     ///
     /// # Errors
-    /// [`ExportError::Departs`] where it departs along its vectors by more than is explained, and by more than
-    /// [`Rounding::NOTED`] of the range; those of [`Inverse::new`].
+    /// [`ExportError::Departs`] where it departs along its vectors by more than is explained, and by more
+    /// than half of [`Rounding::NOTED`] of the range; those of [`Inverse::new`].
     pub(crate) fn new(inverse: &Inverse, golden: &GoldenInverse) -> Result<Self, ExportError> {
         if inverse.subject.precision == Precision::F64 {
             return Ok(Self::NONE);
@@ -86,8 +86,8 @@ impl DryRun {
         let departs = self.departs().then(|| {
             format!(
                 "Thrown from limit to limit every few samples, the single-precision inverse departs from the \
-                 double-precision one by {}, where {} {unit} is stated for other references; double precision \
-                 does not.",
+                 double-precision one by {}, where {} {unit} is stated for other references; double \
+                 precision does not.",
                 of(self.thrown),
                 significant(self.stated())
             )

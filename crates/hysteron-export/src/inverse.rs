@@ -54,8 +54,8 @@ impl Inverse {
     ///
     /// # Errors
     /// Those of [`CompensatorParts::new`]; [`ExportError::Rounding`] where single precision is too coarse for
-    /// the voltage, [`ExportError::Departs`] where a dry run fails the self-test, [`ExportError::Still`] where
-    /// the voltage does not move.
+    /// the voltage, [`ExportError::Departs`] where a dry run fails the self-test, [`ExportError::Still`]
+    /// where the voltage does not move.
     pub fn new(
         subject: &Subject,
         compensation: Compensation,

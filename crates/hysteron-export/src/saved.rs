@@ -200,7 +200,8 @@ impl Member {
     fn checked(&self, at: usize, name: &str) -> String {
         let bound = if let Kind::Whole { bound, .. } = &self.kind { bound } else { "0" };
         format!(
-            "    if (whole_at(bytes, {at}u) >= (uint32_t)({bound})) {{\n        return {name}_NOT_SAVED;\n    }}"
+            "    if (whole_at(bytes, {at}u) >= (uint32_t)({bound})) {{\n        return \
+             {name}_NOT_SAVED;\n    }}"
         )
     }
 

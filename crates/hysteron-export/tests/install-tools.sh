@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what the tests of exported source use, as far as it may: clang, a compiler and a simulator of ARM,
-# GNU Octave, FMPy; for the binaries of units the compilers for Windows and aarch64, wine and QEMU. Quick where all is there. What cannot be installed is named; the tests then say which of
-# them they skip.
+# GNU Octave, FMPy; for the binaries of units the compilers for Windows and aarch64, wine and QEMU. Quick
+# where all is there. What cannot be installed is named; the tests then say which of them they skip.
 set -uo pipefail
 cd "$(dirname "$0")/../../.."
 missing=()

@@ -23,8 +23,8 @@ pub enum Target {
         /// Number type.
         float: Precision,
     },
-    /// FMI 2.0 and 3.0 for co-simulation: source, a binary made by the C compiler `cc`, and binaries for other
-    /// platforms whose cross compilers are installed.
+    /// FMI 2.0 and 3.0 for co-simulation: source, a binary made by the C compiler `cc`, and binaries for
+    /// other platforms whose cross compilers are installed.
     Fmu,
     /// Functions of MATLAB and GNU Octave, their numbers, a self-test with golden vectors.
     Matlab,

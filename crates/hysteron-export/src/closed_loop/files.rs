@@ -125,8 +125,8 @@ impl ClosedLoop {
         lines.extend(subject.origin.lines());
         if let Some(margins) = self.made.margins() {
             lines.push(format!(
-                "Designed from the model, one period of computation included: gain margin {}, phase margin {} \
-                 degrees, least |1 + L| {}.",
+                "Designed from the model, one period of computation included: gain margin {}, phase margin \
+                 {} degrees, least |1 + L| {}.",
                 significant(margins.gain),
                 significant(margins.phase_deg),
                 significant(margins.modulus)

@@ -35,15 +35,16 @@ static void take_reference($name_state *state)
 }
 
 //{ feedback
-/* The correction by the newest error: proportional, integral$LAW_IN_WORDS. While the voltage is held back what
-   would drive it on is not summed up. */
+/* The correction by the newest error: proportional, integral$LAW_IN_WORDS. While the voltage is held back
+   what would drive it on is not summed up. */
 static void correct($name_state *state)
 {
     const real error = state->error;
     if (!state->has_error || error > R(LARGEST) || error < -R(LARGEST)) {
         return;
     }
-    if (!((state->above && error > R(0)) || (state->below && error < R(0)) || (state->above && state->below))) {
+    if (!((state->above && error > R(0)) || (state->below && error < R(0))
+          || (state->above && state->below))) {
         /* Without losing what is smaller than half a unit of the sum (W. Kahan 1965,
            doi:10.1145/363707.363723). */
         const real more = INTEGRAL * error + state->carry;

@@ -52,8 +52,8 @@ typedef struct {
 } $name_state;
 
 //+ size of a saved state
-/* Makes a state of any memory: the stage at rest at the voltage within the limits that is next to 0. Call this
-   once, first. */
+/* Makes a state of any memory: the stage at rest at the voltage within the limits that is next to 0. Call
+   this once, first. */
 void $name_init($name_state *state);
 
 /* Puts everything at rest at `voltage` [$INPUT_UNIT], moved into the limits, where the stage was driven

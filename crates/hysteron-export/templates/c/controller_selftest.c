@@ -11,8 +11,8 @@ typedef $name_real real;
 /* Voltage to rest at first [$INPUT_UNIT], and what is read there [$OUTPUT_UNIT]. */
 static const real rest = $REST;
 static const real measured = $MEASURED;
-/* References [$OUTPUT_UNIT]; the voltages [$INPUT_UNIT] of the library, and what was read of a simulated stage
-   when they had gone out. */
+/* References [$OUTPUT_UNIT]; the voltages [$INPUT_UNIT] of the library, and what was read of a simulated
+   stage when they had gone out. */
 static const real references[SAMPLES] = {
 $REFERENCES
 };

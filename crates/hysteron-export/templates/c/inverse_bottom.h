@@ -27,8 +27,8 @@ $name_status $name_know($name_state *state, $name_real reference);
    $NAME_PREVIEW samples ahead. */
 $name_status $name_step($name_state *state, $name_real reference, $name_real *voltage);
 
-/* As $name_step, against a disturbance [$OUTPUT_UNIT]: the displacement of the stage less that of the model, as
-   an observer has it. */
+/* As $name_step, against a disturbance [$OUTPUT_UNIT]: the displacement of the stage less that of the model,
+   as an observer has it. */
 $name_status $name_step_against($name_state *state, $name_real reference, $name_real disturbance,
                                 $name_real *voltage);
 

@@ -70,8 +70,8 @@ static bool golden(void)
             worst = difference(u, voltages[k]);
         }
     }
-    printf("golden vectors: %d of %ld samples, largest difference %.2e %s, allowed %.2e %s\n", SAMPLES, (long)run,
-           (double)worst, $INPUT_UNIT_STRING, (double)tolerance, $INPUT_UNIT_STRING);
+    printf("golden vectors: %d of %ld samples, largest difference %.2e %s, allowed %.2e %s\n", SAMPLES,
+           (long)run, (double)worst, $INPUT_UNIT_STRING, (double)tolerance, $INPUT_UNIT_STRING);
     return passed("golden vectors", good && worst <= tolerance);
 }
 
@@ -115,7 +115,8 @@ static bool saved(void)
     for (k = 0; k < SAMPLES; k++) {
         same = same && $name_step(&state, references[k], &u) >= $NAME_OK;
         if (k >= SAMPLES / 2) {
-            same = same && $name_step(&twin, references[k], &other) >= $NAME_OK && difference(u, other) <= R(0);
+            same = same && $name_step(&twin, references[k], &other) >= $NAME_OK;
+            same = same && difference(u, other) <= R(0);
         }
         if (k == SAMPLES / 2 - 1) {
             $name_save(&state, bytes);

@@ -60,8 +60,8 @@ static bool golden(void)
             worst = difference(y, displacements[k]);
         }
     }
-    printf("golden vectors: %d of %ld samples, largest difference %.2e %s, allowed %.2e %s\n", SAMPLES, (long)run,
-           (double)worst, $OUTPUT_UNIT_STRING, (double)tolerance, $OUTPUT_UNIT_STRING);
+    printf("golden vectors: %d of %ld samples, largest difference %.2e %s, allowed %.2e %s\n", SAMPLES,
+           (long)run, (double)worst, $OUTPUT_UNIT_STRING, (double)tolerance, $OUTPUT_UNIT_STRING);
     return passed("golden vectors", status == $NAME_OK && worst <= tolerance);
 }
 

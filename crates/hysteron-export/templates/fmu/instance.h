@@ -284,7 +284,8 @@ static uint32_t fmu_checksum_from(uint32_t crc, const unsigned char *bytes, size
 
 static uint32_t fmu_checksum(const unsigned char *memory)
 {
-    const uint32_t token = fmu_checksum_from(0xFFFFFFFFu, (const unsigned char *)FMU_TOKEN, strlen(FMU_TOKEN));
+    const unsigned char *text = (const unsigned char *)FMU_TOKEN;
+    const uint32_t token = fmu_checksum_from(0xFFFFFFFFu, text, strlen(FMU_TOKEN));
     return ~fmu_checksum_from(token, memory, sizeof(fmu_memory));
 }
 

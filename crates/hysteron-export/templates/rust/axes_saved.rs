@@ -38,8 +38,8 @@ pub(crate) fn restore(mark: u64, bytes: &[u8]) -> Result<impl Iterator<Item = u6
     let (before, tail) = bytes.split_last_chunk::<TAIL>().ok_or(NotSaved)?;
     let mut head = MAGIC.into_iter().chain(mark.to_le_bytes());
     let words = before.get(HEAD..).ok_or(NotSaved)?;
-    if !before.iter().take(HEAD).all(|byte| head.next() == Some(*byte)) || *tail != checksum(before).to_le_bytes()
-    {
+    let is_own = before.iter().take(HEAD).all(|byte| head.next() == Some(*byte));
+    if !is_own || *tail != checksum(before).to_le_bytes() {
         return Err(NotSaved);
     }
     Ok(words.as_chunks::<8>().0.iter().map(|word| u64::from_le_bytes(*word)))

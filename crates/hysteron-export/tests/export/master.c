@@ -1,6 +1,6 @@
 /* A small master: loads the binary of an FMU, sets the input of every sample read from standard input (a
-   double each), saves the state half-way as bytes and goes on from them, and writes the output of every sample
-   to standard output. Arguments: the library, the token. Compiled with FMI=2 or 3. */
+   double each), saves the state half-way as bytes and goes on from them, and writes the output of every
+   sample to standard output. Arguments: the library, the token. Compiled with FMI=2 or 3. */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
