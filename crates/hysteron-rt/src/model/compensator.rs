@@ -232,7 +232,8 @@ impl<'a, T: Real> Compensator<'a, T> {
         Ok(())
     }
 
-    /// Sets gain and offset of the displacement, from the next step on, as [`Model::trim`](super::Model::trim).
+    /// Sets gain and offset of the displacement, from the next step on:
+    /// [`Model::trim`](super::Model::trim).
     ///
     /// # Errors
     /// [`ModelError::Coefficient`]; both are then as they were.

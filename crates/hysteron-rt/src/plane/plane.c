@@ -132,8 +132,9 @@ static plane_move plane_look(const $name_state *state, real u)
     if (to.left == 0) {
         const real rest = scaled(state->virgin), end = scaled(u);
         to.output = state->plane_virgin
-                    + (end > rest ? R(2) * virgin_weight(false, rest, end)
-                                  : R(-2) * virgin_weight(true, $REAL_INTERVALS - rest, $REAL_INTERVALS - end));
+                    + (end > rest
+                           ? R(2) * virgin_weight(false, rest, end)
+                           : R(-2) * virgin_weight(true, $REAL_INTERVALS - rest, $REAL_INTERVALS - end));
     } else {
         const int32_t last = to.left - 1;
         const real turn = turn_voltage(state, last);
