@@ -45,6 +45,7 @@ pub fn in_flags_of_columns(advice: &Advice, choose_columns: &str) -> String {
         Advice::CreepThatEnds => "hysteron identify … --creep kelvin-voigt".to_owned(),
         Advice::NarrowBand => "--band LOW:HIGH".to_owned(),
         Advice::OtherHysteresis => "--hysteresis FAMILY".to_owned(),
+        Advice::OtherKind { kind } => format!("--structure {kind}"),
         Advice::FitJointly => "leave --method and --dynamics arx (oe, bj, srivc) out".to_owned(),
         Advice::NoDynamics => {
             "--dynamics none, hysteron prepare RECORD --rate HZ -o OUT.csv, or --sample-rate HZ".to_owned()

@@ -51,6 +51,8 @@ export interface RecordEntry {
   input_unit: string;
   output: string | null;
   output_unit: string;
+  /** Kind of model that its quantities call for. */
+  usual_kind: string | null;
   settings: RecordSettings;
   glyph: [number, number][];
   warning: string | null;
