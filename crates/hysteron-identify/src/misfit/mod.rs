@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::facts::amplitudes;
 use crate::{Finding, FindingKind, Identification, RecordFit};
-use evidence::{Posterior, Sums};
+use evidence::{Posterior, Prior, Sums};
 
 /// Rows of all records together from which records are averaged in blocks, as far as the reference frequency
 /// allows, and from which they are whatever it is: the columns must fit in memory.
@@ -34,6 +34,8 @@ const LOWEST: (f64, f64) = (0.025, 50.0);
 /// Share of the residual's power that the columns explain from which a device counts as outside the class. In
 /// the class it is 0.002 to 0.03, from the coefficients fitted to noise.
 pub const OUTSIDE: f64 = 0.06;
+/// Parts of each record that are left out in turn.
+const FOLDS: usize = 8;
 /// Significant digits of the numbers in the file.
 const DIGITS: usize = 6;
 
@@ -128,6 +130,7 @@ fn posterior(
     let prior = reference::prior(&basis, model, holds_one_amplitude(records))?;
     let samples: usize = records.iter().map(|r| r.data.len()).sum();
     let mut sums = Sums::new(COLUMNS);
+    let mut folds = vec![Sums::new(COLUMNS); FOLDS];
     for (record, (rate_hz, _)) in records.iter().zip(rates) {
         let most = (rate_hz / (LEAST_RATE * frequency_hz)).floor().max(1.0) as usize;
         let factor = samples.div_ceil(MOST_ROWS.0).clamp(1, most).max(samples.div_ceil(MOST_ROWS.1));
@@ -138,9 +141,25 @@ fn posterior(
         let weight = |row: usize| (row_s(timing, row, factor) / independent_s).min(1.0);
         if let Some((columns, residual, weight)) = rows(record, &columns, factor, weight) {
             sums.add(&columns, &residual, weight);
+            let of_fold = residual.len().div_ceil(FOLDS);
+            for (k, fold) in folds.iter_mut().enumerate() {
+                let rows = (k * of_fold).min(residual.len())..((k + 1) * of_fold).min(residual.len());
+                let (from, count) = (rows.start, rows.len());
+                fold.add(&columns.rows(from, count).into(), &residual.rows(from, count).into(), weight);
+            }
         }
     }
-    Ok(sums.posterior(&prior).map(|found| (basis, found)))
+    let left_out = left_out(&sums, &folds, &prior);
+    Ok(sums.posterior(&prior).map(|found| (basis, Posterior { left_out, ..found })))
+}
+
+/// Error with the predicted discrepancy over that without it, on each part left out of its fit in turn.
+fn left_out(all: &Sums, folds: &[Sums], prior: &Prior) -> Option<f64> {
+    let mut after = 0.0;
+    for fold in folds {
+        after += fold.power_left(&all.without(fold).posterior(prior)?.mean);
+    }
+    Some((after.max(0.0) / all.power).sqrt())
 }
 
 /// Mean and highest sample rate of a record \[Hz\]; `None` without times.
@@ -228,5 +247,6 @@ fn stored(basis: Basis, found: &Posterior, one_amplitude: bool) -> MisfitModel {
         directions: found.directions.column_iter().map(|f| f.iter().map(|x| rounded(*x)).collect()).collect(),
         information: found.information.iter().map(|x| rounded(*x)).collect(),
         one_amplitude,
+        left_out: found.left_out.map(rounded),
     }
 }

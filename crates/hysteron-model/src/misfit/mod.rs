@@ -37,6 +37,9 @@ pub struct MisfitModel {
     pub noise: f64,
     /// Share of the power of the training residual that the columns explain.
     pub explained: f64,
+    /// Error of model and predicted discrepancy on parts of the training records that were left out of its fit,
+    /// over that of the model alone; `None` in files written before it was known.
+    pub left_out: Option<f64>,
     /// Mean of the coefficients \[output unit over unit of the column\].
     pub mean: Vec<f64>,
     /// Deviations of the coefficients, a vector of one coefficient a column each; uncorrelated.

@@ -32,6 +32,7 @@ fn misfit() -> MisfitModel {
             .collect(),
         information: (0..COLUMNS).map(|k| if k % 2 == 0 { 30.0 } else { 0.1 }).collect(),
         one_amplitude: false,
+        left_out: None,
     }
 }
 
@@ -155,7 +156,7 @@ fn a_band_that_rests_on_other_devices_says_so_and_names_the_record() {
 fn stamps_of_any_spacing_give_the_columns_of_the_common_grid() {
     let rate_hz = 1000.0;
     // A straight line over every four samples.
-    let corner = |k: usize| 5.0 - 4.0 * (k as f64 * 0.1).cos() + 0.8 * (k as f64 * 0.37).sin();
+    let corner = |k: usize| 5.0 - 4.0 * (k as f64 * 0.02).cos() + 0.8 * (k as f64 * 0.07).sin();
     let fine: Vec<f64> = (0..2001)
         .map(|k| {
             let share = (k % 4) as f64 / 4.0;

@@ -33,6 +33,8 @@ pub struct InverseRequest {
     /// Compute sample by sample, the reference beyond the preview predicted from its past as a random motion
     /// band-limited to this frequency \[Hz\].
     pub predict_to_hz: Option<f64>,
+    /// Correct the drive by the predicted misfit of a device outside the model class.
+    pub correct: bool,
 }
 
 /// How much of the reference a law that works sample by sample knows ahead.
@@ -145,12 +147,18 @@ impl Hammerstein {
         let options = request.options(request.limits(self)?);
         let by_sample = request.preview.is_some() || request.predict_to_hz.is_some();
         match last {
+            _ if request.correct && (by_sample || last.is_some()) => Err(InversionError::NotCorrected {
+                because: "a controller's law and a run to learn from have no corrected form",
+            }),
             Some(_) if by_sample => Err(InversionError::LearnedBySample),
             Some(last) => Ok((self.law().learn(reference, last, sample_rate_hz, &options)?, None)),
             None if by_sample => {
                 let law = request.law(self, sample_rate_hz, RealiseOptions::default(), Some(0))?;
                 let preview = Preview::from(&law);
                 Ok((law.follow(reference, &options)?, Some(preview)))
+            }
+            None if request.correct => {
+                Ok((self.corrected_drive(reference, sample_rate_hz, &options, listener)?, None))
             }
             None => {
                 let found = self.law().invert_told(reference, sample_rate_hz, &options, listener)?;
