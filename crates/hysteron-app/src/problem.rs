@@ -114,6 +114,9 @@ pub(crate) fn remedy(advice: &Advice) -> String {
         Advice::NameDynamicRecord => "Give a record the role “dynamic”.".to_owned(),
         Advice::DriveRange => "Give another range of the drive.".to_owned(),
         Advice::DriveRate => "Allow a higher slew rate of the drive.".to_owned(),
+        Advice::CorrectDrive => {
+            "Have the drive corrected by what the device does beside the model.".to_owned()
+        }
         Advice::CreepThatEnds => "Identify the model with creep of the kind kelvin-voigt.".to_owned(),
         Advice::NarrowBand => "Restrict the range of frequencies.".to_owned(),
         Advice::OtherHysteresis => "Choose another family of hysteresis.".to_owned(),

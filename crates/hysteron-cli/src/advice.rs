@@ -42,6 +42,7 @@ pub fn in_flags_of_columns(advice: &Advice, choose_columns: &str) -> String {
         Advice::NameDynamicRecord => "--dynamic FILE".to_owned(),
         Advice::DriveRange => "--range LOW:HIGH".to_owned(),
         Advice::DriveRate => "--slew PER_SECOND".to_owned(),
+        Advice::CorrectDrive => "--correct".to_owned(),
         Advice::CreepThatEnds => "hysteron identify … --creep kelvin-voigt".to_owned(),
         Advice::NarrowBand => "--band LOW:HIGH".to_owned(),
         Advice::OtherHysteresis => "--hysteresis FAMILY".to_owned(),

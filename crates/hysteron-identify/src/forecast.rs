@@ -4,7 +4,9 @@ use hysteron_model::Start;
 use hysteron_model::invert::{InverseDrive, InversionError, LastRun};
 use hysteron_model::model::{ErrorForecast, Hammerstein, InverseRequest, InverseSummary};
 use hysteron_model::model_file::ModelFile;
+use hysteron_model::{Advice, Finding, FindingKind};
 use hysteron_numeric::Listener;
+use hysteron_numeric::display::short;
 
 use crate::{IdentifyError, PredictionBand};
 
@@ -42,11 +44,26 @@ pub fn drive_for(
             .map_err(|_| InversionError::Stopped)?;
     let limits = request.limits(model)?;
     let mut findings = model.findings_on_drive(&drive, [limits.low, limits.high]);
+    findings.extend(correction_offered(model, request, preview.is_some() || last.is_some()));
     findings.extend(preview.and_then(|preview| preview.finding(request.preview)));
     let units = &model.data().units;
     let summary =
         InverseSummary::new(reference, (&drive, preview), sample_rate_hz, forecast, findings, units);
     Ok(ForecastDrive { drive, summary })
+}
+
+/// That a corrected drive is to be had, where it is and was not asked for.
+fn correction_offered(model: &Hammerstein, request: &InverseRequest, otherwise: bool) -> Option<Finding> {
+    if request.correct || otherwise {
+        return None;
+    }
+    let left = model.correction().ok()?.left_out?;
+    let text = format!(
+        "What the device does beside the model can be predicted: on left-out parts of the training records the \
+         error is {} times that of the model alone. A drive that is corrected by it follows better.",
+        short((100.0 * left).round() / 100.0)
+    );
+    Some(Finding::new(FindingKind::Advice, "correction", text).with_advice(Advice::CorrectDrive))
 }
 
 impl PredictionBand {

@@ -54,6 +54,8 @@ pub enum Advice {
     DriveRange,
     /// Allow a higher rate of the drive.
     DriveRate,
+    /// Correct the drive by the predicted misfit.
+    CorrectDrive,
     /// Identify the model with bounded creep.
     CreepThatEnds,
     /// Restrict the frequency range.

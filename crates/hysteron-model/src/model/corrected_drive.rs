@@ -84,3 +84,83 @@ fn failed(error: MisfitError) -> InversionError {
         }
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+mod tests {
+    use super::*;
+    use crate::Model;
+    use crate::dynamics::{Dynamics, Scheme};
+    use crate::hammerstein;
+    use crate::hysteresis::Hysteresis;
+    use crate::misfit::{Basis, COLUMNS};
+    use crate::model::{Capability, InverseRequest};
+    use crate::model_file::{MisfitEntry, ModelFile, SignalUnits};
+    use crate::record::InterSample;
+
+    /// 2 µm/V, beside which the device has a square and a play.
+    fn model(left_out: Option<f64>) -> Model {
+        let law = hammerstein::Model {
+            hysteresis: Hysteresis::without_memory(vec![2.0]).unwrap(),
+            dynamics: Dynamics::None,
+            offset: 0.0,
+            delay_s: 0.0,
+            scheme: Scheme::Tustin,
+            inter_sample: InterSample::Hold,
+            sample_rate_hz: None,
+        };
+        let mut file = ModelFile::from_model(&law, SignalUnits::default());
+        let mut mean = vec![0.0; COLUMNS];
+        // A hat over the play of half-width 0.2, and Legendre's second polynomial.
+        (mean[17], mean[46]) = (0.8, 0.5);
+        file.misfit = Some(MisfitEntry::from(&MisfitModel {
+            basis: Basis { low_v: 0.0, high_v: 10.0, frequency_hz: 20.0 },
+            noise: 0.01,
+            explained: 0.9,
+            left_out,
+            mean,
+            directions: vec![vec![0.0; COLUMNS]; COLUMNS],
+            information: vec![30.0; COLUMNS],
+            one_amplitude: false,
+        }));
+        Model::try_from(file).unwrap()
+    }
+
+    #[test]
+    fn model_and_misfit_together_follow_the_reference() {
+        let model = model(Some(0.3));
+        let model = model.hammerstein(Capability::Inversion).unwrap();
+        let reference: Vec<f64> = (0..1500).map(|k| 10.0 - 8.0 * (f64::from(k) * 0.02).cos()).collect();
+        let made = |correct: bool| {
+            let request = InverseRequest { range: Some([0.0, 10.0]), correct, ..InverseRequest::default() };
+            model.drive_for(&reference, 1000.0, &request, None, Listener::silent()).unwrap().0
+        };
+        // Output of the device: model and misfit from the rest before.
+        let error = |found: &InverseDrive| {
+            let start = found.rest.unwrap();
+            let device = model.law().simulate(&found.drive, Some(1000.0), &start).unwrap();
+            let misfit = model.correction().unwrap();
+            let told = misfit.predict(model.law(), &found.drive, Timing::Rate(1000.0), &start).unwrap();
+            let first = told.discrepancy[0];
+            let both = device.iter().zip(&told.discrepancy).map(|(y, d)| y + d - first);
+            let corrected: Vec<f64> = both.collect();
+            let off = corrected.iter().zip(&reference).map(|(y, r)| (y - r).abs()).fold(0.0, f64::max);
+            (off, corrected)
+        };
+        let ((plain, _), (off, corrected)) = (error(&made(false)), error(&made(true)));
+        assert!(plain > 0.3 && off < 0.005 * plain, "{plain} {off}");
+        assert!(corrected.iter().zip(&made(true).predicted).all(|(y, told)| (y - told).abs() < 1e-9));
+    }
+
+    #[test]
+    fn what_does_not_pay_or_is_not_known_to_is_refused() {
+        for (left_out, part) in [(Some(0.95), "gains nothing"), (None, "identify the model again")] {
+            let model = model(left_out);
+            let model = model.hammerstein(Capability::Inversion).unwrap();
+            let request =
+                InverseRequest { range: Some([0.0, 10.0]), correct: true, ..InverseRequest::default() };
+            let refused = model.drive_for(&[10.0, 10.1], 1000.0, &request, None, Listener::silent());
+            assert!(refused.unwrap_err().to_string().contains(part));
+        }
+    }
+}

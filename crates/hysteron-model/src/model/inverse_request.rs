@@ -96,7 +96,7 @@ impl InverseRequest {
     /// many samples as affect the drive.
     ///
     /// # Errors
-    /// Those of [`Compensation::new`].
+    /// Those of [`Compensation::new`]; [`InversionError::NotCorrected`] where a corrected drive is asked for.
     pub fn law(
         &self,
         model: &Hammerstein,
@@ -104,6 +104,10 @@ impl InverseRequest {
         realise: RealiseOptions,
         preview: Option<usize>,
     ) -> Result<Compensation, InversionError> {
+        if self.correct {
+            let because = "a controller's law has no corrected form";
+            return Err(InversionError::NotCorrected { because });
+        }
         let options = CompensatorOptions {
             bandwidth_hz: self.bandwidth_hz,
             preview: self.preview.or(preview),
@@ -147,8 +151,8 @@ impl Hammerstein {
         let options = request.options(request.limits(self)?);
         let by_sample = request.preview.is_some() || request.predict_to_hz.is_some();
         match last {
-            _ if request.correct && (by_sample || last.is_some()) => Err(InversionError::NotCorrected {
-                because: "a controller's law and a run to learn from have no corrected form",
+            Some(_) if request.correct => Err(InversionError::NotCorrected {
+                because: "a drive that learns from its last run is corrected by that",
             }),
             Some(_) if by_sample => Err(InversionError::LearnedBySample),
             Some(last) => Ok((self.law().learn(reference, last, sample_rate_hz, &options)?, None)),
