@@ -141,7 +141,8 @@ function Choices(props: { offered: Options; records: RecordEntry[]; models: Mode
   );
   const kinds = offered.defaults as unknown as Task[];
   const first = schema ? FIRST.filter((name) => name in (schema.properties ?? {})) : [];
-  const change = (options: Record<string, unknown>): void => ask(offered, records, { kind: task.kind, options });
+  const change = (options: Record<string, unknown>): void =>
+    ask(offered, records, { kind: task.kind, options });
   return (
     <>
       <label class="f">
