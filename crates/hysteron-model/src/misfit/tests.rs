@@ -172,8 +172,8 @@ fn stamps_of_any_spacing_give_the_columns_of_the_common_grid() {
     let term = |coefficient, order| Term { coefficient, order };
     let lag = TransferFunction::new(vec![term(1.0, 0.0)], vec![term(1.0, 0.0), term(0.01, 1.0)]).unwrap();
     let dynamic =
-        Model { dynamics: Dynamics::Integer(lag), delay_s: 2e-3, scheme: Scheme::BandLimited, ..model() };
-    for model in [Model { delay_s: 2e-3, ..model() }, dynamic] {
+        Model { dynamics: Dynamics::Integer(lag), delay_s: 4e-3, scheme: Scheme::BandLimited, ..model() };
+    for model in [Model { delay_s: 4e-3, ..model() }, dynamic] {
         let expected = basis.columns(&model, &even, 1).unwrap();
         let found = basis.columns(&model, &uneven, 1).unwrap();
         for (which, (expected, found)) in expected.iter().zip(&found).enumerate() {
