@@ -5,7 +5,7 @@ use hysteron_model::model_file::Kind;
 use hysteron_model::record::{InputOutput, Quantity};
 use hysteron_model::{Advice, Finding, FindingKind};
 
-use crate::{CampaignRecord, Identification, IdentifyError, Options, Watch, force, oscillator};
+use crate::{CampaignRecord, Event, Identification, IdentifyError, Options, Watch, force, oscillator};
 
 /// Share of every record \[%\] from which a model is taken as it is: other kinds are not tried.
 const GOOD_PERCENT: f64 = 90.0;
@@ -13,6 +13,9 @@ const GOOD_PERCENT: f64 = 90.0;
 const BETTER: f64 = 0.5;
 /// Share of the error that another kind may leave where the model is not handed out.
 const MUCH_BETTER: f64 = 0.25;
+
+/// Samples of all records together on which other kinds are tried: the first ones of each.
+const MOST: usize = 200_000;
 
 /// The kind of model for records of these quantities: a force where every record has a displacement as its
 /// input and a force as its output, else a Hammerstein model.
@@ -83,7 +86,15 @@ fn better(fit_percent: f64, records: &[CampaignRecord], watch: &Watch<'_>) -> Op
     if fit_percent >= GOOD_PERCENT || watch.stop().is_requested() {
         return None;
     }
-    let records: Vec<InputOutput> = records.iter().map(|record| record.data.clone()).collect();
+    if watch.tell(Event::new("other kinds of model", 1.0, None)).is_break() {
+        return None;
+    }
+    let share = (MOST as f64 / records.iter().map(|record| record.data.len()).sum::<usize>() as f64).min(1.0);
+    let first = |record: &CampaignRecord| {
+        let data = &record.data;
+        data.first_samples((share * data.len() as f64).ceil() as usize)
+    };
+    let records: Vec<InputOutput> = records.iter().map(first).collect();
     let quiet = Watch::silent().stopped_by(watch.stop());
     let found = [Kind::Oscillator, Kind::Force].map(|kind| Other {
         kind,
