@@ -166,7 +166,8 @@ fn stamps_of_any_spacing_give_the_columns_of_the_common_grid() {
     let kept: Vec<usize> = (0..fine.len()).filter(|k| k % 4 == 0 || k % 7 == 0).collect();
     let times_s: Vec<f64> = kept.iter().map(|k| *k as f64 / rate_hz).collect();
     let samples_v: Vec<f64> = kept.iter().map(|k| fine[*k]).collect();
-    let (basis, start) = (misfit().basis, Start::AsIdentified);
+    // Lags of 20 ms and more are resolved by steps of up to 4 ms.
+    let (basis, start) = (Basis { frequency_hz: 2.0, ..misfit().basis }, Start::AsIdentified);
     let even = TimedRun { samples_v: &fine, timing: Timing::Rate(rate_hz), start: &start };
     let uneven = TimedRun { samples_v: &samples_v, timing: Timing::Stamps(&times_s), start: &start };
     let term = |coefficient, order| Term { coefficient, order };
