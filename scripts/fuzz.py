@@ -26,6 +26,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 WORK = ROOT / "target/fuzz"
+FUZZERS = WORK / "fuzzers"
 COUNTS = ROOT / "fuzz/executions.json"
 TRIPLE = "x86_64-unknown-linux-gnu"
 FLAGS = [
@@ -37,20 +38,27 @@ FLAGS = [
     "--cfg fuzzing",
     "-Cdebug-assertions",
 ]
-# Longest input [bytes] where it is not 4096.
-LONGEST = {"hdf5": 20_000, "mat": 8192, "xlsx": 12_000, "model": 16_000, "npz": 8192}
+# Longest input [bytes] where it is not 4096. What steps a model takes a sample of some bytes.
+LONGEST = {
+    "app": 1024, "exported-c": 512, "hdf5": 20_000, "jpk": 2048, "mat": 8192, "model": 16_000, "model-numbers": 256,
+    "npz": 8192, "runtime": 512, "truth-and-plan": 1024, "xlsx": 12_000,
+}  # fmt: skip
 # A kept corpus stays small.
 MOST_KEPT, MOST_BYTES = 60, 120_000
 
 
-def build() -> Path:
-    """The fuzzer; for this target alone, so that build scripts are not instrumented."""
-    environment = {**os.environ, "RUSTFLAGS": " ".join(FLAGS)}
+def build(entry: str) -> None:
+    """The fuzzer of an entry; for this target alone, so that build scripts are not instrumented."""
+    environment = {**os.environ, "RUSTFLAGS": " ".join(FLAGS), "HYSTERON_FUZZ": entry}
     command = ["cargo", "build", "--locked", "--profile", "fuzz", "--target", TRIPLE, "--target-dir", WORK]
     subprocess.run(
         [*command, "-p", "hysteron-fuzz", "--features", "libfuzzer"], check=True, cwd=ROOT, env=environment
     )
-    return WORK / TRIPLE / "fuzz/hysteron-fuzz"
+    FUZZERS.mkdir(exist_ok=True)
+    built = FUZZERS / f".{entry}"
+    shutil.copy(WORK / TRIPLE / "fuzz/hysteron-fuzz", built)
+    # Another run may be executing the one of before.
+    built.replace(FUZZERS / entry)
 
 
 def entries() -> list[str]:
@@ -90,7 +98,7 @@ def add(entry: str, executions: int, seconds: int, coverage: int) -> None:
         COUNTS.write_text(json.dumps(known, indent=1, sort_keys=True) + "\n", encoding="utf-8")
 
 
-def run(fuzzer: Path, entry: str, seconds: int | None, executions: int | None) -> bool:
+def run(entry: str, seconds: int | None, executions: int | None) -> bool:
     """Whether no promise was broken."""
     if executions is not None:
         executions -= counts().get(entry, {}).get("executions", 0)
@@ -100,7 +108,7 @@ def run(fuzzer: Path, entry: str, seconds: int | None, executions: int | None) -
     inputs.mkdir(parents=True, exist_ok=True)
     findings.mkdir(parents=True, exist_ok=True)
     command = [
-        fuzzer, inputs, ROOT / "fuzz/corpus" / entry, f"-max_len={LONGEST.get(entry, 4096)}", "-timeout=10",
+        FUZZERS / entry, inputs, ROOT / "fuzz/corpus" / entry, f"-max_len={LONGEST.get(entry, 4096)}", "-timeout=10",
         "-rss_limit_mb=1024", f"-artifact_prefix={findings}/", "-print_final_stats=1", "-reload=0",
     ]  # fmt: skip
     command += [f"-max_total_time={seconds}"] if seconds is not None else []
@@ -108,7 +116,7 @@ def run(fuzzer: Path, entry: str, seconds: int | None, executions: int | None) -
     # What an entry writes goes to memory where it can.
     memory = {"TMPDIR": "/dev/shm"} if os.access("/dev/shm", os.W_OK) else {}
     done = subprocess.run(
-        command, cwd=ROOT, env={**os.environ, **memory, "HYSTERON_FUZZ": entry}, capture_output=True, text=True,
+        command, cwd=ROOT, env={**os.environ, **memory}, capture_output=True, text=True,
         errors="replace",
     )  # fmt: skip
     log = WORK / f"{entry}.log"
@@ -124,14 +132,14 @@ def run(fuzzer: Path, entry: str, seconds: int | None, executions: int | None) -
     return done.returncode == 0
 
 
-def keep(fuzzer: Path, entry: str) -> None:
+def keep(entry: str) -> None:
     """The smallest inputs that together find what all found, as far as they fit."""
     kept = ROOT / "fuzz/corpus" / entry
     with tempfile.TemporaryDirectory() as name:
         merged = Path(name)
         subprocess.run(
-            [fuzzer, "-merge=1", merged, kept, WORK / "inputs" / entry],
-            env={**os.environ, "HYSTERON_FUZZ": entry}, capture_output=True, cwd=ROOT, check=True,
+            [FUZZERS / entry, "-merge=1", merged, kept, WORK / "inputs" / entry],
+            capture_output=True, cwd=ROOT, check=True,
         )  # fmt: skip
         there = {path.read_bytes() for path in kept.iterdir()}
         room = MOST_BYTES - sum(map(len, there))
@@ -150,7 +158,7 @@ def main() -> None:
     parser.add_argument("--executions", type=int)
     parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)))
     parser.add_argument("--nice", type=int, default=0, help="added to the niceness of the fuzzer")
-    parser.add_argument("--fuzzer", type=Path, help="built before, rather than from what the source is now")
+    parser.add_argument("--built", action="store_true", help="fuzzers built before, not what the source is now")
     parser.add_argument("--keep", action="store_true")
     parser.add_argument("--table", action="store_true")
     options = parser.parse_args()
@@ -163,15 +171,16 @@ def main() -> None:
         sys.exit(
             f"error: no entry is called {', '.join(sorted(unknown))}\n  there are: {', '.join(entries())}"
         )
-    fuzzer = options.fuzzer.absolute() if options.fuzzer else build()
+    for entry in chosen if not options.built else []:
+        build(entry)
     os.nice(options.nice)
     if options.keep:
         for entry in chosen:
-            keep(fuzzer, entry)
+            keep(entry)
         return
     seconds = options.seconds or (None if options.executions else 60)
     with ThreadPoolExecutor(max(1, options.jobs)) as pool:
-        fine = list(pool.map(lambda entry: run(fuzzer, entry, seconds, options.executions), chosen))
+        fine = list(pool.map(lambda entry: run(entry, seconds, options.executions), chosen))
     known = counts()
     print(f"in all: {sum(count['executions'] for count in known.values())} executions")
     sys.exit(0 if all(fine) else 1)

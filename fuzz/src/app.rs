@@ -11,6 +11,8 @@ use tempfile::TempDir;
 
 /// Requests after which the workspace begins anew.
 const EACH: usize = 2000;
+/// One of so many requests to the bench is sent: a campaign takes a second, and `truth-and-plan` plays it.
+const OF_BENCH: usize = 200;
 
 struct Client {
     address: SocketAddr,
@@ -47,6 +49,10 @@ static OPERATIONS: LazyLock<Vec<(String, String)>> = LazyLock::new(|| {
 pub fn request(data: &[u8]) {
     let Some((first, rest)) = data.split_first() else { return };
     let (method, path) = &OPERATIONS[usize::from(*first) % OPERATIONS.len()];
+    let sum = rest.iter().fold(0_usize, |sum, byte| sum.wrapping_mul(31).wrapping_add(usize::from(*byte)));
+    if method == "POST" && path.contains("bench") && !sum.is_multiple_of(OF_BENCH) {
+        return;
+    }
     let mut parts = rest.splitn(3, |byte| *byte == 0);
     let mut next = || parts.next().unwrap_or_default();
     let (name, query, body) = (escaped(next()), escaped(next()), next());

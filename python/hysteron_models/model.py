@@ -306,6 +306,7 @@ class Model:
         rest: float | None = None,
         virgin: float | None = None,
         last: tuple[ArrayLike, ArrayLike] | None = None,
+        correct: bool = False,
     ) -> Inversion:
         """Find the drive that makes the output follow a reference, in the unit of the output.
 
@@ -324,6 +325,7 @@ class Model:
             rest: the device rests at this drive before.
             virgin: drive at which it was demagnetised.
             last: drive and measured output of the last run of the same reference, for iterative learning.
+            correct: correct the drive by the predicted misfit of a device outside the model class.
         """
         samples, rate = self._reference(reference, fs)
         learnt = None if last is None else (as_samples(last[0], "last[0]"), as_samples(last[1], "last[1]"))
@@ -336,6 +338,7 @@ class Model:
             periodic=periodic,
             rest_voltage=rest,
             virgin_voltage=virgin,
+            correct=correct,
         )
         drive, predicted, text = self._native.invert(samples, rate, json.dumps(options), learnt)
         summary = json.loads(text)

@@ -114,9 +114,13 @@ pub(crate) fn remedy(advice: &Advice) -> String {
         Advice::NameDynamicRecord => "Give a record the role “dynamic”.".to_owned(),
         Advice::DriveRange => "Give another range of the drive.".to_owned(),
         Advice::DriveRate => "Allow a higher slew rate of the drive.".to_owned(),
+        Advice::CorrectDrive => {
+            "Have the drive corrected by what the device does beside the model.".to_owned()
+        }
         Advice::CreepThatEnds => "Identify the model with creep of the kind kelvin-voigt.".to_owned(),
         Advice::NarrowBand => "Restrict the range of frequencies.".to_owned(),
         Advice::OtherHysteresis => "Choose another family of hysteresis.".to_owned(),
+        Advice::OtherKind { kind } => format!("Identify a model of the kind {kind}."),
         Advice::FitJointly => "Take the joint fit, without sampled dynamics.".to_owned(),
         Advice::NoDynamics => "Identify without dynamics, or resample the record to an even rate.".to_owned(),
         Advice::Widen { parameter } => format!("Widen the range of {parameter}."),

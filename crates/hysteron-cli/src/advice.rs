@@ -42,9 +42,11 @@ pub fn in_flags_of_columns(advice: &Advice, choose_columns: &str) -> String {
         Advice::NameDynamicRecord => "--dynamic FILE".to_owned(),
         Advice::DriveRange => "--range LOW:HIGH".to_owned(),
         Advice::DriveRate => "--slew PER_SECOND".to_owned(),
+        Advice::CorrectDrive => "--correct".to_owned(),
         Advice::CreepThatEnds => "hysteron identify … --creep kelvin-voigt".to_owned(),
         Advice::NarrowBand => "--band LOW:HIGH".to_owned(),
         Advice::OtherHysteresis => "--hysteresis FAMILY".to_owned(),
+        Advice::OtherKind { kind } => format!("--structure {kind}"),
         Advice::FitJointly => "leave --method and --dynamics arx (oe, bj, srivc) out".to_owned(),
         Advice::NoDynamics => {
             "--dynamics none, hysteron prepare RECORD --rate HZ -o OUT.csv, or --sample-rate HZ".to_owned()

@@ -124,6 +124,11 @@ pub struct Invert {
     )]
     predict_to: Option<f64>,
 
+    /// Correct the drive by what the device does beside its model, where the records show a device outside the
+    /// model class and left-out parts of them are predicted better so
+    #[arg(long, conflicts_with_all = ["preview", "predict_to", "learn_from"])]
+    correct: bool,
+
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -201,6 +206,7 @@ impl Invert {
             virgin_voltage: self.virgin_voltage,
             preview: self.preview,
             predict_to_hz: self.predict_to,
+            correct: self.correct,
         }
     }
 

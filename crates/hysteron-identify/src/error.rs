@@ -135,6 +135,21 @@ pub enum IdentifyError {
         /// Evidence against the model class.
         because: String,
     },
+    /// A model of another kind describes the record, where hysteresis followed by linear dynamics does not.
+    #[error(
+        "hysteresis followed by linear dynamics explains {fit_percent:.1} % of record '{record}', a model of the \
+         kind {kind} {other_percent:.1} %"
+    )]
+    OtherKind {
+        /// Record.
+        record: String,
+        /// Fit of hysteresis followed by linear dynamics [%], see [`hysteron_model::validate::Scores`].
+        fit_percent: f64,
+        /// The kind that describes it.
+        kind: Kind,
+        /// Fit of that kind to the record that it describes worst [%].
+        other_percent: f64,
+    },
     /// A record that a model does not describe, even with the best gain, delay and offset.
     #[error(
         "record '{record}' contradicts the model: with the best gain, delay and offset it explains \
@@ -502,6 +517,7 @@ impl IdentifyError {
             Self::Constant { .. } | Self::Units { .. } | Self::OtherDevice { .. } => {
                 Some(Advice::ChooseColumns)
             }
+            Self::OtherKind { kind, .. } => Some(Advice::OtherKind { kind: *kind }),
             Self::OscillatorNotUniform { .. } => Some(Advice::Resample),
             Self::NoResponse { advice, .. } => advice.clone(),
             Self::Record(e) => e.advice(),

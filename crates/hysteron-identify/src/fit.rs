@@ -1,7 +1,9 @@
 //! Identification of a model of any kind, with its full results.
 
+mod other_kinds;
 mod summary;
 
+pub use other_kinds::usual_kind;
 pub use summary::*;
 
 use hysteron_model::axes::AxesRecord;
@@ -239,8 +241,12 @@ pub fn fit(
     let others = |kind: Kind, expected| IdentifyError::Records { kind, expected };
     match (task, records) {
         (Task::Hammerstein(options), FitRecords::Single(records)) => {
-            let found = identify(records, options, watch, resume)?;
-            hammerstein(found, options, maker)
+            let found = identify(records, options, watch, resume)
+                .map_err(|error| other_kinds::instead(error, records, watch))?;
+            let said = other_kinds::weigh(&found, records, options, watch)?;
+            let mut fit = hammerstein(found, options, maker)?;
+            fit.findings.extend(said);
+            Ok(fit)
         }
         (Task::Oscillator(options), FitRecords::Single(records)) => {
             let records: Vec<InputOutput> = records.iter().map(|r| r.data.clone()).collect();

@@ -64,7 +64,7 @@ pub use engine::Search;
 pub use error::IdentifyError;
 pub use fit::{
     Fit, FitDetails, FitParameter, FitRecords, FitSummary, ModeSummary, Place, ReductionSummary,
-    SearchSummary, Task, fit, fit_on,
+    SearchSummary, Task, fit, fit_on, usual_kind,
 };
 pub use forecast::{ForecastDrive, drive_for};
 pub use hysteron_model::{Finding, FindingKind};

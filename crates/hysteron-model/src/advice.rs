@@ -5,6 +5,8 @@ use std::fmt;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::model_file::Kind;
+
 /// Remedy that a user can apply. Each front end names its own means: a flag, an argument, a field.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", tag = "do")]
@@ -52,12 +54,19 @@ pub enum Advice {
     DriveRange,
     /// Allow a higher rate of the drive.
     DriveRate,
+    /// Correct the drive by the predicted misfit.
+    CorrectDrive,
     /// Identify the model with bounded creep.
     CreepThatEnds,
     /// Restrict the frequency range.
     NarrowBand,
     /// Choose another hysteresis family.
     OtherHysteresis,
+    /// Identify a model of another kind.
+    OtherKind {
+        /// The kind.
+        kind: Kind,
+    },
     /// Take the joint fit.
     FitJointly,
     /// Leave the dynamics out.

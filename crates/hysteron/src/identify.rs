@@ -7,7 +7,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use hysteron_identify::design::{Design, DesignBasis, DesignOptions, design};
 use hysteron_identify::{
     CampaignRecord, DynamicsChoice, Event, FamilyChoice, Finding, Fit as Found, FitParameter, FitRecords,
-    Listener, Options, Searches, Stop, Task, Watch, fit_on,
+    Listener, Options, Searches, Stop, Task, Watch, fit_on, usual_kind,
 };
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::dynamics::Creep;
@@ -57,7 +57,8 @@ impl<'a> Identify<'a> {
         self
     }
 
-    /// Kind of model; default: a Hammerstein model, or modes where several inputs are named.
+    /// Kind of model; default: a force where every record has a displacement as its input and a force as its
+    /// output, else a Hammerstein model; modes where several inputs are named.
     #[must_use]
     pub fn kind(mut self, kind: Kind) -> Self {
         self.kind = Some(kind);
@@ -149,7 +150,8 @@ impl<'a> Identify<'a> {
     pub fn run(self) -> Result<Fit, Error> {
         let kind = match (self.kind, self.inputs.len()) {
             (Some(kind), _) => kind,
-            (None, 0 | 1) => Kind::Hammerstein,
+            (None, 0 | 1) if self.options != Options::default() => Kind::Hammerstein,
+            (None, 0 | 1) => usual_kind(&self.single()?),
             (None, _) => Kind::Modes,
         };
         let task = match (&self.task, kind) {

@@ -30,6 +30,7 @@ pub use model::{
     ScoresRequest, Series, View,
 };
 pub use option::{Choice, Choices, FormOffered, OperationOffered, OptionsOffered};
+pub(crate) use record::kind_for;
 pub use record::{
     Column, ColumnUse, Gap, ProspectsRequest, ProspectsTogether, RecordDetail, RecordEntry, RecordSettings,
     Role, UploadQuery,

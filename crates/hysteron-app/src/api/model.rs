@@ -68,6 +68,8 @@ pub struct ModelDetail {
     pub drive_range: Option<[f64; 2]>,
     /// Sample rate of its records \[Hz\].
     pub sample_rate_hz: Option<f64>,
+    /// Correcting a drive by its predicted misfit pays.
+    pub correctable: bool,
     /// The model file.
     pub file: Value,
 }

@@ -3,6 +3,7 @@
 use hysteron_identify::RecordRole;
 use hysteron_identify::structure::Prospects;
 use hysteron_model::Finding;
+use hysteron_model::model_file::Kind;
 use hysteron_model::record::InspectionSummary;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -39,6 +40,9 @@ pub struct RecordEntry {
     pub output: Option<String>,
     /// Symbol of its unit.
     pub output_unit: String,
+    /// Kind of model that its quantities call for; `null` where it could not be read.
+    #[serde(default)]
+    pub usual_kind: Option<Kind>,
     /// What the person says of the record.
     pub settings: RecordSettings,
     /// Small loop, each point (input, output) between 0 and 1.
@@ -52,6 +56,12 @@ pub struct RecordEntry {
     pub usable: bool,
     /// It comes from the simulated bench.
     pub simulated: bool,
+}
+
+/// The kind of model that all of these records call for, else the usual one.
+pub(crate) fn kind_for(records: &[RecordEntry]) -> Kind {
+    let first = records.first().and_then(|record| record.usual_kind);
+    first.filter(|_| records.iter().all(|record| record.usual_kind == first)).unwrap_or(Kind::Hammerstein)
 }
 
 fn yes() -> bool {

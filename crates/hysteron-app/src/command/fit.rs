@@ -2,11 +2,12 @@
 
 use hysteron_identify::{Choice, DynamicsChoice, FamilyChoice, Options, RecordRole, Task};
 use hysteron_model::dynamics::Creep;
+use hysteron_model::model_file::Kind;
 use hysteron_model::record::InterSample;
 use hysteron_optimize::Algorithm;
 
 use super::{Arguments, Words, beside, ids, read, text};
-use crate::api::{Command, RecordEntry, Role};
+use crate::api::{Command, RecordEntry, Role, kind_for};
 
 /// Role of a record in the fit, as a person gave it.
 fn role(record: &RecordEntry) -> Option<RecordRole> {
@@ -37,6 +38,9 @@ pub(crate) fn identify(
     words = words.with("-o", model).maybe("--start", start).maybe("--report", report);
     let (words, kind, arguments) = match task {
         Task::Hammerstein(options) => {
+            // Without the flag the command takes the kind that the records call for.
+            let unusual = kind_for(records) != Kind::Hammerstein;
+            let words = words.maybe("--structure", unusual.then_some(Kind::Hammerstein.name()));
             (hammerstein(words, options), "Hammerstein", python(Arguments::default(), options))
         }
         Task::Oscillator(_) => (words.with("--structure", "oscillator"), "Oscillator", Arguments::default()),

@@ -44,7 +44,8 @@ fn inverse(words: Words, arguments: Arguments, asked: &InverseRequest) -> (Words
         .maybe("--rest-voltage", asked.rest_voltage)
         .maybe("--virgin-voltage", asked.virgin_voltage)
         .maybe("--preview", asked.preview)
-        .maybe("--predict-to", asked.predict_to_hz);
+        .maybe("--predict-to", asked.predict_to_hz)
+        .when("--correct", asked.correct);
     let arguments = arguments
         .value("limits", limits)
         .value("slew", asked.slew_per_s)
@@ -53,7 +54,8 @@ fn inverse(words: Words, arguments: Arguments, asked: &InverseRequest) -> (Words
         .value("rest", asked.rest_voltage)
         .value("virgin", asked.virgin_voltage)
         .value("preview", asked.preview)
-        .value("predict_to", asked.predict_to_hz);
+        .value("predict_to", asked.predict_to_hz)
+        .when("correct", asked.correct);
     (words, arguments)
 }
 

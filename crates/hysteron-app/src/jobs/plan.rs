@@ -6,7 +6,7 @@ use hysteron_identify::structure::Candidate;
 use hysteron_identify::{FamilyChoice, Options, Searches, Task};
 use hysteron_io::load_json;
 
-use crate::api::{Command, Job, JobRequest, RecordEntry};
+use crate::api::{Command, Job, JobRequest, RecordEntry, kind_for};
 use crate::command;
 use crate::refused::{Answer, Refused};
 use crate::workspace::{Workspace, device_of, stem_of};
@@ -105,7 +105,7 @@ fn task_of(task: Option<Task>, structure: Option<&str>, entries: &[RecordEntry])
         (Some(_), Some(_)) => return Err(Refused::bad("give a task or a structure, not both")),
         (Some(task), None) => task,
         (None, Some(name)) => Task::Hammerstein(Box::new(candidate(name)?.options(&Options::default()))),
-        (None, None) => Task::Hammerstein(Box::default()),
+        (None, None) => Task::of(kind_for(entries)),
     };
     if let Task::Hammerstein(options) = &mut task {
         options.validate().map_err(Refused::bad)?;

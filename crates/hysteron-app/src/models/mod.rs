@@ -27,6 +27,7 @@ pub(crate) use simulate::simulate;
 use hysteron_identify::{FitParameter, Place};
 use hysteron_io::sha256;
 use hysteron_model::Model;
+use hysteron_model::model::Capability;
 use hysteron_model::model_file::{Document, typographic};
 use hysteron_report::model::{Number, numbers_of};
 use hysteron_report::number::with_std_error;
@@ -157,6 +158,7 @@ pub(crate) fn detail(workspace: &Workspace, id: &str) -> Answer<ModelDetail> {
         valid_range: model.valid_range().map(|range| range.in_words()),
         drive_range: model.valid_range().map(|range| [range.input.low, range.input.high]),
         sample_rate_hz: model.sample_rate_hz(),
+        correctable: model.hammerstein(Capability::Inversion).is_ok_and(|model| model.correction().is_ok()),
         file: data(&model),
     })
 }

@@ -1,5 +1,6 @@
 //! Entries of records in the list, and a record in full.
 
+use hysteron_identify::usual_kind;
 use hysteron_io::{ReadOptions, contents, write_record};
 use hysteron_model::record::{InputOutput, Inspection, Periods, Record, TimeBase, range_of, split_header};
 use hysteron_report::record_curves::is_simulated;
@@ -192,6 +193,7 @@ fn bare(found: &Found, settings: RecordSettings) -> RecordEntry {
         input_unit: String::new(),
         output: None,
         output_unit: String::new(),
+        usual_kind: None,
         settings,
         glyph: Vec::new(),
         warning: None,
@@ -245,6 +247,7 @@ fn with_channels(entry: RecordEntry, data: &InputOutput) -> RecordEntry {
         input_unit: data.u_unit.to_string(),
         output: Some(data.output.clone()),
         output_unit: data.y_unit.to_string(),
+        usual_kind: Some(usual_kind([data])),
         ..entry
     }
 }

@@ -46,6 +46,9 @@ pub(super) fn explain(error: &IdentifyError, kind: Kind) -> Failure {
             "check the columns (--input is the force, --output the displacement) and their signs; without a \
              resonance in the record identify a Hammerstein model (leave --structure out)",
         ),
+        IdentifyError::OtherKind { kind, .. } => {
+            failure.hint(format!("--structure {kind}; --least-fit 0 returns the model regardless"))
+        }
         IdentifyError::OscillatorClass { .. } => failure.hint(
             "look at the record with hysteron inspect; --initial free for a record cut out of motion; \
              --least-fit 0 returns the model regardless",

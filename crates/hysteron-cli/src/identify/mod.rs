@@ -15,11 +15,12 @@ use clap::Args;
 use hysteron_identify::structure::prospects;
 use hysteron_identify::{
     CampaignRecord, DynamicsChoice, FamilyChoice, FindingKind, Fit, FitRecords, IdentifyError, Initial,
-    Method, RecordRole, Task, fit, fit_on,
+    Method, RecordRole, Task, fit, fit_on, usual_kind,
 };
 use hysteron_io::atomic_file::Batch;
 use hysteron_model::dynamics::{Creep, Scheme};
 use hysteron_model::model::Capability;
+use hysteron_model::model_file::Kind;
 use hysteron_model::record::{InputOutput, InterSample};
 use hysteron_report::fit::report;
 use hysteron_report::page::Page;
@@ -52,7 +53,8 @@ use crate::result_flags::ResultFlags;
 #[command(after_help = "Without flags the structure is chosen from the records: polynomial degree by BIC; \
     fractional dynamics where a record is much faster than the slowest one, else, where a record starts from \
     rest with a jump, a delay and a first-order lag. Slow and fast records are recognised; --static and \
-    --dynamic override it.\n\n\
+    --dynamic override it. Where another kind of model leaves less than a quarter of the error, it is named \
+    and no model is written.\n\n\
     Records are fitted jointly: both blocks, the delay, offset and initial hysteresis memory of each record, \
     from several starts, first on decimated records, then on all samples. --method two-step is the article's \
     procedure: hysteresis from the slow records, then dynamics from the others; --dynamics arx, oe, bj and \
@@ -68,7 +70,8 @@ use crate::result_flags::ResultFlags;
     --structure oscillator fits a mass on a hysteretic spring, m y'' + c y' + k y + z = u, to records of \
     force and displacement around a resonance; a periodic force is assumed to be in steady state, any other \
     to start from rest (--initial). --fix can hold mass, damping and n.\n\n\
-    --structure force fits the force of a damper against its displacement (--input x_mm --output F_N): \
+    --structure force fits the force of a damper against its displacement, and is the default where the input \
+    is a displacement and the output a force (x_mm, F_N): \
     hysteresis of the displacement (--hysteresis, --elements), stiffness (--degree), a viscous force, and \
     one that saturates with the rate behind a compliance. The rate is that of the displacement, or measured \
     (--rate v_mm_per_s). --fix can hold the numbers of the hysteresis family's shape, viscous, \
@@ -80,7 +83,7 @@ use crate::result_flags::ResultFlags;
     Example: hysteron identify loop_1hz.csv -o model.json --report report.html\n\
     Example: hysteron identify loop_1hz.csv sweep.csv -o model.json --optimizer de-abc --seed 7\n\
     Example: hysteron identify multisine.csv --structure oscillator -o oscillator.json\n\
-    Example: hysteron identify slow.csv fast.csv --structure force --input x_mm --output F_N -o damper.json\n\
+    Example: hysteron identify slow.csv fast.csv -o damper.json --rate v_mm_per_s\n\
     Example: hysteron identify small*.csv large*.csv --inputs u1_V,u2_V --outputs y1_nm,y2_nm -o stage.json")]
 pub struct Identify {
     /// The records
@@ -228,7 +231,7 @@ pub struct Identify {
     )]
     least_fit: f64,
 
-    /// Column of the rate of the input, for --structure force: its name, with or without unit, e.g.
+    /// Column of the rate of the input, for a model of the kind force: its name, with or without unit, e.g.
     /// v_mm_per_s [default: the rate is that of the displacement]
     #[arg(long, value_name = "COL")]
     rate: Option<String>,
@@ -252,9 +255,8 @@ pub struct Identify {
 
 impl Identify {
     pub fn run(&self) -> Result<(), Failure> {
-        let task = self.task()?;
         self.check_outputs()?;
-        let records = self.fit_records(&task)?;
+        let (task, records) = self.task_and_records()?;
         let resume = self.resume.as_deref().map(kept::read).transpose()?;
         let stop = Interrupt::listen("the best so far is kept")?;
         let kept = Kept::beside(Some(&self.out));
@@ -294,18 +296,33 @@ impl Identify {
         Ok(())
     }
 
-    /// Kind of model that the flags select, with its options and its starting model.
-    fn task(&self) -> Result<Task, Failure> {
+    /// Kind of model that the flags or else the records select, with its options and its starting model; and
+    /// the records.
+    fn task_and_records(&self) -> Result<(Task, FitRecords), Failure> {
         let task = self.kind_of_task()?;
-        let Some(path) = &self.start else { return Ok(task) };
-        task.starting_from(Loaded::read(path)?.model())
-            .map_err(|e| Failure::new(format!("cannot start from the model {}", path.display())).because(e))
+        let records = self.fit_records(&task)?;
+        let task = match &records {
+            FitRecords::Single(records)
+                if self.structure.is_none() && usual_kind(records.iter().map(|r| &r.data)) == Kind::Force =>
+            {
+                console::note(
+                    "force over displacement: a model of the kind force is identified (--structure \
+                     hammerstein for hysteresis followed by linear dynamics)",
+                );
+                self.force()?
+            }
+            _ if self.rate.is_some() && task.kind() != Kind::Force => {
+                return Err(Failure::usage("--rate goes with --structure force"));
+            }
+            _ => task,
+        };
+        let Some(path) = &self.start else { return Ok((task, records)) };
+        let started = task.starting_from(Loaded::read(path)?.model());
+        let failed = || Failure::new(format!("cannot start from the model {}", path.display()));
+        started.map(|task| (task, records)).map_err(|e| failed().because(e))
     }
 
     fn kind_of_task(&self) -> Result<Task, Failure> {
-        if self.rate.is_some() && self.structure != Some(StructureArg::Force) {
-            return Err(Failure::usage("--rate goes with --structure force"));
-        }
         match (self.structure, self.axes.are_given()) {
             (Some(StructureArg::Modes), _) | (None, true) => return self.modes(),
             (Some(StructureArg::Hammerstein), true) => return self.branches(),

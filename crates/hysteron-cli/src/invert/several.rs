@@ -19,6 +19,7 @@ impl Invert {
             (self.virgin_voltage.is_some(), "--virgin-voltage"),
             (self.learn_from.is_some(), "--learn-from"),
             (self.predict_to.is_some(), "--predict-to"),
+            (self.correct, "--correct"),
         ] {
             if given {
                 return Err(Failure::usage(format!("{flag} does not go with a model of several axes yet")));

@@ -73,6 +73,33 @@ fn records_become_a_file_that_predicts_another_record() {
     assert!(header.lines().next().is_some_and(|line| line.contains("y_N")), "{header:.60}");
 }
 
+/// Columns as a test rig names them, no flag.
+#[test]
+fn a_force_over_a_displacement_is_identified_as_one() {
+    let bench = Bench::new();
+    for (name, amplitude, frequency) in [("slow.csv", 10.0, 0.5), ("fast.csv", 3.0, 3.0)] {
+        let text = csv(amplitude, frequency);
+        let rows = text.lines().skip(1).map(|line| {
+            let [t, x, force] = line.split(',').collect::<Vec<_>>()[..] else { panic!("three columns") };
+            let rate = rate(amplitude, frequency, t.parse().unwrap());
+            format!("{t},{x},{rate},{force}\n")
+        });
+        bench.write(name, "t_s,x_mm,v_mm_per_s,F_N\n".to_owned() + &rows.collect::<String>());
+    }
+    let run = bench.run("identify slow.csv fast.csv -o damper.json --json");
+    assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    assert!(run.stderr.contains("a model of the kind force"), "{}", run.stderr);
+    let told: Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(told["structure"], "force");
+    let run = bench.run("identify slow.csv fast.csv --structure hammerstein -o x.json");
+    assert_eq!(run.exit_code, 1, "{}", run.stdout);
+    assert!(run.stderr.contains("--structure force; --least-fit 0"), "{}", run.stderr);
+    assert!(!bench.path("x.json").exists());
+    let run = bench.run("identify slow.csv fast.csv --structure hammerstein -o x.json --least-fit 0");
+    assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    assert!(run.stdout.contains("A model of the kind force leaves"), "{}", run.stdout);
+}
+
 #[test]
 fn a_measured_rate_takes_the_place_of_the_computed_one() {
     let bench = bench();
@@ -96,7 +123,7 @@ fn a_measured_rate_takes_the_place_of_the_computed_one() {
         assert_eq!(run.exit_code, 1, "{column}: {}", run.stderr);
         assert!(run.stderr.contains(reason), "{}", run.stderr);
     }
-    let run = bench.run("identify slow.csv -o x.json --rate v");
+    let run = bench.run("identify slow.csv -o x.json --rate v --structure hammerstein");
     assert!(run.exit_code == 2 && run.stderr.contains("--structure force"), "{}", run.stderr);
 }
 

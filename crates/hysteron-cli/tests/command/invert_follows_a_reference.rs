@@ -231,3 +231,55 @@ fn what_cannot_be_followed_is_refused_without_a_file() {
         assert_eq!(run.exit_code, 2, "{wrong}: {run:?}");
     }
 }
+
+/// A bench outside the model class (simulated), by the commands alone: records, model, drive, and the drive played.
+/// The expected error is that of the device, where an exact model would err by a tenth of it, and a drive that is
+/// corrected by the misfit follows better.
+#[test]
+fn the_error_expected_of_a_drive_is_that_of_the_device() {
+    let bench = Bench::new();
+    let run = |arguments: &str| {
+        let run = bench.run(arguments);
+        assert_eq!(run.exit_code, 0, "{arguments}: {run:?}");
+        run
+    };
+    let plan = r#"{"sample_rate_hz": 2500.0, "loop_periods": 2.0, "sweep_s": 2.0, "validation_hz": [],
+        "nested_amplitudes": [1.0, 0.75, 0.5, 0.25]}"#;
+    bench.write("plan.json", plan);
+    run("rig --out-dir rig --plan plan.json --seed 1");
+    let mut records: Vec<String> = std::fs::read_dir(bench.path("rig"))
+        .unwrap()
+        .map(|entry| format!("rig/{}", entry.unwrap().file_name().to_str().unwrap()))
+        .filter(|name| name.ends_with(".csv"))
+        .collect();
+    records.sort();
+    run(&format!("identify {} -o stage.json", records.join(" ")));
+    run(
+        "excite random --to 50 --duration 1 --sample-rate 2500 --low 2 --high 8 --soft-start 0.2 --seed 5 --out a.csv",
+    );
+    let reference = std::fs::read_to_string(bench.path("a.csv")).unwrap().replace("u_V", "r_um");
+    bench.write("reference.csv", reference);
+    let read = |path: &str| {
+        let text = std::fs::read_to_string(bench.path(path)).unwrap();
+        text.lines().filter(|line| !line.starts_with('#')).map(|line| format!("{line}\n")).collect::<String>()
+    };
+    let wanted = column(&read("reference.csv"), "r_um");
+    // Expected error, and that on the device, about its mean.
+    let played = |name: &str, flags: &str| {
+        let made = summary(&run(&format!(
+            "invert stage.json reference.csv -o {name}.csv --range 0:12 --json {flags}"
+        )));
+        run(&format!("rig --truth rig/truth.json --drive {name}.csv --out-dir {name} --with-truth"));
+        let moved = column(&read(&format!("{name}/simulated_{name}.csv")), "y_true_um");
+        let errors: Vec<f64> = moved.iter().zip(&wanted).map(|(moved, wanted)| moved - wanted).collect();
+        let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+        let error = (errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / errors.len() as f64).sqrt();
+        let told = |name: &str| made[name].as_f64().unwrap();
+        let (expected, exact) = (told("expected_rms_error_um"), told("predicted_rms_error_um"));
+        println!("{name}: {error} µm on the device, expected {expected} µm, of an exact model {exact} µm");
+        assert!((0.5..2.0).contains(&(expected / error)) && exact < 0.5 * error, "{name}: {made}");
+        error
+    };
+    let (plain, corrected) = (played("plain", ""), played("corrected", "--correct"));
+    assert!(corrected < 0.6 * plain, "{corrected} {plain}");
+}

@@ -69,6 +69,8 @@ pub(super) struct Posterior {
     pub information: Vec<f64>,
     /// Share of eᵀe that least squares on the columns explain.
     pub explained: f64,
+    /// Error on left-out parts over that without columns, where that was computed.
+    pub left_out: Option<f64>,
 }
 
 impl Sums {
@@ -87,6 +89,21 @@ impl Sums {
         self.product.gemv_tr(weight, columns, residual, 1.0);
         self.power += weight * residual.norm_squared();
         self.count += weight * residual.len() as f64;
+    }
+
+    /// These sums without those of some of their rows.
+    pub(super) fn without(&self, part: &Self) -> Self {
+        Self {
+            gram: &self.gram - &part.gram,
+            product: &self.product - &part.product,
+            power: self.power - part.power,
+            count: self.count - part.count,
+        }
+    }
+
+    /// w |e − Φβ|².
+    pub(super) fn power_left(&self, mean: &DVector<f64>) -> f64 {
+        self.power - 2.0 * self.product.dot(mean) + (&self.gram * mean).dot(mean)
     }
 
     /// The posterior; `None` without a residual.
@@ -129,6 +146,7 @@ impl Sums {
             directions,
             information,
             explained: explained / self.power,
+            left_out: None,
         })
     }
 

@@ -11,14 +11,14 @@ mod reference;
 use std::sync::Arc;
 
 use hysteron_model::hammerstein::Model;
-use hysteron_model::misfit::{Basis, COLUMNS, ColumnGroup, MisfitError, MisfitModel, UniformDrive};
-use hysteron_model::record::Timing;
+use hysteron_model::misfit::{Basis, COLUMNS, ColumnGroup, MisfitError, MisfitModel, TimedRun};
+use hysteron_model::record::{InputOutput, Timing};
 use hysteron_numeric::display::short;
 use nalgebra::{DMatrix, DVector};
 
 use crate::facts::amplitudes;
 use crate::{Finding, FindingKind, Identification, RecordFit};
-use evidence::{Posterior, Sums};
+use evidence::{Posterior, Prior, Sums};
 
 /// Rows of all records together from which records are averaged in blocks, as far as the reference frequency
 /// allows, and from which they are whatever it is: the columns must fit in memory.
@@ -34,6 +34,8 @@ const LOWEST: (f64, f64) = (0.025, 50.0);
 /// Share of the residual's power that the columns explain from which a device counts as outside the class. In
 /// the class it is 0.002 to 0.03, from the coefficients fitted to noise.
 pub const OUTSIDE: f64 = 0.06;
+/// Parts of each record that are left out in turn.
+const FOLDS: usize = 8;
 /// Significant digits of the numbers in the file.
 const DIGITS: usize = 6;
 
@@ -109,10 +111,10 @@ fn posterior(
     records: &[RecordFit],
     excited_hz: Option<(f64, f64)>,
 ) -> Result<Option<(Basis, Posterior)>, MisfitError> {
-    let rates = records.iter().map(|r| r.data.sample_rate_hz().ok_or(MisfitError::NotUniform));
-    let rates = rates.collect::<Result<Vec<f64>, _>>()?;
-    let lowest_rate = rates.iter().copied().fold(f64::INFINITY, f64::min);
-    let highest_rate = rates.iter().copied().fold(0.0, f64::max);
+    let rates = records.iter().map(|r| rates_hz(&r.data).ok_or(MisfitError::NoTimes));
+    let rates = rates.collect::<Result<Vec<(f64, f64)>, _>>()?;
+    let lowest_rate = rates.iter().map(|(mean, _)| *mean).fold(f64::INFINITY, f64::min);
+    let highest_rate = rates.iter().map(|(_, highest)| *highest).fold(0.0, f64::max);
     let drives = records.iter().flat_map(|r| &r.data.u);
     let (low_v, high_v) = drives.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), u| (a.min(*u), b.max(*u)));
     if records.is_empty() || high_v <= low_v || records.iter().any(|r| r.simulated.iter().any(|y| y.is_nan()))
@@ -128,27 +130,78 @@ fn posterior(
     let prior = reference::prior(&basis, model, holds_one_amplitude(records))?;
     let samples: usize = records.iter().map(|r| r.data.len()).sum();
     let mut sums = Sums::new(COLUMNS);
-    for (record, rate_hz) in records.iter().zip(rates) {
+    let mut folds = vec![Sums::new(COLUMNS); FOLDS];
+    for (record, (rate_hz, _)) in records.iter().zip(rates) {
         let most = (rate_hz / (LEAST_RATE * frequency_hz)).floor().max(1.0) as usize;
         let factor = samples.div_ceil(MOST_ROWS.0).clamp(1, most).max(samples.div_ceil(MOST_ROWS.1));
-        let timing = Timing::Rate(rate_hz);
-        let drive = UniformDrive::new(&record.data.u, timing, &record.start)?;
+        let timing = Timing::from(&record.data.time);
+        let drive = TimedRun { samples_v: &record.data.u, timing, start: &record.start };
         let columns = basis.columns(model, &drive, factor)?;
         let independent_s = (INDEPENDENT.0 / frequency_hz).min(INDEPENDENT.1);
-        let weight = (factor as f64 / (independent_s * rate_hz)).min(1.0);
-        if let Some((columns, residual)) = rows(record, &columns, factor) {
+        let weight = |row: usize| (row_s(timing, row, factor) / independent_s).min(1.0);
+        if let Some((columns, residual, weight)) = rows(record, &columns, factor, weight) {
             sums.add(&columns, &residual, weight);
+            let of_fold = residual.len().div_ceil(FOLDS);
+            for (k, fold) in folds.iter_mut().enumerate() {
+                let rows = (k * of_fold).min(residual.len())..((k + 1) * of_fold).min(residual.len());
+                let (from, count) = (rows.start, rows.len());
+                fold.add(&columns.rows(from, count).into(), &residual.rows(from, count).into(), weight);
+            }
         }
     }
-    Ok(sums.posterior(&prior).map(|found| (basis, found)))
+    let left_out = left_out(&sums, &folds, &prior);
+    Ok(sums.posterior(&prior).map(|found| (basis, Posterior { left_out, ..found })))
+}
+
+/// Error with the predicted discrepancy over that without it, on each part left out of its fit in turn.
+fn left_out(all: &Sums, folds: &[Sums], prior: &Prior) -> Option<f64> {
+    let mut after = 0.0;
+    for fold in folds {
+        after += fold.power_left(&all.without(fold).posterior(prior)?.mean);
+    }
+    Some((after.max(0.0) / all.power).sqrt())
+}
+
+/// Mean and highest sample rate of a record \[Hz\]; `None` without times.
+fn rates_hz(data: &InputOutput) -> Option<(f64, f64)> {
+    match Timing::from(&data.time) {
+        Timing::Rate(rate_hz) => Some((rate_hz, rate_hz)),
+        Timing::Stamps(times_s) => {
+            let steps = || times_s.windows(2).map(|two| two[1] - two[0]).filter(|step| *step > 0.0);
+            let shortest_s = steps().fold(f64::INFINITY, f64::min);
+            let count = steps().count();
+            (count > 0).then(|| (count as f64 / steps().sum::<f64>(), 1.0 / shortest_s))
+        }
+        Timing::Unknown => None,
+    }
+}
+
+/// Duration of a block of `factor` samples \[s\].
+fn row_s(timing: Timing<'_>, row: usize, factor: usize) -> f64 {
+    match timing {
+        Timing::Rate(rate_hz) => factor as f64 / rate_hz,
+        Timing::Stamps(times_s) => {
+            // The step to the sample before the block counts as its own; that of the first block is the next one.
+            let from = (row * factor).max(1) - 1;
+            let to = (from + factor).min(times_s.len() - 1);
+            times_s[to] - times_s[from]
+        }
+        Timing::Unknown => 0.0,
+    }
 }
 
 fn holds_one_amplitude(records: &[RecordFit]) -> bool {
     amplitudes(records.iter().map(|record| record.data.u.as_slice())) <= 1
 }
 
-/// The rows of a record whose samples all count, columns and residual about their means; `None` of none.
-fn rows(record: &RecordFit, columns: &[Vec<f64>], factor: usize) -> Option<(DMatrix<f64>, DVector<f64>)> {
+/// The rows of a record whose samples all count, columns and residual about their means, and the mean of their
+/// `weight`, rows of another weight being scaled; `None` of none.
+fn rows(
+    record: &RecordFit,
+    columns: &[Vec<f64>],
+    factor: usize,
+    weight: impl Fn(usize) -> f64,
+) -> Option<(DMatrix<f64>, DVector<f64>, f64)> {
     let RecordFit { data, simulated, scores, .. } = record;
     let invalid = (0..data.len()).filter(|k| !data.is_valid(*k)).count();
     // Those skipped at the start.
@@ -170,7 +223,17 @@ fn rows(record: &RecordFit, columns: &[Vec<f64>], factor: usize) -> Option<(DMat
         let mean = column.mean();
         column.add_scalar_mut(-mean);
     }
-    Some((kept_columns, residual))
+    let weights: Vec<f64> = kept.iter().map(|row| weight(*row)).collect();
+    if weights.iter().all(|weight| *weight == weights[0]) {
+        return Some((kept_columns, residual, weights[0]));
+    }
+    let mean = weights.iter().sum::<f64>() / weights.len() as f64;
+    for (k, weight) in weights.iter().enumerate() {
+        let scale = (weight / mean).sqrt();
+        residual[k] *= scale;
+        kept_columns.row_mut(k).scale_mut(scale);
+    }
+    Some((kept_columns, residual, mean))
 }
 
 /// The model with numbers of [`DIGITS`] digits: deviations need no more, and a model file stays small.
@@ -184,5 +247,6 @@ fn stored(basis: Basis, found: &Posterior, one_amplitude: bool) -> MisfitModel {
         directions: found.directions.column_iter().map(|f| f.iter().map(|x| rounded(*x)).collect()).collect(),
         information: found.information.iter().map(|x| rounded(*x)).collect(),
         one_amplitude,
+        left_out: found.left_out.map(rounded),
     }
 }

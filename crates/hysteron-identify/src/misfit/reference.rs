@@ -7,7 +7,8 @@ use std::f64::consts::TAU;
 
 use hysteron_model::Start;
 use hysteron_model::hammerstein::Model;
-use hysteron_model::misfit::{Basis, COLUMNS, GROUPS, MisfitError, POLYNOMIALS, UniformDrive};
+use hysteron_model::misfit::{Basis, COLUMNS, GROUPS, MisfitError, POLYNOMIALS, TimedRun};
+use hysteron_model::record::Timing;
 use nalgebra::DVector;
 
 use super::evidence::Prior;
@@ -39,7 +40,7 @@ pub(super) fn prior(basis: &Basis, model: &Model, one_amplitude: bool) -> Result
     let range = basis.high_v - basis.low_v;
     let samples_v: Vec<f64> = shape.iter().map(|x| basis.low_v + range * x).collect();
     let start = Start::AsIdentified;
-    let drive = UniformDrive { samples_v: &samples_v, rate_hz, start: &start };
+    let drive = TimedRun { samples_v: &samples_v, timing: Timing::Rate(rate_hz), start: &start };
     let columns = basis.columns(model, &drive, 1)?;
     let output = model.simulate(&samples_v, Some(rate_hz), &start)?;
     let (low, high) =

@@ -4,12 +4,12 @@
 use std::ops::ControlFlow;
 
 use hysteron_identify::oscillator::{Identification, Options};
-use hysteron_identify::{Event, Watch};
-use hysteron_identify::{IdentifyError, Initial};
-use hysteron_model::Start;
+use hysteron_identify::{CampaignRecord, Event, FitRecords, IdentifyError, Initial, Task, Watch};
 use hysteron_model::hysteresis::{InterSample, RecordEnds};
+use hysteron_model::model_file::{Kind, Maker};
 use hysteron_model::oscillator::{Drive, Oscillator, OscillatorState};
 use hysteron_model::record::{InputOutput, TimeBase};
+use hysteron_model::{Advice, Start};
 
 use crate::oracles::{BENCHMARK, Random, multisine, rms};
 
@@ -166,4 +166,23 @@ fn what_is_no_oscillator_is_refused() {
         assert!(matches!(error, IdentifyError::OscillatorFixed { .. }), "{error}");
     }
     assert!(matches!(identify(&[], &plain).unwrap_err(), IdentifyError::NoRecords));
+}
+
+#[test]
+fn hysteresis_in_feedback_is_named_where_hysteresis_followed_by_dynamics_fails() {
+    let records: Vec<_> =
+        [steady(&DEVICE, 2048, 3, 0.1, 12)].map(|data| CampaignRecord { data, role: None }).into();
+    let records = FitRecords::Single(records);
+    let maker = Maker { program: "test".to_owned(), created: None, command: None };
+    let of = |task: &Task| hysteron_identify::fit(&records, task, &Watch::silent(), None, &maker);
+    let refused = of(&Task::of(Kind::Hammerstein)).unwrap_err();
+    assert!(
+        matches!(refused, IdentifyError::OtherKind { kind: Kind::Oscillator, fit_percent, other_percent, .. }
+            if fit_percent < 90.0 && other_percent > 98.0),
+        "{refused}"
+    );
+    let options = hysteron_identify::Options { least_fit_percent: 0.0, ..Default::default() };
+    let found = of(&Task::Hammerstein(Box::new(options))).unwrap();
+    let told = found.findings.iter().find(|finding| finding.topic == "kind of model").unwrap();
+    assert_eq!(told.advice, Some(Advice::OtherKind { kind: Kind::Oscillator }));
 }

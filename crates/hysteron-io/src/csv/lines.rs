@@ -56,7 +56,7 @@ impl<R: Read> Lines<R> {
         let limit = limit.min(u64::MAX - 1);
         let hashed = Hashed { inner, hash: Sha256::new(), bytes: 0, limit };
         Lines {
-            reader: BufReader::with_capacity(1 << 20, hashed),
+            reader: BufReader::with_capacity(1 << 16, hashed),
             buffer: Vec::new(),
             file: file.to_string(),
             line: 0,

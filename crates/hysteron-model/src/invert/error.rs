@@ -65,6 +65,12 @@ pub enum InversionError {
         /// Output at rest at the largest voltage \[µm\].
         to: f64,
     },
+    /// The drive was to be corrected by the model's misfit.
+    #[error("the drive is not corrected by the predicted misfit of the model: {because}")]
+    NotCorrected {
+        /// Why not.
+        because: &'static str,
+    },
     /// The computation was stopped by its listener.
     #[error("it was stopped")]
     Stopped,

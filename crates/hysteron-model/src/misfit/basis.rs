@@ -22,6 +22,7 @@ use rayon::prelude::*;
 
 use super::MisfitError;
 use super::response::{ModelResponse, lag};
+use super::steps::Steps;
 use crate::hammerstein::{Model, SETTLING_PERIODS, extend};
 use crate::record::Timing;
 use crate::start::Start;
@@ -78,26 +79,15 @@ pub struct Basis {
     pub frequency_hz: f64,
 }
 
-/// Drive at a uniform rate, with what was before it.
+/// Drive over time, with what was before it.
 #[derive(Clone, Copy, Debug)]
-pub struct UniformDrive<'a> {
+pub struct TimedRun<'a> {
     /// Samples \[V\].
     pub samples_v: &'a [f64],
-    /// Sample rate \[Hz\].
-    pub rate_hz: f64,
+    /// When they were taken: a rate or stamps.
+    pub timing: Timing<'a>,
     /// Start of the device.
     pub start: &'a Start,
-}
-
-impl<'a> UniformDrive<'a> {
-    /// A drive with its timing.
-    ///
-    /// # Errors
-    /// [`MisfitError::NotUniform`] without a sample rate.
-    pub fn new(samples_v: &'a [f64], timing: Timing<'_>, start: &'a Start) -> Result<Self, MisfitError> {
-        let rate_hz = timing.sample_rate_hz().ok_or(MisfitError::NotUniform)?;
-        Ok(Self { samples_v, rate_hz, start })
-    }
 }
 
 impl Basis {
@@ -110,27 +100,28 @@ impl Basis {
     pub fn columns(
         &self,
         model: &Model,
-        drive: &UniformDrive<'_>,
+        drive: &TimedRun<'_>,
         factor: usize,
     ) -> Result<Vec<Vec<f64>>, MisfitError> {
-        let UniformDrive { samples_v, rate_hz, start } = *drive;
+        let TimedRun { samples_v, timing, start } = *drive;
         let factor = factor.max(1);
+        let steps = Steps::new(timing, samples_v.len())?;
+        let row_steps = steps.of_blocks(factor);
         let (extended, prologue, rest_v) = extend(start, samples_v)?;
         let half = (0.5 * (self.high_v - self.low_v)).max(f64::MIN_POSITIVE);
         let centre = 0.5 * (self.high_v + self.low_v);
         let scaled: Vec<f64> = extended.iter().map(|u| (u - centre) / half).collect();
         let drive = ScaledDrive { x: &scaled, prologue, rest: (rest_v - centre) / half };
-        let rate_hz_of_rows = rate_hz / factor as f64;
         let rows = samples_v.len() / factor;
         let periodic = prologue == SETTLING_PERIODS * samples_v.len() && rows * factor == samples_v.len();
-        let response = ModelResponse::new(model, rows, rate_hz_of_rows, periodic)?;
+        let response = ModelResponse::new(model, rows, &row_steps, periodic)?;
         let hats = PLAYS.par_iter().flat_map(|&(r, hats)| {
             let path = drive.play(r);
             let column = |hat: usize| means(&path, factor, |p| hat_integral(hat, hats, p));
             (0..hats).map(column).collect::<Vec<_>>()
         });
         let mut memory: Vec<Vec<f64>> = hats.collect();
-        let hysteresis = model.simulate_hysteresis(samples_v, Timing::Rate(rate_hz), start)?;
+        let hysteresis = model.simulate_hysteresis(samples_v, timing, start)?;
         let polynomial =
             |u: &f64| model.hysteresis.polynomial().iter().rev().fold(0.0, |sum, c| (sum + c) * u);
         let own: Vec<f64> = hysteresis.iter().zip(samples_v).map(|(v, u)| v - polynomial(u)).collect();
@@ -145,10 +136,10 @@ impl Basis {
         let mut columns = respond(memory)?;
 
         let settled = prologue > 0;
-        let simulated = model.simulate(samples_v, Some(rate_hz), start)?;
+        let simulated = model.simulate(samples_v, timing, start)?;
         let first = simulated.first().copied().unwrap_or(0.0);
         let output = means(&simulated, factor, |y| y - first);
-        let lagged = |x: &[f64], time_s: f64| lag(x, time_s * rate_hz_of_rows, settled);
+        let lagged = |x: &[f64], time_s: f64| lag(x, |k| row_steps.s(k) / time_s, settled);
         let per_s = std::f64::consts::TAU * self.frequency_hz;
         for (corner, orders) in DERIVATIVES {
             let mut derivative = output.clone();
@@ -165,8 +156,13 @@ impl Basis {
             columns.extend(RATE_CORNERS.iter().map(|corner| lagged(&distance, 1.0 / (corner * per_s))));
         }
         let relaxing = RATE_PLAYS.iter().flat_map(|r| {
-            let decay = |periods: &f64| (-self.frequency_hz / (periods * rate_hz)).exp();
-            let path = |periods| means(&drive.relaxing_play(*r, decay(periods)), factor, |p| p);
+            let path = |periods: &f64| {
+                let per_s = self.frequency_hz / periods;
+                // A cycle before the record is as long as the record.
+                let count = samples_v.len();
+                let decay = |k: usize| (-per_s * steps.s((k + count - prologue % count) % count)).exp();
+                means(&drive.relaxing_play(*r, decay), factor, |p| p)
+            };
             RELAXATIONS.iter().map(path).collect::<Vec<_>>()
         });
         columns.extend(respond(relaxing.collect())?);
@@ -186,22 +182,25 @@ struct ScaledDrive<'a> {
 
 impl ScaledDrive<'_> {
     /// An operator's path over the drive, without the prologue.
-    fn path(&self, step: impl FnMut(&f64) -> f64) -> Vec<f64> {
-        let mut path: Vec<f64> = self.x.iter().map(step).collect();
+    fn path(&self, step: impl FnMut((usize, &f64)) -> f64) -> Vec<f64> {
+        let mut path: Vec<f64> = self.x.iter().enumerate().map(step).collect();
         path.drain(..self.prologue);
         path
     }
 
     fn play(&self, r: f64) -> Vec<f64> {
-        self.relaxing_play(r, 1.0)
+        let mut state = self.rest;
+        self.path(|(_, &x)| {
+            state = play(r, state, x);
+            state
+        })
     }
 
-    /// Play of half-width `r` whose distance from x decays by the factor `decay` at each sample.
-    fn relaxing_play(&self, r: f64, decay: f64) -> Vec<f64> {
+    /// Play of half-width `r` whose distance from x decays by the factor `decay(k)` after the move to sample k.
+    fn relaxing_play(&self, r: f64, decay: impl Fn(usize) -> f64) -> Vec<f64> {
         let mut state = self.rest;
-        self.path(|&x| {
-            let moved = play(r, state, x);
-            state = if decay < 1.0 { x + (moved - x) * decay } else { moved };
+        self.path(|(k, &x)| {
+            state = x + (play(r, state, x) - x) * decay(k);
             state
         })
     }
@@ -209,7 +208,7 @@ impl ScaledDrive<'_> {
     /// dξ = dx − a ξ |dx| from 0, exactly.
     fn branch(&self, a: f64) -> Vec<f64> {
         let (mut z, mut before) = (0.0, self.rest);
-        self.path(|&x| {
+        self.path(|(_, &x)| {
             let dx = x - before;
             let end = dx.signum() / a;
             z = end + (z - end) * (-a * dx.abs()).exp();
@@ -308,7 +307,7 @@ mod tests {
         }
         assert_eq!(drive.play(0.4), [-0.4, 0.6, 0.6, 0.6]);
         // Each distance from x is halved after the move: −0.4 → −0.2, 0.6 → 0.8, 0.8 → 0.65, 0.65 → 0.575.
-        for (p, expected) in drive.relaxing_play(0.4, 0.5).iter().zip([-0.2, 0.8, 0.65, 0.575]) {
+        for (p, expected) in drive.relaxing_play(0.4, |_| 0.5).iter().zip([-0.2, 0.8, 0.65, 0.575]) {
             assert!((p - expected).abs() < 1e-15, "{p} {expected}");
         }
     }
@@ -321,7 +320,7 @@ mod tests {
         };
         let samples: Vec<f64> = (0..1000).map(|k| 5.0 - 5.0 * (f64::from(k) * 0.02).cos()).collect();
         let start = Start::AsIdentified;
-        let drive = UniformDrive { samples_v: &samples, rate_hz: 500.0, start: &start };
+        let drive = TimedRun { samples_v: &samples, timing: Timing::Rate(500.0), start: &start };
         assert_eq!(GROUPS.iter().map(|(_, count)| count).sum::<usize>(), COLUMNS);
         for dynamics in [Dynamics::None, Dynamics::Integer(first_order)] {
             let columns = BASIS.columns(&model(dynamics), &drive, 3).unwrap();
@@ -334,7 +333,7 @@ mod tests {
     fn means_of_a_static_model_are_those_of_every_sample() {
         let samples: Vec<f64> = (0..600).map(|k| 5.0 - 5.0 * (f64::from(k) * 0.05).cos()).collect();
         let start = Start::AsIdentified;
-        let drive = UniformDrive { samples_v: &samples, rate_hz: 500.0, start: &start };
+        let drive = TimedRun { samples_v: &samples, timing: Timing::Rate(500.0), start: &start };
         let still = model(Dynamics::None);
         let (fine, coarse) =
             (BASIS.columns(&still, &drive, 1).unwrap(), BASIS.columns(&still, &drive, 4).unwrap());
@@ -349,10 +348,11 @@ mod tests {
     fn what_depends_on_one_rate_or_has_none_is_refused() {
         let arx = crate::dynamics::Arx { a: vec![-0.5], b: vec![0.5] };
         let (samples, start) = ([0.0, 1.0, 2.0], Start::AsIdentified);
-        let drive = UniformDrive { samples_v: &samples, rate_hz: 500.0, start: &start };
+        let drive = TimedRun { samples_v: &samples, timing: Timing::Rate(500.0), start: &start };
         let found = BASIS.columns(&model(Dynamics::Arx(arx)), &drive, 1);
         assert!(matches!(found, Err(MisfitError::OneRate)), "{found:?}");
-        let timing = Timing::Stamps(&[0.0, 1.0, 3.0]);
-        assert!(matches!(UniformDrive::new(&samples, timing, &start), Err(MisfitError::NotUniform)));
+        let timeless = TimedRun { timing: Timing::Unknown, ..drive };
+        let found = BASIS.columns(&model(Dynamics::None), &timeless, 1);
+        assert!(matches!(found, Err(MisfitError::NoTimes)), "{found:?}");
     }
 }

@@ -11,9 +11,10 @@ mod basis;
 mod finding;
 mod prediction;
 mod response;
+mod steps;
 
 use basis::OWN_MEMORY;
-pub use basis::{Basis, COLUMNS, ColumnGroup, GROUPS, POLYNOMIALS, UniformDrive};
+pub use basis::{Basis, COLUMNS, ColumnGroup, GROUPS, POLYNOMIALS, TimedRun};
 pub use prediction::{MisfitPrediction, half_width};
 
 use crate::dynamics::DynamicsError;
@@ -36,6 +37,9 @@ pub struct MisfitModel {
     pub noise: f64,
     /// Share of the power of the training residual that the columns explain.
     pub explained: f64,
+    /// Error of model and predicted discrepancy on parts of the training records that were left out of its fit,
+    /// over that of the model alone; `None` in files written before it was known.
+    pub left_out: Option<f64>,
     /// Mean of the coefficients \[output unit over unit of the column\].
     pub mean: Vec<f64>,
     /// Deviations of the coefficients, a vector of one coefficient a column each; uncorrelated.
@@ -52,9 +56,9 @@ pub struct MisfitModel {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MisfitError {
-    /// A record or drive without a uniform sample rate.
-    #[error("a misfit is modelled at a uniform sample rate only")]
-    NotUniform,
+    /// A record or drive without times.
+    #[error("a misfit is modelled over time, and the samples have none")]
+    NoTimes,
     /// Dynamics that are valid at one sample rate only.
     #[error("a misfit is not modelled beside dynamics that belong to one sample rate")]
     OneRate,
@@ -97,7 +101,7 @@ impl MisfitModel {
         start: &Start,
     ) -> Result<MisfitPrediction, MisfitError> {
         let factor = drive.len().div_ceil(MOST_ROWS).max(1);
-        let columns = self.basis.columns(model, &UniformDrive::new(drive, timing, start)?, factor)?;
+        let columns = self.basis.columns(model, &TimedRun { samples_v: drive, timing, start }, factor)?;
         Ok(MisfitPrediction::new(self, columns, (factor, drive.len())))
     }
 }

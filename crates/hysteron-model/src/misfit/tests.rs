@@ -1,5 +1,5 @@
 use super::*;
-use crate::dynamics::{Dynamics, Scheme};
+use crate::dynamics::{Dynamics, Scheme, Term, TransferFunction};
 use crate::hysteresis::Hysteresis;
 use crate::record::InterSample;
 use hysteron_numeric::normal::quantile;
@@ -32,6 +32,7 @@ fn misfit() -> MisfitModel {
             .collect(),
         information: (0..COLUMNS).map(|k| if k % 2 == 0 { 30.0 } else { 0.1 }).collect(),
         one_amplitude: false,
+        left_out: None,
     }
 }
 
@@ -43,7 +44,7 @@ fn drive(samples: usize) -> Vec<f64> {
 fn agrees_with_a_dense_product_with_the_covariance() {
     let (of, drive, start) = (misfit(), drive(700), Start::AsIdentified);
     let found = of.predict(&model(), &drive, Timing::Rate(500.0), &start).unwrap();
-    let uniform = UniformDrive { samples_v: &drive, rate_hz: 500.0, start: &start };
+    let uniform = TimedRun { samples_v: &drive, timing: Timing::Rate(500.0), start: &start };
     let mut columns = of.basis.columns(&model(), &uniform, 1).unwrap();
     for column in &mut columns {
         let mean = column.iter().sum::<f64>() / column.len() as f64;
@@ -103,7 +104,7 @@ fn a_long_drive_is_averaged_and_taken_back_to_every_sample() {
     let (of, drive, start) = (misfit(), drive(70_001), Start::AsIdentified);
     let found = of.predict(&model(), &drive, Timing::Rate(20_000.0), &start).unwrap();
     assert_eq!((found.discrepancy.len(), found.std_dev.len()), (70_001, 70_001));
-    let uniform = UniformDrive { samples_v: &drive, rate_hz: 20_000.0, start: &start };
+    let uniform = TimedRun { samples_v: &drive, timing: Timing::Rate(20_000.0), start: &start };
     let columns = of.basis.columns(&model(), &uniform, 1).unwrap();
     let means: Vec<f64> = columns.iter().map(|c| c.iter().sum::<f64>() / c.len() as f64).collect();
     let at = |t: usize| -> f64 {
@@ -148,4 +149,39 @@ fn a_band_that_rests_on_other_devices_says_so_and_names_the_record() {
         MisfitModel { information: vec![0.1; COLUMNS], noise: 1e-3, mean: vec![0.0; COLUMNS], ..informed };
     let text = predicted(&none).finding().unwrap().text;
     assert!(text.starts_with("100 % of the expected squared error rest on other devices"), "{text}");
+}
+
+/// Lines between samples: what stands between them may be left out.
+#[test]
+fn stamps_of_any_spacing_give_the_columns_of_the_common_grid() {
+    let rate_hz = 1000.0;
+    // A straight line over every four samples.
+    let corner = |k: usize| 5.0 - 4.0 * (k as f64 * 0.02).cos() + 0.8 * (k as f64 * 0.07).sin();
+    let fine: Vec<f64> = (0..2001)
+        .map(|k| {
+            let share = (k % 4) as f64 / 4.0;
+            (1.0 - share) * corner(k / 4) + share * corner(k / 4 + 1)
+        })
+        .collect();
+    let kept: Vec<usize> = (0..fine.len()).filter(|k| k % 4 == 0 || k % 7 == 0).collect();
+    let times_s: Vec<f64> = kept.iter().map(|k| *k as f64 / rate_hz).collect();
+    let samples_v: Vec<f64> = kept.iter().map(|k| fine[*k]).collect();
+    // Lags of 20 ms and more are resolved by steps of up to 4 ms.
+    let (basis, start) = (Basis { frequency_hz: 2.0, ..misfit().basis }, Start::AsIdentified);
+    let even = TimedRun { samples_v: &fine, timing: Timing::Rate(rate_hz), start: &start };
+    let uneven = TimedRun { samples_v: &samples_v, timing: Timing::Stamps(&times_s), start: &start };
+    let term = |coefficient, order| Term { coefficient, order };
+    let lag = TransferFunction::new(vec![term(1.0, 0.0)], vec![term(1.0, 0.0), term(0.01, 1.0)]).unwrap();
+    let dynamic =
+        Model { dynamics: Dynamics::Integer(lag), delay_s: 4e-3, scheme: Scheme::BandLimited, ..model() };
+    for model in [Model { delay_s: 4e-3, ..model() }, dynamic] {
+        let expected = basis.columns(&model, &even, 1).unwrap();
+        let found = basis.columns(&model, &uneven, 1).unwrap();
+        for (which, (expected, found)) in expected.iter().zip(&found).enumerate() {
+            let size = expected.iter().fold(f64::MIN_POSITIVE, |size, x| size.max(x.abs()));
+            let off =
+                kept.iter().zip(found).map(|(k, found)| (found - expected[*k]).abs()).fold(0.0, f64::max);
+            assert!(off < 0.02 * size, "column {which}: {off:.1e} of {size:.1e}");
+        }
+    }
 }

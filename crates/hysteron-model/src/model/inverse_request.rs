@@ -33,6 +33,8 @@ pub struct InverseRequest {
     /// Compute sample by sample, the reference beyond the preview predicted from its past as a random motion
     /// band-limited to this frequency \[Hz\].
     pub predict_to_hz: Option<f64>,
+    /// Correct the drive by the predicted misfit of a device outside the model class.
+    pub correct: bool,
 }
 
 /// How much of the reference a law that works sample by sample knows ahead.
@@ -94,7 +96,7 @@ impl InverseRequest {
     /// many samples as affect the drive.
     ///
     /// # Errors
-    /// Those of [`Compensation::new`].
+    /// Those of [`Compensation::new`]; [`InversionError::NotCorrected`] where a corrected drive is asked for.
     pub fn law(
         &self,
         model: &Hammerstein,
@@ -102,6 +104,10 @@ impl InverseRequest {
         realise: RealiseOptions,
         preview: Option<usize>,
     ) -> Result<Compensation, InversionError> {
+        if self.correct {
+            let because = "a controller's law has no corrected form";
+            return Err(InversionError::NotCorrected { because });
+        }
         let options = CompensatorOptions {
             bandwidth_hz: self.bandwidth_hz,
             preview: self.preview.or(preview),
@@ -145,12 +151,18 @@ impl Hammerstein {
         let options = request.options(request.limits(self)?);
         let by_sample = request.preview.is_some() || request.predict_to_hz.is_some();
         match last {
+            Some(_) if request.correct => Err(InversionError::NotCorrected {
+                because: "a drive that learns from its last run is corrected by that",
+            }),
             Some(_) if by_sample => Err(InversionError::LearnedBySample),
             Some(last) => Ok((self.law().learn(reference, last, sample_rate_hz, &options)?, None)),
             None if by_sample => {
                 let law = request.law(self, sample_rate_hz, RealiseOptions::default(), Some(0))?;
                 let preview = Preview::from(&law);
                 Ok((law.follow(reference, &options)?, Some(preview)))
+            }
+            None if request.correct => {
+                Ok((self.corrected_drive(reference, sample_rate_hz, &options, listener)?, None))
             }
             None => {
                 let found = self.law().invert_told(reference, sample_rate_hz, &options, listener)?;

@@ -7,6 +7,7 @@
 mod axes_tracking;
 mod capability;
 mod checked_realisation;
+mod corrected_drive;
 mod decoupled;
 mod decoupling_request;
 mod error;

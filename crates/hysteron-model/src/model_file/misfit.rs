@@ -31,6 +31,9 @@ pub struct MisfitEntry {
     pub explained: f64,
     /// The training records hold loops of one amplitude only.
     pub one_amplitude: bool,
+    /// Error with the predicted misfit over that without it, on parts of the training records that were left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub left_out: Option<f64>,
     /// Mean of the coefficients, one a column.
     pub mean: CorrelationRow,
     /// Information of the training records on each direction, in units of the prior's.
@@ -51,6 +54,7 @@ impl From<&MisfitModel> for MisfitEntry {
             noise: of.noise,
             explained: of.explained,
             one_amplitude: of.one_amplitude,
+            left_out: of.left_out,
             mean: row(&of.mean),
             information: row(&of.information),
             directions: of.directions.iter().map(row).collect(),
@@ -66,6 +70,7 @@ impl MisfitEntry {
             noise: self.noise,
             explained: self.explained,
             one_amplitude: self.one_amplitude,
+            left_out: self.left_out,
             mean: self.mean.0.clone(),
             directions: self.directions.iter().map(|row| row.0.clone()).collect(),
             information: self.information.0.clone(),
@@ -86,6 +91,14 @@ impl MisfitEntry {
         }
         let share = (0.0..=1.0 + 1e-6).contains(&self.explained);
         allowed("misfit.explained", self.explained, share, "a share between 0 and 1")?;
+        if let Some(left) = self.left_out {
+            allowed(
+                "misfit.left_out",
+                left,
+                (0.0..=LARGEST).contains(&left),
+                "a finite number of at least 0",
+            )?;
+        }
         let count = |path: &str, found: usize| {
             let right = found == COLUMNS;
             allowed(path, found as f64, right, "a number a column of the basis, 71 of them")

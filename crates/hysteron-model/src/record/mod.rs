@@ -323,6 +323,19 @@ impl InputOutput {
         masked
     }
 
+    /// The first samples of the record, at most so many.
+    pub fn first_samples(&self, samples: usize) -> Self {
+        let mut first = self.clone();
+        first.u.truncate(samples);
+        first.y.truncate(samples);
+        first.rate.iter_mut().for_each(|rate| rate.truncate(samples));
+        first.valid.iter_mut().for_each(|valid| valid.truncate(samples));
+        if let TimeBase::NonUniform { times_s } = &mut first.time {
+            times_s.truncate(samples);
+        }
+        first
+    }
+
     /// Sample rate \[Hz\], if the time base is uniform.
     pub fn sample_rate_hz(&self) -> Option<f64> {
         match self.time {

@@ -120,7 +120,9 @@ impl Record {
     /// `y`; `y…`; `output`, `displacement`, `position`, `stroke`; channels in a unit of length or angle.
     /// Where several channels meet a rule, a command is preferred to its measurement for the input (`u_cmd`
     /// to `u_meas`, stated in the notes; the measured one may be chosen), a measurement for the output; else
-    /// it is an error. Where no channel meets a rule and there are exactly two, the first is the input and
+    /// it is an error. Where no channel meets a rule for the input and, of more than two, one is in a unit of
+    /// length or angle and one in a unit of force or torque, the displacement is the input and the force the
+    /// output, as of a damper. Where no channel meets a rule and there are exactly two, the first is the input and
     /// the second the output (noted).
     ///
     /// # Errors
@@ -142,10 +144,13 @@ impl Record {
             (Some(input), None) => (input, self.guess(Role::Output, Some(input), &mut notes)?),
             (None, Some(output)) => (self.guess(Role::Input, Some(output), &mut notes)?, output),
             (None, None) if two => self.guess_of_two(&mut notes)?,
-            (None, None) => {
-                let input = self.guess(Role::Input, None, &mut notes)?;
-                (input, self.guess(Role::Output, Some(input), &mut notes)?)
-            }
+            (None, None) => match self.force_over_displacement() {
+                Some(pair) => pair,
+                None => {
+                    let input = self.guess(Role::Input, None, &mut notes)?;
+                    (input, self.guess(Role::Output, Some(input), &mut notes)?)
+                }
+            },
         };
         if input == output {
             return Err(RecordError::SameChannel {
@@ -157,10 +162,27 @@ impl Record {
         Ok(Selection { input, output, notes })
     }
 
+    /// Displacement and force of a record of a damper, see [`Record::select`].
+    fn force_over_displacement(&self) -> Option<(usize, usize)> {
+        let quiet = &mut Vec::new();
+        if self.guess(Role::Input, None, quiet).is_ok() {
+            return None;
+        }
+        let displacements = self.positions(|c| Role::Output.has_unit(&c.unit));
+        let forces = self.positions(|c| c.unit.is_force());
+        match (displacements.as_slice(), forces.as_slice()) {
+            ([displacement], [force]) => Some((*displacement, *force)),
+            _ => None,
+        }
+    }
+
     /// True if names and units determine which channel is the input and which the output, each by a rule of
     /// [`Record::select`].
     pub fn names_input_and_output(&self) -> bool {
         let mut notes = Vec::new();
+        if self.channels.len() > 2 && self.force_over_displacement().is_some() {
+            return true;
+        }
         let input = self.guess(Role::Input, None, &mut notes);
         input.is_ok_and(|input| self.guess(Role::Output, Some(input), &mut notes).is_ok())
     }
@@ -369,7 +391,7 @@ impl Record {
                 y.label()
             );
             notes.push(note(text).with_advice(Advice::ScaleColumn { column: y.name.clone() }));
-        } else if is_position(u) {
+        } else if is_position(u) && !y.unit.is_force() {
             notes.push(note(format!("the input {} is a position, not a drive voltage", u.label())));
         }
         Ok(())

@@ -50,6 +50,11 @@ impl Unit {
         }
     }
 
+    /// True for a unit of force or of torque.
+    pub fn is_force(&self) -> bool {
+        ["N", "mN", "uN", "kN", "lbf", "kgf", "Nm", "mNm"].contains(&self.symbol())
+    }
+
     /// Base unit of the quantity (`s`, `V`, `um`, `urad`); the unit itself where it is not converted.
     pub fn base_unit(&self) -> Unit {
         match self.base().0 {

@@ -1,9 +1,10 @@
 //! Coverage and width of bands.
 
 use hysteron_identify::{CampaignRecord, Options, PredictionBand, Watch, identify};
-use hysteron_model::Start;
+use hysteron_model::model::Capability;
 use hysteron_model::model_file::Maker;
 use hysteron_model::validate::{Scoring, choose_start, score};
+use hysteron_model::{Model, Start};
 
 use super::drives::{Campaign, Kind};
 use super::sorts::Sort;
@@ -18,6 +19,8 @@ pub struct Bands {
     pub misfit: Band,
     /// The device was told to be outside the class.
     pub outside: bool,
+    /// Error with the predicted misfit over that without it, where correcting by it is said to pay.
+    pub corrected: Option<f64>,
 }
 
 /// Coverage, and mean half-width over the smallest constant one that holds 95 %.
@@ -44,6 +47,8 @@ pub fn scored(
 ) -> Outcome<Vec<(Kind, Bands)>> {
     let found = identify(fitted, options, &Watch::silent(), None)?;
     let file = found.model_file(options, &Maker::default());
+    let model = Model::try_from(file.clone())?;
+    let model = model.hammerstein(Capability::Inversion)?;
     let mut class_alone = file.clone();
     class_alone.misfit = None;
     let each = unseen.iter().map(|(kind, record)| {
@@ -55,15 +60,29 @@ pub fn scored(
         let (start, simulated) = choose_start(&found.model, data, start, None, &Scoring::default())?;
         let offset = score(data, &simulated, &Scoring::default())?.offset;
         let errors: Vec<f64> = data.y.iter().zip(&simulated).map(|(y, m)| (y - m - offset).abs()).collect();
-        let band = |file| -> Outcome<Band> {
-            let band = PredictionBand::of_file(file, &data.u, &data.time, &start)?;
-            Ok(Band::of(&errors, &band.of_measurement()))
+        let band = |file| PredictionBand::of_file(file, &data.u, &data.time, &start);
+        let of_misfit = band(&file)?;
+        let pays = model.correction().is_ok();
+        let corrected = of_misfit.misfit.as_ref().filter(|_| pays).map(|misfit| {
+            let model = misfit.discrepancy.iter().zip(&simulated).map(|(d, m)| m + d);
+            rms_about_mean(data.y.iter().zip(model).map(|(y, m)| y - m))
+                / rms_about_mean(data.y.iter().zip(&simulated).map(|(y, m)| y - m))
+        });
+        let bands = Bands {
+            class: Band::of(&errors, &band(&class_alone)?.of_measurement()),
+            misfit: Band::of(&errors, &of_misfit.of_measurement()),
+            outside: file.misfit.is_some(),
+            corrected,
         };
-        let bands =
-            Bands { class: band(&class_alone)?, misfit: band(&file)?, outside: file.misfit.is_some() };
         Ok((*kind, bands))
     });
     each.collect()
+}
+
+fn rms_about_mean(errors: impl Iterator<Item = f64>) -> f64 {
+    let errors: Vec<f64> = errors.collect();
+    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+    (errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / errors.len() as f64).sqrt()
 }
 
 impl Band {
@@ -108,14 +127,30 @@ fn gate(bands: &[Band], campaign: Campaign) -> String {
 
 /// Prints the table of campaigns and kinds of record with the gates, and those of sorts and families.
 pub fn tables(all: &[Scored], sorts: &[Sort]) -> Outcome<()> {
-    const MEASURES: [&str; 9] =
-        ["outside", "class: pooled", "10th", "width", "90th", "misfit: pooled", "10th", "width", "90th"];
+    const MEASURES: [&str; 12] = [
+        "outside",
+        "class: pooled",
+        "10th",
+        "width",
+        "90th",
+        "misfit: pooled",
+        "10th",
+        "width",
+        "90th",
+        "corrected",
+        "error",
+        "90th",
+    ];
     let misfit = |of: &[&Scored]| of.iter().map(|s| s.bands.misfit).collect::<Vec<Band>>();
     let measured = |of: &[&Scored]| -> Vec<String> {
         let outside = of.iter().filter(|s| s.bands.outside).count();
         let class: Vec<Band> = of.iter().map(|s| s.bands.class).collect();
         let share = format!("{outside} of {}", of.len());
-        std::iter::once(share).chain(summary(&class)).chain(summary(&misfit(of))).collect()
+        let ratios: Vec<f64> = of.iter().filter_map(|s| s.bands.corrected).collect();
+        let corrected = format!("{} of {}", ratios.len(), of.len());
+        let ratio = |p| format!("{:.2}", quantile(ratios.clone(), p));
+        let corrected = [corrected, ratio(0.5), ratio(0.9)];
+        std::iter::once(share).chain(summary(&class)).chain(summary(&misfit(of))).chain(corrected).collect()
     };
     let mut rows = Vec::new();
     for campaign in Campaign::ALL {

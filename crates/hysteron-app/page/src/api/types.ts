@@ -51,6 +51,8 @@ export interface RecordEntry {
   input_unit: string;
   output: string | null;
   output_unit: string;
+  /** Kind of model that its quantities call for. */
+  usual_kind: string | null;
   settings: RecordSettings;
   glyph: [number, number][];
   warning: string | null;
@@ -392,6 +394,8 @@ export interface ModelDetail extends ModelEntry {
   treatment: string[];
   valid_range: string | null;
   drive_range: [number, number] | null;
+  /** Correcting a drive by its predicted misfit pays. */
+  correctable: boolean;
   sample_rate_hz: number | null;
   file: unknown;
 }

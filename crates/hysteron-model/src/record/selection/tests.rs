@@ -84,6 +84,18 @@ fn missing_and_equal_channels_are_named() {
 }
 
 #[test]
+fn a_force_beside_a_displacement_and_its_rate_is_the_output() {
+    assert_eq!(chosen(&["x_mm", "v_mm_per_s", "F_kN"], None, None), ("x_mm".into(), "F_kN".into(), 0));
+    assert_eq!(
+        chosen(&["torque_Nm", "angle_deg", "i_A"], None, None),
+        ("angle_deg".into(), "torque_Nm".into(), 0)
+    );
+    // A drive is one, whatever stands beside it.
+    assert_eq!(chosen(&["u_V", "x_mm", "F_N"], None, None).0, "u_V");
+    assert!(matches!(refused(&["x_mm", "z_mm", "F_N"], None, None), RecordError::NoCandidate { .. }));
+}
+
+#[test]
 fn wrong_units_are_refused_or_noted() {
     let text = refused(&["u_V", "y_ms"], None, None).to_string();
     for part in ["`y_ms`", "in ms", "output", "length"] {

@@ -24,6 +24,8 @@ export interface Limits {
   /** Record of the last run. */
   learn: string;
   periodic: boolean;
+  /** The drive is corrected by the predicted misfit. */
+  correct: boolean;
 }
 
 export function ReferenceForm(props: {
@@ -114,7 +116,7 @@ export function LimitsForm({
   runs: RecordEntry[];
 }) {
   const field = (
-    name: Exclude<keyof Limits, 'periodic' | 'learn'>,
+    name: Exclude<keyof Limits, 'periodic' | 'correct' | 'learn'>,
     label: string,
     placeholder: string,
     key: string,
@@ -155,6 +157,16 @@ export function LimitsForm({
         />
         repeats, in its steady state
       </label>
+      {detail.correctable && (
+        <label class="row">
+          <input
+            type="checkbox"
+            checked={limits.correct}
+            onChange={(event) => settle({ correct: event.currentTarget.checked ? '1' : null })}
+          />
+          corrected by what the device does beside the model
+        </label>
+      )}
       {!limits.periodic && (
         <span class="row">
           <span class="soft">Rests before at</span>

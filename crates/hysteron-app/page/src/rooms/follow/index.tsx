@@ -152,6 +152,7 @@ function Ready(props: {
     predict: asked.get('predict') ?? '',
     learn: asked.get('learn') ?? '',
     periodic: asked.get('periodic') !== null,
+    correct: asked.get('correct') !== null && detail.correctable,
   };
   const [from, to] = [limits.low || detail.drive_range?.[0], limits.high || detail.drive_range?.[1]];
   const rate = detail.sample_rate_hz ?? 1000;
@@ -170,6 +171,7 @@ function Ready(props: {
     virgin_voltage: limits.periodic ? null : number(limits.virgin),
     preview: number(limits.preview),
     predict_to_hz: number(limits.predict),
+    correct: limits.correct,
   };
   const request = { reference, inverse, learn_from: limits.learn || null };
   const at = path('models', model.id);

@@ -129,7 +129,7 @@ function Choices(props: { offered: Options; records: RecordEntry[]; models: Mode
   const { offered, records, models } = props;
   const { query } = useSignal(route);
   const [wanted, search] = useState('');
-  const task = asked(offered);
+  const task = asked(offered, records);
   const schema = useMemo(() => optionsOf(offered.task, task.kind), [offered, task.kind]);
   const choices = useMemo(
     () =>
@@ -141,14 +141,15 @@ function Choices(props: { offered: Options; records: RecordEntry[]; models: Mode
   );
   const kinds = offered.defaults as unknown as Task[];
   const first = schema ? FIRST.filter((name) => name in (schema.properties ?? {})) : [];
-  const change = (options: Record<string, unknown>): void => ask(offered, { kind: task.kind, options });
+  const change = (options: Record<string, unknown>): void =>
+    ask(offered, records, { kind: task.kind, options });
   return (
     <>
       <label class="f">
         <span>Structure</span>
         <select
           value={task.kind}
-          onChange={(event) => ask(offered, usual(offered, event.currentTarget.value))}
+          onChange={(event) => ask(offered, records, usual(offered, event.currentTarget.value))}
         >
           {kinds.map((other) => (
             <option key={other.kind} value={other.kind}>

@@ -63,7 +63,7 @@ export function Identify() {
   const taken = own.filter((record) => !leftOut.has(record.id));
   const request: JobRequest | null =
     offered && taken.length > 0
-      ? { kind: 'identify', records: taken.map((record) => record.id), ...requested(offered) }
+      ? { kind: 'identify', records: taken.map((record) => record.id), ...requested(offered, taken) }
       : null;
   const planned = useAnswer<Command>(request && !job ? 'commands' : null, request);
   const preview = planned.error ? undefined : planned.value;

@@ -1,5 +1,5 @@
 // What is asked of a fit: a kind of model with its options, kept in the URL where it differs from the usual.
-import type { Options, Schema } from '../../api/types';
+import type { Options, RecordEntry, Schema } from '../../api/types';
 import { kindOf, resolved } from '../../components/schema';
 import { route, settle } from '../../route';
 
@@ -8,14 +8,21 @@ export interface Task {
   options: Record<string, unknown>;
 }
 
+/** A kind with its usual options. */
 export function usual(offered: Options, kind?: string): Task {
   const list = offered.defaults as unknown as Task[];
   return list.find((task) => task.kind === kind) ?? list[0] ?? { kind: 'hammerstein', options: {} };
 }
 
-/** The usual task of the chosen kind with the options of the URL. */
-export function asked(offered: Options): Task {
-  const base = usual(offered, route.value.query.get('kind') ?? undefined);
+/** The kind that all of the records call for, else the first. */
+function kindFor(offered: Options, records: RecordEntry[]): string {
+  const kind = records[0]?.usual_kind ?? undefined;
+  return usual(offered, records.every((record) => record.usual_kind === kind) ? kind : undefined).kind;
+}
+
+/** The usual task of the chosen kind, by the URL or else by the records, with the options of the URL. */
+export function asked(offered: Options, records: RecordEntry[]): Task {
+  const base = usual(offered, route.value.query.get('kind') ?? kindFor(offered, records));
   try {
     const changes = JSON.parse(route.value.query.get('o') ?? '{}') as Record<string, unknown>;
     return { kind: base.kind, options: { ...base.options, ...changes } };
@@ -33,8 +40,8 @@ export function columns(of: 'inputs' | 'outputs'): string[] {
 }
 
 /** What the settings ask of a fit beside its records. */
-export function requested(offered: Options) {
-  const task = asked(offered);
+export function requested(offered: Options, records: RecordEntry[]) {
+  const task = asked(offered, records);
   const axes = OF_AXES.includes(task.kind);
   const start = route.value.query.get('start');
   return {
@@ -45,13 +52,13 @@ export function requested(offered: Options) {
   };
 }
 
-export function ask(offered: Options, task: Task): void {
+export function ask(offered: Options, records: RecordEntry[], task: Task): void {
   const base = usual(offered, task.kind);
   const changes = Object.entries(task.options).filter(
     ([name, value]) => JSON.stringify(value) !== JSON.stringify(base.options[name]),
   );
   settle({
-    kind: task.kind === usual(offered).kind ? null : task.kind,
+    kind: task.kind === kindFor(offered, records) ? null : task.kind,
     o: changes.length > 0 ? JSON.stringify(Object.fromEntries(changes)) : null,
   });
 }
