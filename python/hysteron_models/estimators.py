@@ -525,7 +525,10 @@ class Modes(Estimator):
         hysteresis: include hysteresis; without it the modes are linear at each level.
         lag: initial corner frequency of the inputs' lags [Hz]; 0.8 of the highest excited frequency if not
             given.
-        exponent: exponent of the level in the stiffness.
+        exponent: exponent of the level in the schedule of the modes; from the responses of three levels or
+            more where they determine it, else 0.3, if not given.
+        ridge: weight of the ridge that shrinks the change of the modes with the level towards one common
+            relative shift.
         time_constant: time constant of the running level of a drive that is not periodic [s].
         iterations: iterations of the last search.
         whole_records: treat a record without a detectable period as one period of a steady state.
@@ -544,7 +547,8 @@ class Modes(Estimator):
         plays: int = 6,
         hysteresis: bool = True,
         lag: float | None = None,
-        exponent: float = 1.0,
+        exponent: float | None = None,
+        ridge: float = 0.0,
         time_constant: float = 2.0,
         iterations: int = 12,
         whole_records: bool = False,
@@ -558,6 +562,7 @@ class Modes(Estimator):
         self.hysteresis = hysteresis
         self.lag = lag
         self.exponent = exponent
+        self.ridge = ridge
         self.time_constant = time_constant
         self.iterations = iterations
         self.whole_records = whole_records

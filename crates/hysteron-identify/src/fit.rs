@@ -376,7 +376,19 @@ fn modes_fit(
     options: &modes::Options,
     maker: &Maker,
 ) -> Result<Fit, IdentifyError> {
-    let model = Model::try_from(found.model_file(records, options, maker))?;
+    let file = found.model_file(records, options, maker);
+    let parameters = file.quantities.iter().map(|q| FitParameter {
+        place: Some(Place::Of(q.of.clone())),
+        name: q.name.clone(),
+        value: q.value,
+        unit: q.unit.clone(),
+        std_error: q.std_error,
+        interval_95: None,
+        held: false,
+        at_limit: false,
+    });
+    let parameters = parameters.collect();
+    let model = Model::try_from(file)?;
     // A record fitted as a single period is scored as one.
     let start = |record: &AxesRecord| {
         let whole =
@@ -389,7 +401,7 @@ fn modes_fit(
     Ok(Fit {
         scores: scores(&model, records, start)?,
         model,
-        parameters: Vec::new(),
+        parameters,
         findings: found.findings.clone(),
         treatment: found.treatment.clone(),
         interrupted: found.interrupted,

@@ -7,11 +7,11 @@ use hysteron_model::model_file::ModelFileError;
 
 use crate::page::{Page, Section};
 use crate::record_curves::RecordCurves;
-use crate::{identification, model};
+use crate::{identification, model, modes};
 
 /// The report of a fit: for a Hammerstein model with curves and, where they were fitted, the neighbouring
 /// structures (`others`); for the other kinds numbers, errors, scores and findings, for an oscillator and
-/// a force also curves.
+/// a force also curves, for modes frequency responses and spectra.
 ///
 /// # Errors
 /// [`ModelFileError`] where the data of the model are not sound.
@@ -37,6 +37,9 @@ pub fn report(
             });
             let curves = Section::new("Measured and model").blocks(figures);
             Ok(model::report(name, &fit.model, &fit.findings)?.section(curves))
+        }
+        (FitDetails::Modes(found), _) => {
+            model::report_with(name, &fit.model, &fit.findings, modes::sections(found, &fit.model))
         }
         _ => model::report(name, &fit.model, &fit.findings),
     }

@@ -26,6 +26,8 @@ pub mod fleet;
 pub mod frequency_response;
 pub mod identification;
 pub mod model;
+mod modes;
+pub mod modes_comparison;
 pub mod page;
 pub mod record_curves;
 pub mod records;

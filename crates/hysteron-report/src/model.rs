@@ -26,6 +26,17 @@ const SHOWN: [(&str, &str, bool); 4] = [
 /// # Errors
 /// [`ModelFileError`] where the data of the model are not sound.
 pub fn report(name: &str, model: &Model, findings: &[Finding]) -> Result<Page, ModelFileError> {
+    let numbers = Section::new("Numbers").block(numbers(&data_of(model)?));
+    report_with(name, model, findings, vec![numbers])
+}
+
+/// [`report`] with these sections in place of the numbers.
+pub(crate) fn report_with(
+    name: &str,
+    model: &Model,
+    findings: &[Finding],
+    sections: Vec<Section>,
+) -> Result<Page, ModelFileError> {
     let data = data_of(model)?;
     let records = model.provenance().map_or(&[][..], |provenance| &provenance.records);
     let kind = format!("model of the kind {}", model.kind());
@@ -38,7 +49,7 @@ pub fn report(name: &str, model: &Model, findings: &[Finding]) -> Result<Page, M
     if !findings.is_empty() {
         page = page.section(Section::new("Findings").blocks(notes));
     }
-    page = page.section(Section::new("Numbers").block(numbers(&data)));
+    page = sections.into_iter().fold(page, Page::section);
     if let Some(scores) = scores(&data, &model.units().output) {
         page = page.section(Section::new("Scores on the records").block(scores));
     }
@@ -102,8 +113,10 @@ fn quantities(path: &str, data: &Value, found: &mut Vec<Number>) {
     match data {
         Value::Object(object) => match (object.get("value"), object.get("unit")) {
             (Some(Value::Number(value)), Some(Value::String(unit))) => {
+                let text = |key: &str| object.get(key).and_then(Value::as_str);
+                let named = text("of").zip(text("name")).map(|(of, name)| format!("{of}: {name}"));
                 found.push(Number {
-                    path: path.to_owned(),
+                    path: named.unwrap_or_else(|| path.to_owned()),
                     value: value.as_f64().unwrap_or(f64::NAN),
                     std_error: object.get("std_error").and_then(Value::as_f64),
                     unit: if unit == "1" { String::new() } else { typographic(unit) },

@@ -1,5 +1,6 @@
 //! `hysteron compare`: which structure do these records support?
 
+mod several;
 mod text;
 
 use std::path::{Path, PathBuf};
@@ -7,6 +8,7 @@ use std::time::Duration;
 
 use clap::Args;
 use hysteron_identify::baselines::cross_validate_all;
+use hysteron_identify::modes::ModesCandidate;
 use hysteron_identify::structure::{
     Candidate, Comparison, Selection, UnknownCandidate, compare_from, prospects,
 };
@@ -15,6 +17,7 @@ use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::record::InputOutput;
 use hysteron_report::comparison;
 
+use crate::axes::AxesFlags;
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::design;
@@ -53,7 +56,10 @@ use crate::result_flags::ResultFlags;
     MODEL.partial.json. With -o the finished candidates are kept in MODEL.searches.json as they come, also of a \
     command that is killed: the same command with --resume MODEL.searches.json fits only the others and ends \
     with the same result.\n\n\
+    Several axes (--inputs, --outputs) compare structures of modes, [modesN+] and one of linear, polynomial, \
+    playsN, by default linear, polynomial, plays3, plays6; each fold holds out one record of every level.\n\n\
     Example: hysteron compare loop_1hz.csv sweep.csv sine_*.csv --report compare.html\n\
+    Example: hysteron compare small*.csv large*.csv --inputs u1_V,u2_V --outputs y1_nm,y2_nm\n\
     Example: hysteron compare loop_1hz.csv sweep.csv sine_*.csv --quick --time-limit 30 -o model.json\n\
     Example: hysteron compare loop.csv sweep.csv --candidates none,integer2,fractional,fractional+degree2 -o \
     model.json\n\
@@ -69,7 +75,7 @@ pub struct Compare {
 
     /// Structures to compare, separated by commas
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = candidate)]
-    candidates: Vec<Candidate>,
+    candidates: Vec<Structure>,
 
     /// Search through the commonest structures only, in one pass
     #[arg(long, conflicts_with = "candidates")]
@@ -106,10 +112,25 @@ pub struct Compare {
 
     #[command(flatten)]
     columns: ColumnFlags,
+
+    #[command(flatten)]
+    axes: AxesFlags,
 }
 
-fn candidate(text: &str) -> Result<Candidate, UnknownCandidate> {
-    text.parse()
+/// A structure by its name.
+#[derive(Clone, Copy, Debug)]
+enum Structure {
+    /// Of one input and one output.
+    One(Candidate),
+    /// Of several axes.
+    Several(ModesCandidate),
+}
+
+fn candidate(text: &str) -> Result<Structure, UnknownCandidate> {
+    match text.parse() {
+        Ok(candidate) => Ok(Structure::One(candidate)),
+        Err(unknown) => text.parse().map(Structure::Several).map_err(|_| unknown),
+    }
 }
 
 impl Compare {
@@ -118,13 +139,24 @@ impl Compare {
             output::check_file("the model", path)?;
         }
         self.result.check()?;
+        if self.axes.are_given() {
+            return self.several_axes();
+        }
+        let candidates = self.candidates.iter().map(|structure| match structure {
+            Structure::One(candidate) => Ok(*candidate),
+            Structure::Several(candidate) => {
+                Err(Failure::usage(format!("{candidate} is a structure of several axes"))
+                    .hint("name their columns with --inputs and --outputs"))
+            }
+        });
+        let candidates = candidates.collect::<Result<Vec<_>, Failure>>()?;
         let records = self.columns.read_all(&self.records)?.into_iter();
         let campaign: Vec<_> = records.map(|data| CampaignRecord { data, role: None }).collect();
         let resume = self.resume.as_deref().map(kept::read).transpose()?;
         let stop = Interrupt::listen("what is finished is printed")?;
         let kept = Kept::beside(self.out.as_deref());
         let watch = kept.watch_candidates(&stop);
-        let selection = Selection::of(&self.candidates, self.quick);
+        let selection = Selection::of(&candidates, self.quick);
         let options = Options { continued: self.continued, ..Options::default() };
         let comparison = match self.time_limit {
             None => compare_from(&campaign, selection, &options, &watch, resume),

@@ -3,7 +3,7 @@
 use clap::Args;
 use hysteron_identify::modes::Options;
 
-use crate::numbers::{count, positive, whole};
+use crate::numbers::{count, not_negative, positive, whole};
 
 /// Options of scheduled modes.
 #[derive(Args, Clone, Debug)]
@@ -41,12 +41,21 @@ pub struct ModesFlags {
     )]
     iterations: Option<usize>,
 
-    /// Exponent of the drive level in the scheduling of the modes [default: 1]
+    /// Exponent of the drive level in the scheduling of the modes [default: from the responses of three
+    /// levels or more where they determine it, else 0.3]
     #[arg(
         long, value_name = "P", value_parser = positive, allow_hyphen_values = true,
         help_heading = "Several axes",
     )]
     exponent: Option<f64>,
+
+    /// Weight of the ridge that shrinks the change of the modes with the level towards one common relative
+    /// shift [default: 0, none]
+    #[arg(
+        long, value_name = "WEIGHT", value_parser = not_negative, allow_hyphen_values = true,
+        help_heading = "Several axes",
+    )]
+    ridge: Option<f64>,
 }
 
 impl ModesFlags {
@@ -59,6 +68,7 @@ impl ModesFlags {
             ("--steps", self.steps.is_some()),
             ("--iterations", self.iterations.is_some()),
             ("--exponent", self.exponent.is_some()),
+            ("--ridge", self.ridge.is_some()),
         ]
         .into_iter()
         .find_map(|(flag, given)| given.then_some(flag))
@@ -72,7 +82,8 @@ impl ModesFlags {
             hysteresis: !self.linear,
             steps: self.steps.unwrap_or(defaults.steps),
             iterations: self.iterations.unwrap_or(defaults.iterations),
-            exponent: self.exponent.unwrap_or(defaults.exponent),
+            exponent: self.exponent,
+            ridge: self.ridge.unwrap_or(defaults.ridge),
             whole_records,
             least_fit_percent,
             ..defaults

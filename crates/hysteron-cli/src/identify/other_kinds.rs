@@ -82,7 +82,8 @@ impl Identify {
     pub(super) fn modes(&self) -> Result<Task, Failure> {
         self.refuse_flags_but(
             "modes",
-            "modes have --modes, --plays, --linear, --steps, --iterations, --exponent, --initial periodic",
+            "modes have --modes, --plays, --linear, --steps, --iterations, --exponent, --ridge, --initial \
+             periodic",
             &[
                 ("--inter-sample", self.inter_sample.is_some()),
                 ("--start", self.start.is_some()),

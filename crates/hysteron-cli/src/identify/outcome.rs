@@ -5,6 +5,7 @@ use hysteron_model::Model;
 use hysteron_model::axes::InfluenceMatrix;
 use hysteron_model::model_file::typographic;
 use hysteron_report::number::{significant, with_std_error};
+use hysteron_report::results::modes::{ABOUT_GAINS, ABOUT_WEIGHTS, Names, gains, modes, weights};
 use serde::Serialize;
 
 use crate::advice;
@@ -22,11 +23,16 @@ pub struct Outcome<'a> {
 /// Result as text, for people.
 pub fn text(fit: &Fit) -> String {
     let mut text = String::new();
-    if !fit.parameters.is_empty() {
+    if !fit.parameters.is_empty() && fit.modes().is_none() {
         text += &format!("{}\n\n", parameters(&fit.parameters));
     }
     if let Some(found) = fit.modes() {
-        text += &modes(&found.modes);
+        let names = Names::of(&fit.model);
+        text += &format!("{}\n\n", console::listed(&modes(found)));
+        text += &format!("{}\n{ABOUT_GAINS}\n\n", console::listed(&gains(found, &names)));
+        if let Some(weights) = weights(found, &names) {
+            text += &format!("{}\n{ABOUT_WEIGHTS}\n\n", console::listed(&weights));
+        }
         for level in &found.influence {
             let (size, unit) = (significant(level.level, 4), &fit.model.units().input);
             text += &format!("influence at {size} {unit} rms\n{}\n\n", influence(&level.matrix, &fit.model));
@@ -87,28 +93,6 @@ fn parameters(list: &[FitParameter]) -> comfy_table::Table {
         table.add_row(row);
     }
     table
-}
-
-fn modes(found: &[hysteron_identify::modes::ModeShift]) -> String {
-    let mut modes = console::table(&[
-        "mode",
-        "lowest level [Hz]",
-        "highest level [Hz]",
-        "fall [%]",
-        "damping, lowest [%]",
-        "damping, highest [%]",
-    ]);
-    for (k, m) in found.iter().enumerate() {
-        modes.add_row(vec![
-            (k + 1).to_string(),
-            significant(m.low.frequency_hz, 5),
-            significant(m.high.frequency_hz, 5),
-            significant(100.0 * (1.0 - m.high.frequency_hz / m.low.frequency_hz), 2),
-            significant(100.0 * m.low.damping, 3),
-            significant(100.0 * m.high.damping, 3),
-        ]);
-    }
-    format!("{modes}\n\n")
 }
 
 fn influence(matrix: &InfluenceMatrix, model: &Model) -> comfy_table::Table {

@@ -7,11 +7,14 @@ use hysteron_model::decoupling::{AxesTrackOptions, AxesTracking, track_axes};
 use hysteron_model::model::{AxesTrackingSummary, Capability, DecouplingRequest};
 use hysteron_model::record::{Channel, Record, Unit};
 use hysteron_report::number::significant;
+use hysteron_report::results::axes_tracking::{ABOUT_ERRORS, errors};
+use hysteron_report::tracking::{AxesTracked, axes_page};
 use hysteron_rig::axes::{AxesRigStage, AxesTruth};
 
 use super::{PlantArg, Track};
 use crate::console;
 use crate::failure::Failure;
+use crate::maker::maker;
 use crate::model::Loaded;
 use crate::rig::read_settings;
 
@@ -24,7 +27,6 @@ impl Track {
             (self.virgin_voltage.is_some(), "--virgin-voltage"),
             (self.lowest_frequency.is_some(), "--lowest-frequency"),
             (self.sines.is_some(), "--sines"),
-            (self.result.has_report(), "--report"),
         ] {
             if given {
                 return Err(Failure::usage(format!("{flag} does not go with a model of several axes yet")));
@@ -58,6 +60,17 @@ impl Track {
             .map_err(|e| failed(e.into()))?;
         self.write_several(loaded, &references, &found)?;
         let summary = AxesTrackingSummary::new(model, &found);
+        let (actuators, _) = model.channels().unwrap_or_default();
+        let tracked = AxesTracked {
+            name: &self.reference_file.display().to_string(),
+            stage: &truth.describe(),
+            found: &found,
+            summary: &summary,
+            actuators,
+            input_unit: &Unit::new(&model.units().input),
+            references: &references.u,
+        };
+        self.result.write(|| axes_page(&tracked, &maker()))?;
         if self.result.json {
             return console::json(&summary);
         }
@@ -105,31 +118,10 @@ impl Track {
 }
 
 fn text(truth: &AxesTruth, s: &AxesTrackingSummary) -> String {
-    let unit = Unit::new(&s.output_unit).to_string();
-    let mut header = vec!["controller".to_owned()];
-    header.extend(s.axes.iter().map(|axis| console::in_unit(&format!("{axis}, rms"), &unit)));
-    header.extend(
-        ["rms [% of stroke]", "largest [% of stroke]", "cross-coupling, rms [%]", "largest [%]"]
-            .map(str::to_owned),
-    );
-    header.push("samples at a limit".to_owned());
-    let mut table = console::table(&header.iter().map(String::as_str).collect::<Vec<_>>());
-    for run in &s.controllers {
-        let mut row = vec![run.controller.name().to_owned()];
-        row.extend(run.rms.iter().map(|x| significant(*x, 3)));
-        let percent = |x: Option<f64>| x.map_or_else(|| "–".to_owned(), |x| significant(x, 3));
-        row.extend(
-            [run.rms_percent, run.max_percent, run.cross_rms_percent, run.cross_max_percent].map(percent),
-        );
-        row.push(run.samples_at_limits.to_string());
-        table.add_row(row);
-    }
     format!(
-        "Simulated on the bench of several axes ({}).\n\n{table}\n\nErrors are those of the true \
-         displacement, their mean removed; per cent of the stroke of the axis, the worst axis. \
-         Cross-coupling: motion of an axis that is to stay while another moves along its reference alone, in \
-         per cent of that stroke, the worst pair. Integral: crossover {} Hz.\n",
+        "Simulated on the bench of several axes ({}).\n\n{}\n\n{ABOUT_ERRORS} Integral: crossover {} Hz.\n",
         truth.describe(),
+        console::listed(&errors(s)),
         significant(s.integral_crossover_hz, 3)
     )
 }

@@ -110,9 +110,15 @@ fn a_record_becomes_a_file_that_predicts_another_record() {
 #[test]
 fn the_result_for_people_names_every_parameter() {
     let bench = bench();
-    let run =
-        bench.run("identify train.csv --structure oscillator -o oscillator.json --fix mass=0.002 --n 1");
+    let run = bench.run(
+        "identify train.csv --structure oscillator -o oscillator.json --fix mass=0.002 --n 1 --report \
+        oscillator.html",
+    );
     assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    let page = std::fs::read_to_string(bench.path("oscillator.html")).unwrap();
+    for words in ["Numbers", "Measured and model", "std. error"] {
+        assert!(page.contains(words), "{words}");
+    }
     for word in Oscillator::NAMES.into_iter().chain(["natural_frequency", "damping_ratio", "RMSE", "held"]) {
         assert!(run.stdout.contains(word), "{word}: {}", run.stdout);
     }
@@ -153,6 +159,18 @@ fn what_does_not_go_with_an_oscillator_is_refused() {
         let run = bench.run(command);
         assert_eq!(run.exit_code, wanted, "{command}: {}", run.stderr);
     }
+    // The reason lies in the kind, and is said.
+    bench.write("reference.csv", "t_s,y_um\n0,0\n0.001,1\n0.002,2\n0.003,3\n");
+    for (command, reason) in [
+        ("realise oscillator.json --sample-rate 10000", "no poles to realise"),
+        ("export oscillator.json --to c -o out", "no poles to realise"),
+        ("invert oscillator.json reference.csv -o drive.csv --range=-1:1", "takes the acceleration"),
+        ("track oscillator.json reference.csv --range=-1:1", "takes the acceleration"),
+    ] {
+        let run = bench.run(command);
+        assert!(run.exit_code == 1 && run.stderr.contains(reason), "{command}: {}", run.stderr);
+    }
+    assert!(!bench.path("out").exists() && !bench.path("drive.csv").exists());
     let text = std::fs::read_to_string(bench.path("oscillator.json")).unwrap();
     bench.write("bad.json", text.replace("\"mass\"", "\"mas\""));
     let run = bench.run("validate bad.json train.csv");

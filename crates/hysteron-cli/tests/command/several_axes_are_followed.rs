@@ -114,8 +114,13 @@ fn the_bench_of_several_axes_makes_records_and_controllers_are_compared_on_it() 
     let run = bench.run("rig --axes 3 --truth bench2/truth.json --out-dir bench3");
     assert!(run.exit_code == 2 && run.stderr.contains("the truth has 2 axes"), "{}", run.stderr);
     // A model that is not of this bench follows badly, and says so.
-    let run = bench.run("track stage.json references.csv --range=-6:6 --truth bench2/truth.json --json");
+    let track = "track stage.json references.csv --range=-6:6 --truth bench2/truth.json";
+    let run = bench.run(&format!("{track} --json --report track.html"));
     assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    let page = std::fs::read_to_string(bench.path("track.html")).unwrap();
+    for words in ["cross-coupling", "feedforward-integral", "Drives of the actuators", "simulated"] {
+        assert!(page.contains(words), "{words}");
+    }
     let told = json(&run.stdout);
     assert_eq!(told["simulated"], true);
     assert_eq!(told["controllers"].as_array().unwrap().len(), 5);

@@ -105,12 +105,13 @@ fn json(text: &str) -> Value {
     serde_json::from_str(text).unwrap_or_else(|e| panic!("{e}: {text}"))
 }
 
+/// The device follows the level itself (--exponent 1), which two levels do not show.
 #[test]
 fn records_of_two_levels_become_a_file_that_predicts_one_between() {
     let bench = bench();
     let run = bench.run(&format!(
         "identify low1.csv low2.csv high1.csv high2.csv {COLUMNS} --modes 2 --steps 1 --plays 2 --iterations \
-         2 -o stage.json --json"
+         2 --exponent 1 -o stage.json --json"
     ));
     assert_eq!(run.exit_code, 0, "{}", run.stderr);
     let told = json(&run.stdout);
@@ -130,6 +131,14 @@ fn records_of_two_levels_become_a_file_that_predicts_one_between() {
     assert_eq!((file.inputs, file.outputs), (vec!["u1".into(), "u2".into()], vec!["y1".into(), "y2".into()]));
     assert_eq!((file.units.input.as_str(), file.units.output.as_str()), ("V", "um"));
     assert_eq!(told["influence"].as_array().map(Vec::len), Some(2));
+    // Every quantity has a standard error, in the result and in the file.
+    let parameters = told["parameters"].as_array().unwrap();
+    let frequency = parameters.iter().find(|p| p["of"] == "mode 1" && p["name"] == "frequency_highest_level");
+    let frequency = frequency.unwrap();
+    let error = frequency["std_error"].as_f64().unwrap();
+    assert!(error > 0.0 && error < 0.1, "{frequency}");
+    assert_eq!(file.quantities.len(), parameters.len());
+    assert!(file.quantities.iter().all(|q| q.std_error.is_some()), "{:?}", file.quantities);
 
     // The columns are those of the file; the errors are pooled and listed.
     let run = bench.run("validate stage.json between.csv high1.csv --json");
@@ -233,14 +242,22 @@ fn records_that_do_not_repeat_become_branches_that_predict_another() {
 #[test]
 fn the_result_for_people_shows_modes_influence_and_what_is_not_known() {
     let bench = bench();
-    let run = bench
-        .run(&format!("identify high1.csv high2.csv {COLUMNS} --modes 2 --steps 1 --linear -o stage.json"));
+    let run = bench.run(&format!(
+        "identify high1.csv high2.csv {COLUMNS} --modes 2 --steps 1 --linear -o stage.json --report \
+        stage.html"
+    ));
     assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    let page = std::fs::read_to_string(bench.path("stage.html")).unwrap();
+    for words in ["Gains at rest", "Response of y2", "Output and error: high1.csv", "±"] {
+        assert!(page.contains(words), "{words}");
+    }
     for words in [
         "highest level [Hz]",
         "[µm/V]",
         "RMSE y1 [µm]",
         "condition number",
+        "gain at rest",
+        " ± ",
         "one level",
         "parameters were fitted",
     ] {
@@ -291,4 +308,31 @@ fn what_cannot_be_used_is_refused() {
     let text = std::fs::read_to_string(bench.path("stage.json")).unwrap();
     bench.write("bad.json", text.replacen("\"modes\": 2", "\"modes\": 3", 1));
     refuse("validate bad.json high1.csv", 1, "transition: expected 8 numbers, found 6");
+}
+
+#[test]
+fn structures_are_compared_by_what_was_held_out() {
+    let bench = bench();
+    let compare = format!("compare low1.csv low2.csv high1.csv high2.csv {COLUMNS}");
+    let run = bench.run(&format!(
+        "{compare} --candidates modes1+linear,modes2+linear -o best.json --json --report compare.html"
+    ));
+    assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    let told = json(&run.stdout);
+    assert_eq!(told["preferred"], "modes2+linear");
+    assert_eq!(told["folds"].as_array().map(Vec::len), Some(2));
+    let candidates = told["candidates"].as_array().unwrap();
+    let error = |k: usize| candidates[k]["error"].as_f64().unwrap_or(f64::INFINITY);
+    assert!(error(0) < 0.5 * error(1), "{told}");
+    assert!(bench.path("best.json").exists());
+    assert!(std::fs::read_to_string(bench.path("compare.html")).unwrap().contains("modes1+linear"));
+    for (command, code, words) in [
+        (format!("{compare} --candidates integer2"), 2, "one input and one output"),
+        (format!("{compare} --quick"), 2, "--quick does not go"),
+        (format!("compare low1.csv high1.csv {COLUMNS}"), 1, "one record only"),
+        ("compare model.json --candidates plays6".to_owned(), 2, "--inputs and --outputs"),
+    ] {
+        let run = bench.run(&command);
+        assert!(run.exit_code == code && run.stderr.contains(words), "{command}: {}", run.stderr);
+    }
 }

@@ -28,7 +28,7 @@ pub struct FitSummary {
     /// The whole of each run, where there are several.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub runs: Vec<ScoreSummary>,
-    /// Estimated and held parameters, of every kind but modes.
+    /// Estimated and held parameters; of modes, the physical quantities that follow from them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parameters: Option<Vec<FitParameter>>,
     /// Number of parameters of modes.
@@ -191,7 +191,6 @@ impl Fit {
             }
             (FitDetails::Modes(found), Model::Modes(body)) => {
                 let mode = |m: &ModeShift| ModeSummary { lowest_level: m.low, highest_level: m.high };
-                summary.parameters = None;
                 summary.parameter_count = Some(found.parameters);
                 summary.modes = Some(found.modes.iter().map(mode).collect());
                 summary.influence = Some(body.data().influence.clone());

@@ -148,6 +148,22 @@ impl Freedom {
         self.dynamic + outputs * self.own.len()
     }
 
+    /// Groups of the free parameters with their columns.
+    pub(super) fn places(&self, model: &ScheduledModes) -> Vec<(Group, std::ops::Range<usize>)> {
+        let mut first = 0;
+        let place = |group: &Group| {
+            let columns = first..first + group.len(model);
+            first = columns.end;
+            (*group, columns)
+        };
+        self.groups.iter().map(place).collect()
+    }
+
+    /// Values of the free parameters.
+    pub(super) fn values(&self, model: &ScheduledModes) -> Vec<f64> {
+        self.groups.iter().flat_map(|group| group.values(model)).flatten().copied().collect()
+    }
+
     /// The model after a parameter step.
     pub(super) fn moved(&self, model: &ScheduledModes, step: &[f64]) -> ScheduledModes {
         let mut moved = model.clone();

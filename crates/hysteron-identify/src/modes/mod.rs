@@ -10,20 +10,33 @@
 //! 4. *Hysteresis.* Hysteretic strains of each actuator's free stroke and stress are added in feedback;
 //!    first their coefficients, then all parameters.
 //!
+//! 5. *Standard errors* of the physical quantities, from the Jacobian of the last search.
+//!
 //! Derivatives are exact forward sensitivities of the simulation itself. Levels are weighted by their squared
 //! error over their rms output, between absolute and relative errors. The result does not depend on the
 //! number of threads.
 
+mod candidate;
 mod columns;
+mod compare;
+mod exponent;
 mod normal;
+mod quantities;
 mod records;
+mod ridge;
 mod search;
 mod start;
 mod summary;
 #[cfg(test)]
 mod tests;
+mod uncertainty;
 mod written;
 
+pub use candidate::{ModesCandidate, StrainChoice, UnknownModes};
+pub use compare::{
+    ModesCandidateSummary, ModesComparison, ModesComparisonSummary, ModesEntry, compare_modes,
+};
+pub use quantities::{Name as QuantityName, Part, Quantity};
 pub use summary::{LevelInfluence, ModeShift, ModesRecordFit};
 
 use super::{Finding, Searches, Watch};
@@ -48,8 +61,11 @@ pub struct Options {
     pub hysteresis: bool,
     /// Corner of the inputs' lags to start from \[Hz\]; `None`: 0.8 of the highest excited frequency.
     pub lag_hz: Option<f64>,
-    /// Exponent of the level in S.
-    pub exponent: f64,
+    /// Exponent of the level in S; `None`: from the responses of three levels or more where they determine
+    /// it, else 0.3.
+    pub exponent: Option<f64>,
+    /// Weight of the ridge that shrinks the slopes over the level towards one common relative shift; 0: none.
+    pub ridge: f64,
     /// Time constant of the running level where a drive does not repeat \[s\].
     pub time_constant_s: f64,
     /// Iterations of the last search.
@@ -61,7 +77,8 @@ pub struct Options {
 }
 
 impl Default for Options {
-    /// Two steps a sample, six plays, S linear in amplitude, twelve iterations, at least 75 % explained.
+    /// Two steps a sample, six plays, exponent by the records, no ridge, twelve iterations, at least 75 %
+    /// explained.
     fn default() -> Self {
         Self {
             modes: None,
@@ -69,7 +86,8 @@ impl Default for Options {
             plays: 6,
             hysteresis: true,
             lag_hz: None,
-            exponent: 1.0,
+            exponent: None,
+            ridge: 0.0,
             time_constant_s: 2.0,
             iterations: 12,
             whole_records: false,
@@ -89,6 +107,8 @@ pub struct ModesIdentification {
     pub records: Vec<ModesRecordFit>,
     /// The modes at the lowest and the highest level.
     pub modes: Vec<ModeShift>,
+    /// Frequencies, dampings, gains and weights of the hysteresis with their standard errors.
+    pub quantities: Vec<Quantity>,
     /// Influence matrix of every level whose records determine it, ascending.
     pub influence: Vec<LevelInfluence>,
     /// The search was stopped before its end.

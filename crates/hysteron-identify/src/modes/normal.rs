@@ -56,6 +56,24 @@ pub(super) fn cost(model: &ScheduledModes, pieces: &[&RecordPeriod]) -> f64 {
     costs.iter().sum()
 }
 
+impl NormalEquations {
+    fn zeros(count: usize) -> Self {
+        Self { matrix: DMatrix::zeros(count, count), gradient: DVector::zeros(count) }
+    }
+
+    /// Adds those of one record's base columns, with this weight.
+    fn add(&mut self, freedom: &Freedom, of_record: &Self, s: f64, weight: f64) {
+        let factor = |scheduled: bool| if scheduled { s } else { 1.0 };
+        for (j, b) in freedom.columns.iter().enumerate() {
+            let weight = weight * factor(b.scheduled);
+            for (i, a) in freedom.columns.iter().enumerate() {
+                self.matrix[(i, j)] += weight * factor(a.scheduled) * of_record.matrix[(a.base, b.base)];
+            }
+            self.gradient[j] += weight * of_record.gradient[b.base];
+        }
+    }
+}
+
 /// The normal equations at the model; `None` where a record cannot be simulated, or after a stop.
 pub(super) fn normal_equations(
     model: &ScheduledModes,
@@ -63,86 +81,121 @@ pub(super) fn normal_equations(
     pieces: &[&RecordPeriod],
     stop: &Stop,
 ) -> Option<NormalEquations> {
-    let count = freedom.columns.len();
-    let mut sum = NormalEquations { matrix: DMatrix::zeros(count, count), gradient: DVector::zeros(count) };
+    let mut sum = NormalEquations::zeros(freedom.columns.len());
     for piece in pieces {
         let s = model.state_of(&piece.period);
-        let (matrix, gradient) = of_record(model, freedom, piece, s, stop)?;
-        let factor = |scheduled: bool| if scheduled { s } else { 1.0 };
-        for (j, b) in freedom.columns.iter().enumerate() {
-            let weight = piece.weight * factor(b.scheduled);
-            for (i, a) in freedom.columns.iter().enumerate() {
-                sum.matrix[(i, j)] += weight * factor(a.scheduled) * matrix[(a.base, b.base)];
-            }
-            sum.gradient[j] += weight * gradient[b.base];
-        }
+        let products = Products::of_record(model, freedom, piece, s, stop)?;
+        sum.add(freedom, &products.weighted(&vec![1.0; model.outputs]), s, piece.weight);
     }
     Some(sum)
 }
 
-/// JᵀJ and Jᵀe of the base columns of one record.
-fn of_record(
+/// The normal equations, and Σ w² Jᵀ diag(`variance`) J with the variances of the outputs of each record:
+/// both sides of the covariance of the estimates. `None` as for [`normal_equations`].
+pub(super) fn information(
     model: &ScheduledModes,
     freedom: &Freedom,
-    piece: &RecordPeriod,
-    s: f64,
+    pieces: &[&RecordPeriod],
+    variances: &[Vec<f64>],
     stop: &Stop,
-) -> Option<(DMatrix<f64>, DVector<f64>)> {
-    let (compared, faded) = preroll(model, s, piece.fine.len() / model.inputs);
-    let trajectory = Trajectory::new(model, s, &piece.fine, compared, faded)?;
-    let e = difference(piece, &trajectory.y);
-    let blocks = derivatives(model, freedom, &trajectory, s, stop);
-    let (outputs, samples) = (model.outputs, piece.period.samples());
-    // Panels of each output: dynamic columns, then the columns of its own parameters and the residual.
-    let dynamic: Vec<&[Vec<Lanes>]> = blocks.chunks(PANEL).collect();
-    let panels: Vec<Vec<Panel>> = (0..outputs)
-        .into_par_iter()
-        .map(|m| {
-            let mut panels: Vec<Panel> = dynamic.iter().map(|b| Panel::of_blocks(b, m, samples)).collect();
-            panels.push(Panel::of_signals(model, freedom, &trajectory, &e, m));
-            panels
-        })
-        .collect();
-    let pairs: Vec<(usize, usize, usize)> = (0..outputs)
-        .flat_map(|m| {
-            let count = panels[m].len();
-            (0..count).flat_map(move |a| (a..count).map(move |b| (m, a, b)))
-        })
-        .collect();
-    let products: Vec<DMatrix<f64>> =
-        pairs.par_iter().map(|&(m, a, b)| panels[m][a].transposed_times(&panels[m][b])).collect();
-    if stop.is_requested() {
-        return None;
+) -> Option<(NormalEquations, DMatrix<f64>)> {
+    let count = freedom.columns.len();
+    let (mut inner, mut outer) = (NormalEquations::zeros(count), NormalEquations::zeros(count));
+    for (piece, variances) in pieces.iter().zip(variances) {
+        let s = model.state_of(&piece.period);
+        let products = Products::of_record(model, freedom, piece, s, stop)?;
+        inner.add(freedom, &products.weighted(&vec![1.0; model.outputs]), s, piece.weight);
+        outer.add(freedom, &products.weighted(variances), s, piece.weight.powi(2));
     }
-    let size = freedom.base_columns(outputs);
-    let (mut matrix, mut gradient) = (DMatrix::zeros(size, size), DVector::zeros(size));
-    let residual = freedom.own.len();
-    let place = |m: usize, panel: usize, column: usize| -> Option<usize> {
-        if panel < dynamic.len() {
+    Some((inner, outer.matrix))
+}
+
+/// Products of the panels of one record, output by output.
+struct Products {
+    /// Output and the two panels of every product.
+    pairs: Vec<(usize, usize, usize)>,
+    products: Vec<DMatrix<f64>>,
+    /// Panels of dynamic columns.
+    dynamic_panels: usize,
+    dynamic: usize,
+    /// Columns of an output's own parameters.
+    own: usize,
+    /// Base columns of all outputs.
+    base_columns: usize,
+}
+
+impl Products {
+    fn of_record(
+        model: &ScheduledModes,
+        freedom: &Freedom,
+        piece: &RecordPeriod,
+        s: f64,
+        stop: &Stop,
+    ) -> Option<Self> {
+        let (compared, faded) = preroll(model, s, piece.fine.len() / model.inputs);
+        let trajectory = Trajectory::new(model, s, &piece.fine, compared, faded)?;
+        let e = difference(piece, &trajectory.y);
+        let blocks = derivatives(model, freedom, &trajectory, s, stop);
+        let (outputs, samples) = (model.outputs, piece.period.samples());
+        // Panels of each output: dynamic columns, then the columns of its own parameters and the residual.
+        let dynamic: Vec<&[Vec<Lanes>]> = blocks.chunks(PANEL).collect();
+        let panels: Vec<Vec<Panel>> = (0..outputs)
+            .into_par_iter()
+            .map(|m| {
+                let mut panels: Vec<Panel> =
+                    dynamic.iter().map(|b| Panel::of_blocks(b, m, samples)).collect();
+                panels.push(Panel::of_signals(model, freedom, &trajectory, &e, m));
+                panels
+            })
+            .collect();
+        let pairs: Vec<(usize, usize, usize)> = (0..outputs)
+            .flat_map(|m| {
+                let count = panels[m].len();
+                (0..count).flat_map(move |a| (a..count).map(move |b| (m, a, b)))
+            })
+            .collect();
+        let products =
+            pairs.par_iter().map(|&(m, a, b)| panels[m][a].transposed_times(&panels[m][b])).collect();
+        let (dynamic_panels, dynamic, own) = (dynamic.len(), freedom.dynamic, freedom.own.len());
+        let base_columns = freedom.base_columns(outputs);
+        (!stop.is_requested()).then_some(Self { pairs, products, dynamic_panels, dynamic, own, base_columns })
+    }
+
+    /// Base column of a panel's column; `None` for padding and for the residual.
+    fn place(&self, m: usize, panel: usize, column: usize) -> Option<usize> {
+        if panel < self.dynamic_panels {
             let column = panel * PANEL * LANES + column;
-            (column < freedom.dynamic).then_some(column)
+            (column < self.dynamic).then_some(column)
         } else {
-            (column < residual).then_some(freedom.dynamic + m * residual + column)
+            (column < self.own).then_some(self.dynamic + m * self.own + column)
         }
-    };
-    for (&(m, a, b), product) in pairs.iter().zip(&products) {
-        for j in 0..product.ncols() {
-            for i in 0..product.nrows() {
-                let Some(row) = place(m, a, i) else { continue };
-                match place(m, b, j) {
-                    Some(column) => {
-                        matrix[(row, column)] += product[(i, j)];
-                        if a != b {
-                            matrix[(column, row)] += product[(i, j)];
+    }
+
+    /// JᵀJ and Jᵀe of the base columns, with these weights of the outputs.
+    fn weighted(&self, weights: &[f64]) -> NormalEquations {
+        let mut sum = NormalEquations::zeros(self.base_columns);
+        for (&(m, a, b), product) in self.pairs.iter().zip(&self.products) {
+            let weight = weights[m];
+            for j in 0..product.ncols() {
+                for i in 0..product.nrows() {
+                    let Some(row) = self.place(m, a, i) else { continue };
+                    match self.place(m, b, j) {
+                        Some(column) => {
+                            sum.matrix[(row, column)] += weight * product[(i, j)];
+                            if a != b {
+                                sum.matrix[(column, row)] += weight * product[(i, j)];
+                            }
                         }
+                        None if b == self.dynamic_panels && j == self.own => {
+                            sum.gradient[row] += weight * product[(i, j)];
+                        }
+                        None => {}
                     }
-                    None if b == dynamic.len() && j == residual => gradient[row] += product[(i, j)],
-                    None => {}
                 }
             }
         }
+        sum
     }
-    Some((matrix, gradient))
 }
 
 /// Derivatives of the outputs with respect to the dynamic columns, block by block: outputs · samples lanes

@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::columns::{Freedom, Group};
 use super::normal::{cost, normal_equations};
 use super::records::{Campaign, RecordPeriod, error_of};
+use super::ridge::Ridge;
 use crate::watch::{Event, State};
 use crate::{ModesCheckpoint, Searches, Watch};
 use hysteron_model::Model;
@@ -29,6 +30,8 @@ pub(super) struct Stage {
     pub stop: f64,
     /// Relative cost of an iteration, for progress.
     pub work: u64,
+    /// Weight of the ridge on the slopes.
+    pub ridge: f64,
 }
 
 /// Progress, its listener, and the checkpoint.
@@ -84,17 +87,21 @@ pub(super) fn search(
 ) -> (ScheduledModes, usize) {
     let freedom = Freedom::new(&start, stage.groups);
     let mut model = start;
-    let mut least = cost(&model, pieces);
+    let mut misfit = cost(&model, pieces);
     let mut damping = from.damping;
     let end = ledger.done + stage.work * stage.iterations as u64;
     ledger.done += stage.work * from.iteration as u64;
     for iteration in from.iteration..stage.iterations {
         ledger.keep(iteration, damping, &model);
-        if !ledger.tell(stage.name, error_of(least, pieces), Some(&model)) {
+        if !ledger.tell(stage.name, error_of(misfit, pieces), Some(&model)) {
             break;
         }
         let stop = ledger.watch.stop();
-        let Some(equations) = normal_equations(&model, &freedom, pieces, stop) else { break };
+        let Some(mut equations) = normal_equations(&model, &freedom, pieces, stop) else { break };
+        let ridge = Ridge::new(&freedom, &model, &equations.matrix, stage.ridge);
+        let values = freedom.values(&model);
+        ridge.add(&mut equations.matrix, &mut equations.gradient, &values);
+        let least = misfit + ridge.of(&values);
         let scale: Vec<f64> = equations.matrix.diagonal().iter().map(|d| d.sqrt()).collect();
         // A parameter without effect is not changed.
         let per = |k: usize| if scale[k] > 0.0 { 1.0 / scale[k] } else { 0.0 };
@@ -114,17 +121,18 @@ pub(super) fn search(
                 let candidate = freedom.moved(&model, &step);
                 if is_stable(&candidate, campaign) {
                     let found = cost(&candidate, pieces);
-                    if found < least {
-                        taken = Some((candidate, found));
+                    let penalised = found + ridge.of(&freedom.values(&candidate));
+                    if penalised < least {
+                        taken = Some((candidate, found, penalised));
                         break;
                     }
                 }
             }
             damping = (damping * HARDER).max(LEAST_DAMPING * 100.0);
         }
-        let Some((candidate, found)) = taken else { break };
-        let fall = (least - found) / least;
-        (model, least) = (candidate, found);
+        let Some((candidate, found, penalised)) = taken else { break };
+        let fall = (least - penalised) / least;
+        (model, misfit) = (candidate, found);
         damping = (damping * EASIER).max(LEAST_DAMPING);
         ledger.done += stage.work;
         if fall < stage.stop {

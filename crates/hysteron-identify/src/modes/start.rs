@@ -52,6 +52,7 @@ pub(super) struct Start {
 pub(super) fn linear_start(
     campaign: &Campaign,
     options: &Options,
+    exponent: f64,
     stop: &Stop,
 ) -> Result<Start, IdentifyError> {
     let top = campaign.top();
@@ -79,7 +80,7 @@ pub(super) fn linear_start(
         return Err(IdentifyError::Singular { condition: influence.condition_number() });
     }
     let residues = fit.residues(&poles)?;
-    let mut model = rank_one(campaign, options, &poles, &residues, lag);
+    let mut model = rank_one(campaign, (options, exponent), &poles, &residues, lag);
     refit_outputs(&mut model, &top);
     schedule_poles(&mut model);
     let advance_s = advance(&response, &influence, &model, lag_hz);
@@ -131,7 +132,7 @@ fn choose_poles(
 /// Residues c_k b_kᵀ of rank one, lags of all inputs, and the response's constant.
 fn rank_one(
     campaign: &Campaign,
-    options: &Options,
+    (options, exponent): (&Options, f64),
     poles: &CommonPoles,
     residues: &[Vec<Complex64>],
     lag: f64,
@@ -144,7 +145,7 @@ fn rank_one(
         modes,
         sample_rate_hz: campaign.rate,
         steps: options.steps,
-        level: level_law(campaign, options),
+        level: level_law(campaign, options, exponent),
         transition: poles.pairs.iter().flat_map(|p| [p.re, p.im]).chain((0..n).map(|_| lag)).collect(),
         transition_slopes: vec![0.0; states],
         input: vec![0.0; states * n],
@@ -188,11 +189,11 @@ fn rank_one(
     model
 }
 
-fn level_law(campaign: &Campaign, options: &Options) -> LevelLaw {
+fn level_law(campaign: &Campaign, options: &Options, exponent: f64) -> LevelLaw {
     let levels = || campaign.pieces.iter().map(|p| p.period.level);
     LevelLaw {
         reference: campaign.levels.last().copied().unwrap_or(1.0),
-        exponent: options.exponent,
+        exponent,
         lowest: levels().fold(f64::INFINITY, f64::min),
         highest: levels().fold(0.0, f64::max),
         time_constant_s: options.time_constant_s,

@@ -1,15 +1,19 @@
 //! The sequence of searches, and the findings on their result.
 
 use super::columns::Group;
+use super::exponent::{Exponent, Origin};
 use super::normal::residual;
 use super::records::{Campaign, RecordPeriod};
 use super::search::{From, Ledger, Stage, search};
 use super::start::{add_feedback, linear_start};
+use super::uncertainty::with_standard_errors;
 use super::{ModesIdentification, Options};
 use crate::findings::say;
 use crate::{Finding, FindingKind, IdentifyError, ModesCheckpoint, Searches, Watch, fingerprint};
 use hysteron_model::Advice;
-use hysteron_model::axes::{AxesRecord, FrequencyMatrix, InfluenceMatrix, Mode, ScheduledModes};
+use hysteron_model::axes::{
+    AxesRecord, FrequencyMatrix, InfluenceMatrix, Mode, ScheduledModes, SteadyPeriod,
+};
 use hysteron_model::model_file::{ModesFile, SignalUnits};
 use hysteron_numeric::display::short;
 
@@ -30,6 +34,11 @@ pub struct ModesRecordFit {
     pub output_rmse: Vec<f64>,
     /// 100 · (1 − rms error / rms output) \[%\].
     pub fit_percent: f64,
+    /// The period fitted.
+    pub steady: SteadyPeriod,
+    /// Its error, measured less model, mean-free and interleaved as its outputs; empty where it could not be
+    /// simulated \[µm\].
+    pub error: Vec<f64>,
 }
 
 /// A mode at the lowest and the highest level.
@@ -128,7 +137,8 @@ pub(super) fn identify(
     if !ledger.tell("frequency response", None, None) {
         return Err(IdentifyError::Stopped);
     }
-    let start = linear_start(&campaign, options, watch.stop())?;
+    let exponent = Exponent::new(&campaign, options);
+    let start = linear_start(&campaign, options, exponent.value, watch.stop())?;
     let mut model = start.model.clone();
     if !scheduled {
         model.transition_slopes.iter_mut().for_each(|slope| *slope = 0.0);
@@ -160,6 +170,11 @@ pub(super) fn identify(
         let pieces = if alone { &top } else { &all };
         (model, parameters) = search(model, stage, from, (&campaign, pieces), &mut ledger);
     }
+    let last = stages.last().map_or(&[][..], |stage| stage.groups);
+    if !ledger.is_stopped() {
+        ledger.tell("standard errors", None, Some(&model));
+    }
+    let quantities = with_standard_errors(&model, (last, options.ridge), &all, watch.stop());
     let fits = fits(&model, &campaign, records);
     for fit in &fits {
         // NaN fails the check. After a stop any fit is accepted.
@@ -176,7 +191,7 @@ pub(super) fn identify(
     model.validate()?;
     let modes = shifts(&model);
     let influence = influence(&campaign, &start.influence);
-    let mut findings = findings(&model, &modes, &influence, &campaign, scheduled);
+    let mut findings = findings(&model, &modes, &influence, &campaign, scheduled.then_some(exponent));
     if ledger.is_stopped() {
         let text = "the search was interrupted: this is the best so far.".to_owned();
         findings.push(Finding::new(FindingKind::Warning, "search", text));
@@ -185,6 +200,7 @@ pub(super) fn identify(
         parameters,
         records: fits,
         modes,
+        quantities,
         influence,
         interrupted: ledger.is_stopped(),
         resume: Searches { modes: ledger.state, ..Searches::default() },
@@ -204,6 +220,7 @@ fn stages(options: &Options, scheduled: bool) -> Vec<Stage> {
         iterations,
         stop,
         work,
+        ridge: options.ridge,
     };
     let mut stages = Vec::new();
     if scheduled {
@@ -231,9 +248,12 @@ fn check(options: &Options) -> Result<(), IdentifyError> {
     if options.modes.is_some_and(|modes| modes == 0 || modes > 100) {
         return refuse("modes", options.modes.unwrap_or(0) as f64, "1 to 100 pairs of poles");
     }
+    if !(options.ridge.is_finite() && options.ridge >= 0.0) {
+        return refuse("ridge", options.ridge, "a finite number, at least 0");
+    }
     for (name, value) in [
         ("lag_hz", options.lag_hz.unwrap_or(1.0)),
-        ("exponent", options.exponent),
+        ("exponent", options.exponent.unwrap_or(1.0)),
         ("time_constant_s", options.time_constant_s),
     ] {
         if !(value.is_finite() && value > 0.0) {
@@ -246,7 +266,8 @@ fn check(options: &Options) -> Result<(), IdentifyError> {
 fn fits(model: &ScheduledModes, campaign: &Campaign, records: &[AxesRecord]) -> Vec<ModesRecordFit> {
     let fit = |(piece, record): (&RecordPeriod, &AxesRecord)| {
         let outputs = piece.period.outputs;
-        let e = residual(model, piece).unwrap_or_else(|| vec![f64::NAN; piece.period.y.len()]);
+        let error = residual(model, piece);
+        let e = error.clone().unwrap_or_else(|| vec![f64::NAN; piece.period.y.len()]);
         let rms = |e: &mut dyn Iterator<Item = f64>| {
             let (sum, count) = e.fold((0.0, 0.0), |(sum, count), e| (sum + e * e, count + 1.0));
             (sum / f64::max(count, 1.0)).sqrt()
@@ -260,6 +281,8 @@ fn fits(model: &ScheduledModes, campaign: &Campaign, records: &[AxesRecord]) -> 
             rmse,
             output_rmse: (0..outputs).map(|m| rms(&mut e.iter().skip(m).step_by(outputs).copied())).collect(),
             fit_percent: 100.0 * (1.0 - rmse / piece.period.output_rms()),
+            steady: piece.period.clone(),
+            error: error.unwrap_or_default(),
         }
     };
     campaign.pieces.iter().zip(records).map(fit).collect()
@@ -318,11 +341,11 @@ fn findings(
     modes: &[ModeShift],
     influence: &[LevelInfluence],
     campaign: &Campaign,
-    scheduled: bool,
+    scheduled: Option<Exponent>,
 ) -> Vec<Finding> {
     let mut all = Vec::new();
     let unit = campaign.unit.spaced();
-    if scheduled {
+    if let Some(exponent) = scheduled {
         let fall = |m: &ModeShift| 100.0 * (1.0 - m.high.frequency_hz / m.low.frequency_hz);
         let mut falls: Vec<f64> = modes.iter().map(fall).collect();
         falls.sort_by(f64::total_cmp);
@@ -344,11 +367,14 @@ fn findings(
                 percent(most)
             ),
         );
-        let law = if campaign.levels.len() == 2 {
-            " Two levels do not determine the model between them: it is assumed linear in amplitude unless \
-             the exponent is given."
-        } else {
-            ""
+        let p = short(exponent.value);
+        let law = match exponent.origin {
+            Origin::Given => String::new(),
+            Origin::Responses => format!(" The modes follow level^{p}, by the responses of the levels."),
+            Origin::Assumed => format!(
+                " The records do not determine how the modes follow the level: level^{p} is assumed unless \
+                 the exponent is given."
+            ),
         };
         let levels = say(
             &mut all,
@@ -359,7 +385,7 @@ fn findings(
                  time or temperature.{law}"
             ),
         );
-        if campaign.levels.len() == 2 {
+        if exponent.origin == Origin::Assumed {
             levels.advise(Advice::GiveExponent);
         }
     } else {

@@ -5,8 +5,11 @@ use nalgebra::DVector;
 
 use super::columns::Freedom;
 use super::normal::{cost, derivatives, normal_equations};
+use super::quantities::{order, quantities};
 use super::records::RecordPeriod;
+use super::ridge::Ridge;
 use super::summary::ALL;
+use super::uncertainty::with_standard_errors;
 use hysteron_model::axes::{
     FeedbackStrain, LevelLaw, Mode, ScheduledModes, SteadyPeriod, StrainLaw, Trajectory, pole,
     simulate_steady,
@@ -192,4 +195,144 @@ fn the_normal_equations_are_the_same_bits_for_any_number_of_threads() {
     let (one, three) = (on(1), on(3));
     assert_eq!(one.matrix, three.matrix);
     assert_eq!(one.gradient, three.gradient);
+}
+
+/// Records of the model itself with white noise of this rms.
+fn noisy(model: &ScheduledModes, seed: u64, noise: f64) -> Vec<RecordPeriod> {
+    let mut numbers = Numbers(seed);
+    let measured = |(number, size): (u64, f64)| {
+        let mut piece = piece(20 + number, size, model);
+        let s = model.state_of(&piece.period);
+        let y = simulate_steady(model, s, &piece.fine, 4 * piece.fine.len() / model.inputs).unwrap();
+        // Uniform between −√3 and √3: variance 1.
+        piece.period.y = y.iter().map(|y| y + noise * 3f64.sqrt() * numbers.next()).collect();
+        hysteron_model::axes::remove_means(&mut piece.period.y, model.outputs);
+        piece
+    };
+    [(1, 0.4), (2, 0.4), (3, 1.5), (4, 1.5)].into_iter().map(measured).collect()
+}
+
+/// The model fitted to records of itself with noise, by two Gauss–Newton steps from the truth.
+fn refitted(truth: &ScheduledModes, pieces: &[&RecordPeriod]) -> ScheduledModes {
+    let mut model = truth.clone();
+    let freedom = Freedom::new(truth, &ALL);
+    for _ in 0..2 {
+        let equations = normal_equations(&model, &freedom, pieces, &Stop::new()).unwrap();
+        let mut matrix = equations.matrix;
+        // Undetermined scales of the states stay.
+        (0..matrix.nrows()).for_each(|k| matrix[(k, k)] *= 1.0 + 1e-9);
+        let step = matrix.cholesky().unwrap().solve(&equations.gradient);
+        model = freedom.moved(&model, step.as_slice());
+    }
+    model
+}
+
+#[test]
+fn standard_errors_are_the_scatter_over_forty_noise_seeds() {
+    let truth = model();
+    let order = order(&truth);
+    const SEEDS: u64 = 40;
+    let mut runs: Vec<Vec<f64>> = Vec::new();
+    let mut errors: Vec<Vec<f64>> = Vec::new();
+    for seed in 0..SEEDS {
+        let pieces = noisy(&truth, 100 + seed, 1e-3);
+        let all: Vec<&RecordPeriod> = pieces.iter().collect();
+        let fitted = refitted(&truth, &all);
+        runs.push(quantities(&fitted, &order).iter().map(|q| q.value).collect());
+        let found = with_standard_errors(&fitted, (&ALL, 0.0), &all, &Stop::new());
+        errors.push(found.iter().map(|q| q.std_error.unwrap()).collect());
+    }
+    let mut ratios = Vec::new();
+    for (q, quantity) in quantities(&truth, &order).iter().enumerate() {
+        let mean = |of: &dyn Fn(usize) -> f64| (0..runs.len()).map(of).sum::<f64>() / SEEDS as f64;
+        let centre = mean(&|r| runs[r][q]);
+        let scatter = (mean(&|r| (runs[r][q] - centre).powi(2)) * SEEDS as f64 / (SEEDS - 1) as f64).sqrt();
+        let predicted = mean(&|r| errors[r][q].powi(2)).sqrt();
+        println!(
+            "{:?} {:?}: {} ± {predicted}, scatter {scatter}",
+            quantity.part, quantity.name, quantity.value
+        );
+        ratios.push(predicted / scatter);
+        assert!((centre - quantity.value).abs() < 4.0 * scatter / (SEEDS as f64).sqrt() + 0.5 * scatter);
+    }
+    // The scatter of 40 seeds is itself known to 11 %: 3.3 of these for the worst of some 60 quantities.
+    assert!(ratios.iter().all(|r| (0.7..1.5).contains(r)), "{ratios:?}");
+    ratios.sort_by(f64::total_cmp);
+    let median = ratios[ratios.len() / 2];
+    println!("median of {} ratios {median}", ratios.len());
+    assert!((median - 1.0).abs() < 0.1, "{median}");
+}
+
+#[test]
+fn quantities_do_not_depend_on_the_scale_of_a_state() {
+    let model = model();
+    let mut scaled = model.clone();
+    let (n, x) = (model.inputs, model.states());
+    // The first mode, turned by 0.7 rad and scaled by 3: q' = c q.
+    let c = hysteron_numeric::Complex64::from_polar(3.0, 0.7);
+    let turn = |re: f64, im: f64| hysteron_numeric::Complex64::new(re, im) * c;
+    for list in [&mut scaled.input, &mut scaled.strain_input] {
+        for i in 0..n {
+            let b = turn(list[i], list[n + i]);
+            (list[i], list[n + i]) = (b.re, b.im);
+        }
+    }
+    // y = a Re q + b Im q = Re((a − ib) q).
+    for list in [&mut scaled.output, &mut scaled.output_slopes] {
+        for row in list.chunks_exact_mut(x) {
+            let a = hysteron_numeric::Complex64::new(row[0], -row[1]) / c;
+            (row[0], row[1]) = (a.re, -a.im);
+        }
+    }
+    let order = order(&model);
+    for (a, b) in quantities(&model, &order).iter().zip(quantities(&scaled, &order)) {
+        assert!((a.value - b.value).abs() < 1e-10 * a.value.abs().max(1e-3), "{a:?} {b:?}");
+    }
+    // Gains at rest are those of the linear response, and the modes, lags and feedthrough add up to them.
+    let gain = model.linear_response(0.0, model.level.state(model.level.highest));
+    let of = |name, part| {
+        let all = quantities(&model, &order);
+        all.iter().find(|q| q.name == name && q.part == part).unwrap().value
+    };
+    let found = of(super::QuantityName::GainHigh, super::Part::Path(1, 2));
+    assert!((found - gain[2 * n + 1].re).abs() < 1e-12, "{found} {}", gain[2 * n + 1]);
+}
+
+#[test]
+fn the_ridge_leaves_a_common_shift_free_and_its_derivatives_are_those_of_its_value() {
+    let base = model();
+    let freedom = Freedom::new(&base, &ALL);
+    let count = freedom.columns.len();
+    let matrix = nalgebra::DMatrix::from_diagonal(&DVector::from_fn(count, |k, _| 1.0 + (k % 7) as f64));
+    let ridge = Ridge::new(&freedom, &base, &matrix, 0.3);
+    // All frequencies up by 3 %, all gains by 5 %.
+    let mut common = base.clone();
+    for (slope, p) in
+        common.transition_slopes.chunks_exact_mut(2).zip(base.transition.chunks_exact(2)).take(2)
+    {
+        let p = hysteron_numeric::Complex64::new(p[0], p[1]);
+        let shift = p * p.ln() * 0.03;
+        (slope[0], slope[1]) = (shift.re, shift.im);
+    }
+    for k in 2 * base.modes..base.states() {
+        common.transition_slopes[k] = 0.03 * base.transition[k] * base.transition[k].ln();
+    }
+    common.output_slopes = base.output.iter().map(|c| 0.05 * c).collect();
+    common.feedthrough_slopes = base.feedthrough.iter().map(|d| 0.05 * d).collect();
+    let (free, values) = (ridge.of(&freedom.values(&common)), freedom.values(&base));
+    assert!(free.abs() < 1e-12 && ridge.of(&values) > 0.1, "{free} {}", ridge.of(&values));
+    let (mut second, mut descent) = (nalgebra::DMatrix::zeros(count, count), DVector::zeros(count));
+    ridge.add(&mut second, &mut descent, &values);
+    for k in 0..count {
+        let at = |h: f64| {
+            let mut moved = values.clone();
+            moved[k] += h;
+            ridge.of(&moved)
+        };
+        // R is quadratic: its central differences are exact.
+        let slope = 0.5 * (at(0.1) - at(-0.1)) / 0.1;
+        let curvature = (at(0.1) + at(-0.1) - 2.0 * at(0.0)) / 0.01;
+        assert!((slope + 2.0 * descent[k]).abs() < 1e-9, "{k}: {slope} {}", descent[k]);
+        assert!((curvature - 2.0 * second[(k, k)]).abs() < 1e-9, "{k}");
+    }
 }

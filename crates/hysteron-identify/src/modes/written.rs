@@ -17,7 +17,9 @@ impl ModesIdentification {
         let units = first.map_or_else(SignalUnits::default, |r| SignalUnits::of(&r.u_unit, &r.y_unit));
         let (inputs, outputs) =
             first.map_or_else(Default::default, |r| (r.inputs.clone(), r.outputs.clone()));
+        let quantities = self.quantities.iter().map(|q| q.entry(&inputs, &outputs, &units)).collect();
         let mut file = ModesFile::new(&self.model, units.clone(), inputs, outputs);
+        file.quantities = quantities;
         file.influence = self.influence.iter().map(|i| InfluenceEntry::new(i.level, &i.matrix)).collect();
         let inputs = records.iter().flat_map(|r| r.u.iter().flatten());
         file.valid_range = Some(ValidRange::of_inputs(inputs, &units.input, Some(self.excited_hz)));
@@ -44,6 +46,6 @@ fn named(options: &Options) -> BTreeMap<String, String> {
         ("plays".to_owned(), options.plays.to_string()),
         ("hysteresis".to_owned(), options.hysteresis.to_string()),
         ("iterations".to_owned(), options.iterations.to_string()),
-        ("exponent".to_owned(), options.exponent.to_string()),
+        ("exponent".to_owned(), options.exponent.map_or_else(|| "auto".to_owned(), |p| p.to_string())),
     ])
 }

@@ -68,7 +68,9 @@ pub use force::{ForceFile, SaturationEntry};
 pub use hysteresis_kind::HysteresisKind;
 pub use kind::Kind;
 pub use misfit::MisfitEntry;
-pub use modes::{HysteresisEntry, InfluenceEntry, LawEntry, LevelEntry, ModesFile, ModesScoreEntry};
+pub use modes::{
+    DerivedQuantity, HysteresisEntry, InfluenceEntry, LawEntry, LevelEntry, ModesFile, ModesScoreEntry,
+};
 pub use oscillator::{OscillatorFile, OscillatorParameters};
 pub use parameters::Parameters;
 pub use provenance::{Maker, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, day, timestamp};

@@ -66,6 +66,10 @@ pub struct ModesFile {
     #[serde(deserialize_with = "Option::deserialize")]
     #[schemars(required)]
     pub hysteresis: Option<HysteresisEntry>,
+    /// Physical quantities with standard errors: frequencies, dampings, gains, weights of the hysteresis.
+    /// They follow from the lists above, whose states have no scale of their own and so no standard errors.
+    #[serde(default)]
+    pub quantities: Vec<DerivedQuantity>,
     /// Influence matrices, of the levels whose records determine one.
     #[serde(default)]
     pub influence: Vec<InfluenceEntry>,
@@ -123,6 +127,23 @@ pub struct LawEntry {
     pub slopes: Vec<f64>,
     /// s².
     pub variance: f64,
+}
+
+/// A quantity that follows from a model, with its standard error.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object of a quantity: of, name, value, unit")]
+pub struct DerivedQuantity {
+    /// Part of the model: `mode 2`, `u1 to y2`, `stress of u1`.
+    pub of: String,
+    /// Name of the quantity.
+    pub name: String,
+    /// The value, finite.
+    pub value: f64,
+    /// Its unit; `1` for a pure number.
+    pub unit: String,
+    /// Standard error in the same unit, ≥ 0; null where the records do not determine the quantity.
+    #[serde(default)]
+    pub std_error: Option<f64>,
 }
 
 /// An influence matrix and its conditioning.
@@ -226,6 +247,7 @@ impl ModesFile {
             feedthrough_slopes: m.feedthrough_slopes,
             strain_feedthrough: m.strain_feedthrough,
             hysteresis,
+            quantities: Vec::new(),
             influence: Vec::new(),
             valid_range: None,
             provenance: None,
@@ -290,6 +312,12 @@ impl ModesFile {
             let numbers = influence.matrix.iter().chain(&influence.singular_values);
             let numbers = numbers.chain(&influence.condition_number).chain([&influence.level]);
             numbers.copied().try_for_each(|x| allowed(&path, x, x.is_finite(), "finite numbers"))?;
+        }
+        for (i, quantity) in self.quantities.iter().enumerate() {
+            let path = format!("quantities[{i}]");
+            allowed(&path, quantity.value, quantity.value.is_finite(), "finite numbers")?;
+            let error = quantity.std_error.unwrap_or(0.0);
+            allowed(&format!("{path}.std_error"), error, error.is_finite() && error >= 0.0, "at least 0")?;
         }
         check::valid_range(self.valid_range.as_ref(), &Units::new(&self.units))?;
         self.scores.iter().enumerate().try_for_each(|(i, score)| check::axes_score(i, score))

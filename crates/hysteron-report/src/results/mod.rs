@@ -1,12 +1,16 @@
 //! Results as tables of text and sentences, the same in a terminal and on a page.
 
 pub mod adaptation;
+pub mod axes_tracking;
 pub mod decoupling;
 pub mod design;
+pub mod modes;
 pub mod preparation;
 pub mod realisation;
 pub mod recalibration;
 pub mod response;
+
+use crate::page::{Column, Table};
 
 /// A table of text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -21,6 +25,14 @@ impl Listing {
     /// A table without rows.
     pub fn new<T: Into<String>>(columns: impl IntoIterator<Item = T>) -> Self {
         Self { columns: columns.into_iter().map(Into::into).collect(), rows: Vec::new() }
+    }
+
+    /// The table of a page, its first columns `words` and the others numbers.
+    pub fn for_page(self, words: usize) -> Table {
+        let columns = self.columns.into_iter().enumerate();
+        let columns =
+            columns.map(|(k, name)| if k < words { Column::text(name) } else { Column::number(name, "") });
+        self.rows.into_iter().fold(Table::new(columns), Table::row)
     }
 
     /// Adds a row.
