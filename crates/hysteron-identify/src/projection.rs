@@ -8,7 +8,7 @@ use hysteron_numeric::{dot, project_out, subtract};
 /// Orthonormal basis Q (and R) of a growing set of columns, by Gram–Schmidt with reorthogonalisation,
 /// orthogonal to working accuracy (Giraud et al. 2005, doi:10.1007/s00211-005-0615-4). Column storage is
 /// allocated once.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Projection {
     rows: usize,
     columns: usize,

@@ -10,6 +10,7 @@ use super::resolution::{self, COARSE, NEAR, resolved};
 use super::setup::{JointSetup, memory_name};
 use hysteron_model::model_file::polynomial_name;
 use hysteron_optimize::{LeastSquaresOptions, OptimizeError, Problem};
+use rayon::prelude::*;
 
 /// Polynomial degree of the starts where the degree is chosen from the data.
 pub(super) const DEGREE_OF_STARTS: usize = 3;
@@ -20,6 +21,11 @@ const REACHES: [f64; 5] = [0.9, 0.8, 0.7, 0.6, 0.5];
 const FAR: f64 = 3.0;
 /// Degrees within this many times [`BIC_FALL`] of the best may be chosen.
 const CLOSE: f64 = 10.0;
+/// Iterations after which a fit shows whether it may still matter, and shares of the costs at its start and
+/// then that it cannot come below.
+const BRIEF: usize = 3;
+const OF_START: f64 = 0.25;
+const OF_BRIEF: f64 = 0.5;
 
 /// The search continued with the reach of the plays that fits the records best, where a density of plays is
 /// searched: its corners are then where the device has plays.
@@ -32,12 +38,17 @@ pub(super) fn with_reach<'a>(
     if problem.hysteresis() == setup.options.family() || engine.is_stopped() {
         return Ok((setup, problem, search));
     }
-    let mut best: Option<(f64, JointSetup<'a>)> = None;
-    for share in REACHES {
-        // Not below half of the range: its loop moves these plays, and a polynomial would stand in for them.
-        let Some(shorter) = setup.with_reach(share) else { break };
+    // Not below half of the range: its loop moves these plays, and a polynomial would stand in for them.
+    let shorter: Vec<JointSetup<'a>> =
+        REACHES.into_iter().map_while(|share| setup.with_reach(share)).collect();
+    let cost = |shorter: &JointSetup<'a>| -> Result<f64, IdentifyError> {
         let problem = shorter.problem(problem.degree(), reduced)?;
-        let cost = problem.cost(&search.outcome.best, &mut problem.workspace());
+        Ok(problem.cost(&search.outcome.best, &mut problem.workspace()))
+    };
+    let costs: Vec<_> = shorter.par_iter().map(cost).collect();
+    let mut best: Option<(f64, JointSetup<'a>)> = None;
+    for (cost, shorter) in costs.into_iter().zip(shorter) {
+        let cost = cost?;
         if cost < best.as_ref().map_or(search.outcome.cost, |(cost, _)| *cost) {
             best = Some((cost, shorter));
         }
@@ -66,17 +77,26 @@ pub(super) fn choose_degree(
     // At a stop the residuals are unknown; nothing is fitted then.
     let searched = setup.problem(DEGREE_OF_STARTS, reduced)?;
     let fine = resolution::resolution(&searched, &found.outcome.best);
+    let so_far = resolution::information(&searched, &found.outcome.best);
+    let unknowns = |problem: &JointProblem| problem.bounds().dimension() + problem.layout().linear().count();
+    let own = bic(found.outcome.cost, unknowns(&searched), so_far);
     let highest = highest_degree(setup).max(demanded);
     let mut information = 2.0;
-    let mut settled_may_be_better = setup.hysteresis.description().is_written_as_plays();
+    let mut settled_may_be_better = setup.hysteresis.description().is_written_as_plays() && {
+        let settled = with_settled_memory(setup, &searched, &found.outcome.best);
+        OF_START * searched.cost(&settled, &mut searched.workspace()) < FAR * found.outcome.cost
+    };
     for degree in 1..=highest {
         let problem = setup.problem(degree, reduced)?;
-        let parameters = problem.bounds().dimension() + problem.layout().linear().count();
+        let parameters = unknowns(&problem);
         let start = found.outcome.best.clone();
+        let is_hopeless = |cost: f64| bic(cost, parameters, so_far) > own + CLOSE * BIC_FALL;
         let mut ends: Vec<(f64, Vec<f64>)> = if degree == DEGREE_OF_STARTS {
             vec![(found.outcome.cost, start)]
         } else {
-            fitted(engine, &problem, start, resolved(COARSE))?.into_iter().collect()
+            let step = format!("degree {degree}");
+            let fit = fit_unless_hopeless(engine, &step, &problem, start, resolved(COARSE), is_hopeless);
+            ended(engine, fit)?.into_iter().collect()
         };
         if settled_may_be_better {
             let settled = with_settled_memory(setup, &problem, &found.outcome.best);
@@ -144,9 +164,13 @@ struct DegreeFit {
 
 impl DegreeFit {
     fn bic(&self, information: f64) -> f64 {
-        let square = (self.cost * self.cost).max(f64::MIN_POSITIVE);
-        information * square.ln() + self.parameters as f64 * information.ln()
+        bic(self.cost, self.parameters, information)
     }
+}
+
+fn bic(cost: f64, parameters: usize, information: f64) -> f64 {
+    let square = (cost * cost).max(f64::MIN_POSITIVE);
+    information * square.ln() + parameters as f64 * information.ln()
 }
 
 /// Cost and end of a fit of one degree; `None` after a stop.
@@ -158,6 +182,14 @@ fn fitted(
 ) -> Result<Option<(f64, Vec<f64>)>, IdentifyError> {
     let step = format!("degree {}", problem.degree());
     let fit = fit_with_its_memory(engine, &step, problem, start, options);
+    ended(engine, fit)
+}
+
+/// Cost and end of a fit; `None` after a stop.
+fn ended(
+    engine: &mut Engine<'_, '_>,
+    fit: Result<Search, OptimizeError>,
+) -> Result<Option<(f64, Vec<f64>)>, IdentifyError> {
     let fit = engine.unless_stopped(fit)?.filter(|_| !engine.is_stopped());
     Ok(fit.map(|fit| (fit.outcome.cost, fit.outcome.best)))
 }
@@ -198,4 +230,25 @@ pub(in super::super) fn fit_with_its_memory(
     let mut fit = local_fits(engine, step, &held, vec![searched.to_vec()], options, None)?;
     fit.outcome.best.extend(memory);
     Ok(fit)
+}
+
+/// [`fit_with_its_memory`], ended after a few iterations where a cost far below that reached then would still
+/// be hopeless.
+pub(super) fn fit_unless_hopeless(
+    engine: &mut Engine<'_, '_>,
+    step: &str,
+    problem: &JointProblem,
+    start: Vec<f64>,
+    options: LeastSquaresOptions,
+    is_hopeless: impl Fn(f64) -> bool,
+) -> Result<Search, OptimizeError> {
+    let at_start = problem.cost(&start, &mut problem.workspace());
+    if at_start.is_finite() && is_hopeless(OF_START * at_start) {
+        let brief = LeastSquaresOptions { iterations: BRIEF, ..options.clone() };
+        let fit = fit_with_its_memory(engine, step, problem, start.clone(), brief)?;
+        if is_hopeless(OF_BRIEF * fit.outcome.cost) || engine.is_stopped() {
+            return Ok(fit);
+        }
+    }
+    fit_with_its_memory(engine, step, problem, start, options)
 }

@@ -12,14 +12,15 @@
 mod elimination;
 mod held_memory;
 mod linearise;
+mod workspace;
 
 pub(in super::super) use linearise::Linearisation;
+pub(in super::super) use workspace::JointWorkspace;
 
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::super::layout::Role;
-use super::super::projection::Projection;
 use super::parameter_layout::{JointLayout, JointSolution};
 use super::record::{Candidate, Derivatives, Direction, JointRecord, RecordWorkspace};
 use hysteron_model::dynamics::{DynamicForm, Linearised};
@@ -28,6 +29,7 @@ use hysteron_numeric::dot;
 use hysteron_optimize::{
     Bounds, Derivative, Eliminated, LeastSquaresProblem, Problem, Range, Stop, root_mean_square,
 };
+use workspace::Spare;
 
 /// Meaning of one searched number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +58,7 @@ pub(in super::super) struct JointProblem {
     normalisation_hz: f64,
     stop: Stop,
     best: Mutex<Option<Evaluated>>,
+    spare: Spare,
 }
 
 /// The best point so far, for work that is stopped: an evaluation may take seconds.
@@ -66,31 +69,6 @@ struct Evaluated {
     residuals: Vec<f64>,
     /// Coefficients of u, u², … and weights.
     coefficients: Vec<f64>,
-}
-
-/// Scratch of one evaluation.
-#[derive(Debug)]
-pub(in super::super) struct JointWorkspace {
-    records: Vec<RecordWorkspace>,
-    dynamics: Linearised,
-    column: Vec<f64>,
-    target: Vec<f64>,
-    projection: Projection,
-    /// Columns of the sign-constrained weights times their signs, orthogonal to those eliminated before, and
-    /// the absolute weights.
-    signed: Vec<f64>,
-    absolute: Vec<f64>,
-    /// Which coefficients the columns of `projection` belong to.
-    eliminated: Vec<usize>,
-    /// Point of the columns, sensitivities and residual in this workspace; empty: none.
-    at: Vec<f64>,
-}
-
-impl JointWorkspace {
-    /// Sets the stop signal that ends an evaluation early.
-    fn set_stop(&mut self, stop: &Stop) {
-        self.records.iter_mut().for_each(|record| record.set_stop(stop));
-    }
 }
 
 impl JointProblem {
@@ -125,7 +103,7 @@ impl JointProblem {
             place(*role, SearchedNumber::Memory(record));
         }
         let shaped = layout.shape.iter().map(|role| matches!(role, Role::Searched(_))).collect();
-        let (normalisation_hz, stop, best) = (1.0, Stop::new(), Mutex::default());
+        let (normalisation_hz, stop, best, spare) = (1.0, Stop::new(), Mutex::default(), Spare::default());
         Self {
             records,
             at,
@@ -139,6 +117,7 @@ impl JointProblem {
             normalisation_hz,
             stop,
             best,
+            spare,
         }
     }
 
@@ -384,7 +363,7 @@ impl JointProblem {
         out: &mut [f64],
         count: impl Fn(&JointWorkspace) -> usize,
     ) -> Derivative {
-        if (x.is_empty() || ws.at != x) && !self.evaluate(x, self.derivatives(), ws) {
+        if !self.is_at(x, ws) && !self.evaluate(x, self.derivatives(), ws) {
             return Derivative::Infeasible;
         }
         let coefficients = self.coefficients(x, ws);
@@ -412,23 +391,7 @@ impl Problem for JointProblem {
     }
 
     fn workspace(&self) -> JointWorkspace {
-        let (degree, weights) = (self.degree(), self.layout.weights.len());
-        let parameters = self.layout.form.len();
-        // None after a stop: nothing is evaluated then, and clearing the buffers of long records takes time.
-        let records: &[JointRecord] = if self.stop.is_requested() { &[] } else { &self.records };
-        let count = if records.is_empty() { 0 } else { self.residual_count() };
-        let of_record = |record: &JointRecord| record.workspace(degree, weights, parameters);
-        JointWorkspace {
-            records: records.iter().map(of_record).collect(),
-            dynamics: Linearised::default(),
-            column: vec![0.0; count],
-            target: vec![0.0; count],
-            projection: Projection::new(count, degree + weights),
-            signed: Vec::new(),
-            absolute: Vec::new(),
-            eliminated: Vec::with_capacity(degree + weights),
-            at: Vec::with_capacity(self.bounds.dimension()),
-        }
+        JointWorkspace::of(self)
     }
 
     fn cost(&self, x: &[f64], ws: &mut JointWorkspace) -> f64 {
@@ -452,6 +415,10 @@ impl LeastSquaresProblem for JointProblem {
     fn residuals(&self, x: &[f64], ws: &mut JointWorkspace, out: &mut [f64]) -> bool {
         if let Some(known) = self.known(x) {
             out.copy_from_slice(&known.residuals);
+            return true;
+        }
+        if self.is_at(x, ws) {
+            out.copy_from_slice(&ws.target);
             return true;
         }
         // Most trial points are accepted and differentiated next.

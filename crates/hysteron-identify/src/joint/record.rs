@@ -118,6 +118,11 @@ struct Lane {
 }
 
 impl RecordWorkspace {
+    /// Makes the outputs of the operators available to other workspaces of the record.
+    pub(super) fn return_operators(&mut self) {
+        self.hysteresis.give_back();
+    }
+
     /// Sets the stop signal that ends an evaluation early.
     pub(super) fn set_stop(&mut self, stop: &Stop) {
         self.hysteresis.operators.columns.stop = Some(stop.clone());
@@ -196,67 +201,6 @@ impl JointRecord {
         }
     }
 
-    /// Input of the dynamics: `scale` times the output `x` of an operator less its value `before` the first
-    /// sample.
-    fn prepare_input(&self, x: &[f64], before: f64, scale: f64, lane: &mut Lane) -> bool {
-        let Lane { plan, prepared, own, input, .. } = lane;
-        match (&self.reduction, self.thinning) {
-            (None, Thinning::Pick(_)) => input.copy_from_slice(x),
-            (None, Thinning::Means) => self.thinning.apply(x, input),
-            (Some(reduction), Thinning::Pick(_)) => reduction.input(x, before, input),
-            (Some(reduction), Thinning::Means) => {
-                self.thinning.apply(x, own);
-                reduction.input(own, before, input);
-            }
-        }
-        input.iter_mut().for_each(|x| *x = scale * (*x - before));
-        self.plan.prepare_into(input, plan, prepared).is_ok()
-    }
-
-    /// Simulates the hysteresis and transforms its outputs. `false` where the candidate cannot be simulated.
-    fn operate(
-        &self,
-        form: HysteresisForm,
-        (shape, memory): (&[f64], f64),
-        derivatives: Derivatives<'_>,
-        lent: &mut LentOperators,
-        lanes: &mut [Lane],
-    ) -> bool {
-        let wanted = derivatives.is_some();
-        if lent.are_found(shape, memory, wanted) {
-            return true;
-        }
-        let Operators { columns, inputs, of, derived } = &mut lent.operators;
-        let run = if of.take().is_some() { HysteresisForm::run_again } else { HysteresisForm::run };
-        let grid = DriveGrid { paces: self.paces.as_deref(), ..self.grid };
-        if run(form, shape, grid, &self.drive, self.origin(memory), derivatives, columns).is_err() {
-            return false;
-        }
-        // Filled one by one: allocating dozens at once would delay a stop.
-        inputs.resize_with(columns.values.len(), PlanInput::none);
-        let changed = columns.kept..inputs.len();
-        let share = changed.len().div_ceil(lanes.len().max(1)).max(1);
-        let (values, rest) = (&columns.values[changed.clone()], &columns.rest[changed.clone()]);
-        let done = inputs[changed]
-            .par_chunks_mut(share)
-            .zip(values.par_chunks(share).zip(rest.par_chunks(share)))
-            .zip(lanes)
-            .map(|((inputs, (values, rests)), lane)| {
-                let mut done = true;
-                for ((prepared, values), rest) in inputs.iter_mut().zip(values).zip(rests) {
-                    done =
-                        done && !is_stopped(columns) && self.prepare_input(values, *rest, form.sign(), lane);
-                    std::mem::swap(&mut lane.prepared, prepared);
-                }
-                done
-            })
-            .reduce(|| true, |a, b| a & b);
-        if done {
-            (*of, *derived) = (Some((shape.to_vec(), memory)), wanted);
-        }
-        done
-    }
-
     /// Columns of the candidate into `ws.columns` and the target, transients projected out, into `ws.target`;
     /// with `derivatives`, everything that [`Self::differentiate`] needs. `false` where the candidate cannot
     /// be simulated.
@@ -270,6 +214,7 @@ impl JointRecord {
         ws: &mut RecordWorkspace,
     ) -> bool {
         self.prepare_response(form, candidate, memory, dynamics, derivatives, ws)
+            && self.transform(form.sign(), &mut ws.hysteresis.operators, &mut ws.lanes)
             && self.respond_to_inputs(form.sign(), derivatives, ws)
     }
 
@@ -289,18 +234,34 @@ impl JointRecord {
             return false;
         }
         let RecordWorkspace { hysteresis, response, total, local, columns, target, lanes, .. } = ws;
-        let operators = &hysteresis.operators;
+        let Operators { columns: operated, reduced, .. } = &hysteresis.operators;
         let (Some(lane), Some(output)) = (lanes.first_mut(), columns.get_mut(..self.samples())) else {
             return true;
         };
-        total.set_sum(self.weighted_inputs(coefficients, operators));
+        let degree = coefficients.len().saturating_sub(operated.values.len());
+        let (polynomial, weights) = coefficients.split_at(degree);
+        let sign = form.sign();
+        let signed = || weights.iter().map(|weight| sign * weight).zip(&operated.rest);
+        let done = if self.reduction.is_some() {
+            let parts = signed().zip(reduced).map(|((weight, rest), x)| (weight, &x[..], *rest));
+            self.prepare_sum(parts, lane)
+        } else if weights.iter().all(|weight| *weight == 0.0) {
+            self.prepare_sum([], lane)
+        } else {
+            let parts = signed().zip(&operated.values).map(|((weight, rest), x)| (weight, &x[..], *rest));
+            self.input_of_sum(parts, operated.values[0].len(), lane).is_some()
+        };
+        if !done {
+            return false;
+        }
+        let powers = polynomial.iter().copied().zip(&self.powers);
+        total.set_sum(powers.chain([(1.0, &lane.prepared)]));
         if self.plan.apply(response, total, &mut lane.plan, output).is_err() {
             return false;
         }
         self.end(output);
         if let Some(unit) = &self.rest {
-            let degree = coefficients.len() - operators.inputs.len();
-            let at_rest = |(index, c)| c * self.at_rest(index, degree, form.sign(), &operators.columns);
+            let at_rest = |(index, c)| c * self.at_rest(index, degree, sign, operated);
             let at_rest: f64 = coefficients.iter().enumerate().map(at_rest).sum();
             output.iter_mut().zip(unit).for_each(|(out, unit)| *out += at_rest * unit);
         }

@@ -61,8 +61,24 @@ impl Reduction {
         (row * self.factor) as isize - (self.lead() * self.factor) as isize
     }
 
+    /// Number of reduced samples that depend on the first `changed` samples of an input, and of the samples
+    /// that these depend on.
+    pub(super) fn beginning(&self, changed: usize) -> (usize, usize) {
+        let whole = (self.rows(), self.samples);
+        let rows = (changed + self.half()).div_ceil(self.factor) + self.lead();
+        let before = self.lead() * self.factor;
+        let needed = |rows: usize| ((rows.max(1) - 1) * self.factor + self.half() + 1).checked_sub(before);
+        // The reduced samples beyond the end depend on the last ones of the record too.
+        let beyond = needed(whole.0).map_or(0, |end| (2 * self.samples).saturating_sub(end + 1));
+        match needed(rows) {
+            Some(needed) if !self.periodic && needed < self.samples && changed <= beyond => (rows, needed),
+            _ => whole,
+        }
+    }
+
     /// F of an input of the dynamics, extended by `before` ahead of its first sample and by point reflection
-    /// beyond its last, which keeps value and slope. Allocates nothing.
+    /// beyond its last, which keeps value and slope. Of the beginning of an input the leading reduced samples
+    /// ([`Self::beginning`]). Allocates nothing.
     pub(super) fn input(&self, x: &[f64], before: f64, out: &mut [f64]) {
         let last = x.len() - 1;
         self.filter(x, out, |k| match usize::try_from(k) {

@@ -5,7 +5,7 @@ use super::super::engine::{Engine, Search, Show, rough};
 use super::super::options::{Choice, DynamicsChoice, Options};
 use super::super::static_step::BIC_FALL;
 use super::super::{DegreeTried, IdentifyError};
-use super::degree::{DEGREE_OF_STARTS, choose_degree, fit_with_its_memory, with_reach};
+use super::degree::{DEGREE_OF_STARTS, choose_degree, fit_unless_hopeless, fit_with_its_memory, with_reach};
 use super::model::shown;
 use super::normalised::{local_fits, resolved_fit};
 use super::problem::JointProblem;
@@ -223,7 +223,8 @@ fn begin_with_creep(
     let (mut plain_fit, mut is_followed) = (None, false);
     if !engine.is_stopped() {
         let step = "joint fit without creep";
-        let fit = fit_with_its_memory(engine, step, plain, start, rough());
+        let is_evident = |cost| Gain::new((plain, cost), (&problem, &search)).is_evident();
+        let fit = fit_unless_hopeless(engine, step, plain, start, rough(), is_evident);
         plain_fit = engine.where_feasible(fit)?;
         if let Some(rough) = &mut plain_fit {
             let gain = Gain::new((plain, rough.outcome.cost), (&problem, &search));
@@ -249,9 +250,9 @@ fn first_or_best(
     if engine.is_stopped() { problem.best().into_iter().collect() } else { points }
 }
 
-/// A few good starts; if their optima disagree, all others; if these disagree, a population search with a
-/// twentieth of its usual budget and local polishing. An optimum above the cost `hopeless` is not sought any
-/// further.
+/// A few good starts; if their optima disagree, all others; if these disagree, and the residuals are far from
+/// white, a population search with a twentieth of its usual budget and local polishing. An optimum above the
+/// cost `hopeless` is not sought any further.
 fn search_globally(
     (problem, reduced): (&JointProblem, bool),
     (setup, first): (&JointSetup<'_>, Option<FirstPoints>),
@@ -283,7 +284,8 @@ fn search_globally(
     } else {
         search_from_places(problem, (setup, first), engine, (hopeless, show))?
     };
-    if settled || engine.cancelled || search.outcome.cost > hopeless {
+    let is_over = settled || engine.cancelled || search.outcome.cost > hopeless;
+    if is_over || is_nearly_white(problem, &search.outcome.best) {
         return Ok(search);
     }
     if setup.form.creep != Creep::None && setup.options.start.is_none() {
@@ -372,6 +374,11 @@ fn is_settled(search: &Search) -> bool {
     ended >= AGREEMENT && near().all(|start| start.status != LocalStatus::Stalled)
 }
 
+/// True if the residuals at `x` are not far from white: there is little left to explain.
+fn is_nearly_white(problem: &JointProblem, x: &[f64]) -> bool {
+    information(problem, x) >= WHITE * problem.valid() as f64
+}
+
 /// Evidence for a creep factor: the fall of −2 ln of the likelihood, the BIC penalty of its parameters, and
 /// the ratio of the cost without it to that with it.
 struct Gain {
@@ -426,7 +433,7 @@ fn try_creep(
     found: Option<(JointProblem, Search)>,
     engine: &mut Engine<'_, '_>,
 ) -> Result<Option<(JointProblem, Search)>, IdentifyError> {
-    if engine.is_stopped() || information(plain, best) >= WHITE * plain.valid() as f64 {
+    if engine.is_stopped() || is_nearly_white(plain, best) {
         return Ok(None);
     }
     let problem = setup.problem(plain.degree(), reduced)?;

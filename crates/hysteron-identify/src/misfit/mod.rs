@@ -15,6 +15,7 @@ use hysteron_model::misfit::{Basis, COLUMNS, ColumnGroup, MisfitError, MisfitMod
 use hysteron_model::record::{InputOutput, Timing};
 use hysteron_numeric::display::short;
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use crate::facts::amplitudes;
 use crate::{Finding, FindingKind, Identification, RecordFit};
@@ -129,9 +130,7 @@ fn posterior(
     let basis = Basis { low_v, high_v, frequency_hz };
     let prior = reference::prior(&basis, model, holds_one_amplitude(records))?;
     let samples: usize = records.iter().map(|r| r.data.len()).sum();
-    let mut sums = Sums::new(COLUMNS);
-    let mut folds = vec![Sums::new(COLUMNS); FOLDS];
-    for (record, (rate_hz, _)) in records.iter().zip(rates) {
+    let of_record = |(record, (rate_hz, _)): (&RecordFit, (f64, f64))| {
         let most = (rate_hz / (LEAST_RATE * frequency_hz)).floor().max(1.0) as usize;
         let factor = samples.div_ceil(MOST_ROWS.0).clamp(1, most).max(samples.div_ceil(MOST_ROWS.1));
         let timing = Timing::from(&record.data.time);
@@ -139,7 +138,13 @@ fn posterior(
         let columns = basis.columns(model, &drive, factor)?;
         let independent_s = (INDEPENDENT.0 / frequency_hz).min(INDEPENDENT.1);
         let weight = |row: usize| (row_s(timing, row, factor) / independent_s).min(1.0);
-        if let Some((columns, residual, weight)) = rows(record, &columns, factor, weight) {
+        Ok(rows(record, &columns, factor, weight))
+    };
+    let parts: Vec<Result<_, MisfitError>> = records.par_iter().zip(rates).map(of_record).collect();
+    let mut sums = Sums::new(COLUMNS);
+    let mut folds = vec![Sums::new(COLUMNS); FOLDS];
+    for part in parts {
+        if let Some((columns, residual, weight)) = part? {
             sums.add(&columns, &residual, weight);
             let of_fold = residual.len().div_ceil(FOLDS);
             for (k, fold) in folds.iter_mut().enumerate() {

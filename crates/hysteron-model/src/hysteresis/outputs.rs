@@ -27,10 +27,11 @@ pub struct Columns {
     pub standing_by_memory: Vec<f64>,
     /// Ends a long pass early.
     pub stop: Option<Stop>,
-    /// Leading columns that the run left as they were ([`HysteresisForm::run_again`]).
+    /// Leading samples of every column that the run may have changed; the others are those of the earlier
+    /// run ([`HysteresisForm::run_again`]). At most the samples of the column.
     ///
     /// [`HysteresisForm::run_again`]: super::HysteresisForm::run_again
-    pub kept: usize,
+    pub changed: Vec<usize>,
     /// The course of the run, for families that keep what does not change.
     pub(in crate::hysteresis) course: Option<PlayCourse>,
     /// The contents are those of an earlier run over the same drive.

@@ -25,7 +25,7 @@ impl JointProblem {
     /// numbers, and the residuals, all with local columns projected out.
     pub(in super::super::super) fn linearise(&self, x: &[f64]) -> Option<Linearisation> {
         let mut ws = self.workspace();
-        if !self.evaluate(x, self.derivatives(), &mut ws) {
+        if !self.is_at(x, &mut ws) && !self.evaluate(x, self.derivatives(), &mut ws) {
             return None;
         }
         let coefficients = self.coefficients(x, &mut ws);

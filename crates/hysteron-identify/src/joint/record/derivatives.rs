@@ -168,7 +168,7 @@ impl JointRecord {
 
     /// Input from the weighted sum of `parts` (weight, operator output, zero-padded, and its value before the
     /// first sample), less the sum before the first sample, which is returned; `None` without parts.
-    fn input_of_sum<'a>(
+    pub(super) fn input_of_sum<'a>(
         &self,
         parts: impl Iterator<Item = (f64, &'a [f64], f64)>,
         samples: usize,

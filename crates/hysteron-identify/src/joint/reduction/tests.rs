@@ -173,3 +173,27 @@ proptest! {
         }
     }
 }
+
+proptest! {
+    /// Samples from the given one on do not change the leading reduced samples, which the samples of the
+    /// beginning alone give.
+    #[test]
+    fn the_beginning_of_a_record_is_reduced_like_the_whole(
+        samples in 100..3000_usize, factor in 2..12_usize, share in 0.0..1.2_f64,
+    ) {
+        let reduction = Reduction::new(factor, samples, false);
+        let changed = ((share * samples as f64) as usize).clamp(1, samples);
+        let x: Vec<f64> = (0..samples).map(|k| (0.01 * k as f64).sin() + 1e-4 * k as f64).collect();
+        let reduced = |x: &[f64], rows: usize| {
+            let mut out = vec![0.0; rows];
+            reduction.input(x, 0.3, &mut out);
+            out
+        };
+        let whole = reduced(&x, reduction.rows());
+        let (rows, needed) = reduction.beginning(changed);
+        prop_assert_eq!(&reduced(&x[..needed], rows)[..], &whole[..rows]);
+        let mut other = x.clone();
+        other[..changed].iter_mut().for_each(|x| *x += 1.0);
+        prop_assert_eq!(&reduced(&other, reduction.rows())[rows..], &whole[rows..]);
+    }
+}

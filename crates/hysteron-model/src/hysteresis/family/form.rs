@@ -230,8 +230,12 @@ impl HysteresisForm {
         let grid = grid.into();
         self.check(shape)?;
         let structure = (self.elements, shape, self.interval_of(grid)?);
-        out.kept = 0;
-        self.family.run(structure, grid, u, start, wanted, out)
+        out.changed.clear();
+        self.family.run(structure, grid, u, start, wanted, out)?;
+        // Families that keep nothing do not say so.
+        let samples = |values: &Vec<f64>| values.len();
+        out.changed.extend(out.values.iter().map(samples).skip(out.changed.len()));
+        Ok(())
     }
 
     /// [`Self::run`] where `out` is of an earlier run over the same drive, from the same start but for its

@@ -107,7 +107,8 @@ impl PlaySums {
         }
         let is_known = |before: &PlayCourse| before.start == start && (before.is_derived || !derivatives);
         if before.as_ref().is_some_and(is_known) {
-            (out.course, out.kept) = (before, count);
+            out.course = before;
+            out.changed.resize(count, 0);
             return Ok(());
         }
         let before = before.filter(|before| before.standing == standing);
@@ -115,6 +116,7 @@ impl PlaySums {
         let Columns { values, by_memory, stop, .. } = out;
         let (values, by_memory) = (&mut values[..count], &mut by_memory[..count]);
         by_memory.iter_mut().for_each(Vec::clear);
+        let mut changed = values.first().map_or(0, Vec::len);
         let mut next = 1;
         for (stretch, u) in u.chunks(STRETCH * factor).enumerate() {
             outputs::look(stop.as_ref())?;
@@ -126,6 +128,7 @@ impl PlaySums {
                     && !plays.are_some_still()
                 {
                     states.extend_from_slice(rest);
+                    changed = stretch * STRETCH;
                     break;
                 }
                 states.push(plays.states().to_vec());
@@ -142,6 +145,7 @@ impl PlaySums {
                 }
             }
         }
+        out.changed.resize(count, changed);
         let thresholds = self.thresholds.clone();
         out.course = Some(PlayCourse { thresholds, start, is_derived: derivatives, standing, states });
         Ok(())

@@ -283,8 +283,14 @@ mod tests {
             let mut out = columns(count, &u, first, factor, true);
             let wanted: &[bool] = &[];
             let shape = form.example(&SPAN);
+            let before = out.values.clone();
             form.run_again(&shape, factor, &u, start, Some(wanted), &mut out).unwrap();
             let anew = columns(count, &u, start, factor, true);
+            for ((values, before), &changed) in out.values.iter().zip(&before).zip(&out.changed) {
+                prop_assert_eq!(&values[changed..], &before[changed..]);
+            }
+            let samples = u.len().div_ceil(factor);
+            prop_assert!(out.changed.len() == count && anew.changed == vec![samples; count]);
             prop_assert_eq!((out.values, out.by_memory), (anew.values, anew.by_memory));
             prop_assert_eq!(out.course, anew.course);
             prop_assert_eq!((out.rest, out.rest_by_memory), (anew.rest, anew.rest_by_memory));

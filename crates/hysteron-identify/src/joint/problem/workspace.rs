@@ -1,0 +1,92 @@
+//! Scratch of an evaluation, kept by its problem between fits.
+
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+
+use hysteron_model::dynamics::Linearised;
+use hysteron_optimize::{LeastSquaresProblem, Stop};
+
+use super::super::super::projection::Projection;
+use super::super::record::{JointRecord, RecordWorkspace};
+use super::JointProblem;
+
+/// Workspaces of a problem that are not in use: a fit often begins where another one ended, and clearing new
+/// buffers takes as long as an evaluation.
+pub(super) type Spare = Arc<Mutex<Vec<JointWorkspace>>>;
+
+/// Scratch of one evaluation.
+#[derive(Debug, Default)]
+pub(in super::super::super) struct JointWorkspace {
+    pub(super) records: Vec<RecordWorkspace>,
+    pub(super) dynamics: Linearised,
+    pub(super) column: Vec<f64>,
+    pub(super) target: Vec<f64>,
+    pub(super) projection: Projection,
+    /// Columns of the sign-constrained weights times their signs, orthogonal to those eliminated before, and
+    /// the absolute weights.
+    pub(super) signed: Vec<f64>,
+    pub(super) absolute: Vec<f64>,
+    /// Which coefficients the columns of `projection` belong to.
+    pub(super) eliminated: Vec<usize>,
+    /// Point of the columns, sensitivities and residual in this workspace; empty: none.
+    pub(super) at: Vec<f64>,
+    /// Where it goes when it is dropped.
+    home: Weak<Mutex<Vec<JointWorkspace>>>,
+}
+
+impl JointWorkspace {
+    pub(super) fn of(problem: &JointProblem) -> Self {
+        if problem.stop.is_requested() {
+            // Nothing is evaluated then, and clearing the buffers of long records takes time.
+            return Self::default();
+        }
+        let spare = problem.spare.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        if let Some(spare) = spare {
+            return spare;
+        }
+        let (degree, weights) = (problem.degree(), problem.layout.weights.len());
+        let (parameters, count) = (problem.layout.form.len(), problem.residual_count());
+        let of_record = |record: &JointRecord| record.workspace(degree, weights, parameters);
+        Self {
+            records: problem.records.iter().map(of_record).collect(),
+            dynamics: Linearised::default(),
+            column: vec![0.0; count],
+            target: vec![0.0; count],
+            projection: Projection::new(count, degree + weights),
+            signed: Vec::new(),
+            absolute: Vec::new(),
+            eliminated: Vec::with_capacity(degree + weights),
+            at: Vec::with_capacity(problem.bounds.dimension()),
+            home: Arc::downgrade(&problem.spare),
+        }
+    }
+
+    /// Sets the stop signal that ends an evaluation early.
+    pub(super) fn set_stop(&mut self, stop: &Stop) {
+        self.records.iter_mut().for_each(|record| record.set_stop(stop));
+    }
+}
+
+impl Drop for JointWorkspace {
+    fn drop(&mut self) {
+        if let Some(home) = self.home.upgrade() {
+            let mut workspace = std::mem::take(self);
+            workspace.records.iter_mut().for_each(RecordWorkspace::return_operators);
+            home.lock().unwrap_or_else(PoisonError::into_inner).push(workspace);
+        }
+    }
+}
+
+impl JointProblem {
+    /// True if columns, sensitivities and residual in the workspace are those at `x`.
+    pub(super) fn is_at(&self, x: &[f64], ws: &mut JointWorkspace) -> bool {
+        if x.is_empty() || ws.at != x {
+            return false;
+        }
+        let Some(candidate) = self.candidate(x) else { return false };
+        ws.set_stop(&self.stop);
+        let records = self.records.iter().zip(&mut ws.records).zip(&candidate.memory);
+        records.fold(true, |all, ((record, ws), &memory)| {
+            record.has_operators(self.hysteresis, &candidate, memory, ws) && all
+        })
+    }
+}
