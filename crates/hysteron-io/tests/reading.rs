@@ -1,7 +1,7 @@
 //! What is accepted, and what it becomes.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use hysteron_io::{ReadOptions, read_input_output_bytes, read_record_bytes};
+use hysteron_io::{ReadOptions, read_input_output_bytes, read_record_bytes, write_csv_to};
 use hysteron_model::record::{Record, TimeBase};
 
 fn read(text: &str) -> Record {
@@ -16,6 +16,20 @@ fn rate(record: &Record) -> f64 {
     match record.time {
         TimeBase::Uniform { sample_rate_hz, .. } => sample_rate_hz,
         ref other => panic!("not uniform: {other:?}"),
+    }
+}
+
+/// Other formats have channels that are called by a number; their names are written in quotes.
+#[test]
+fn names_that_are_numbers_are_names_in_quotes() {
+    let record = read("\"1\",\"2\"\n0,1\n0.5,3\n");
+    assert_eq!(record.channel("2").unwrap().samples, [1.0, 3.0]);
+    let mut text = Vec::new();
+    write_csv_to(&mut text, &record).unwrap();
+    assert_eq!(read(std::str::from_utf8(&text).unwrap()).channels, record.channels);
+    for no_names in ["1,2\n0,1\n0.5,3\n", "\"1\",\"2\"\n\"0\",\"1\"\n", "\"1\",\"2\"\n"] {
+        let refused = read_record_bytes("bench.csv", no_names.as_bytes(), &ReadOptions::default());
+        assert!(refused.unwrap_err().to_string().contains("column names should be"), "{no_names}");
     }
 }
 

@@ -14,7 +14,8 @@ use crate::columns::{Columns, Headings};
 use crate::place::{FilePart, Place};
 use crate::reader::Input;
 
-use dialect::{declared_delimiter, detect_delimiter, loosely_number, split_fields};
+pub(crate) use dialect::loosely_number;
+use dialect::{declared_delimiter, detect_delimiter, split_fields};
 use lines::{Line, Lines, is_skipped};
 use table::Table;
 
@@ -51,7 +52,10 @@ pub(crate) fn read(input: Input<'_>) -> Result<Columns, IoError> {
     let line = header_line.number;
     let fields = split_fields(&header_line.bytes, delimiter)
         .map_err(|column| IoError::UnclosedQuote { place: Place::cell(file, line, column, "") })?;
-    if fields.iter().all(|f| loosely_number(f).is_some()) {
+    // Names that are numbers are in quotes, and the numbers below them are not.
+    let has_quotes = |bytes: &[u8]| bytes.contains(&b'"');
+    let are_names = has_quotes(&header_line.bytes) && !has_quotes(row_bytes) && first_row.is_some();
+    if !are_names && fields.iter().all(|f| loosely_number(f).is_some()) {
         return Err(IoError::NoHeader {
             place: Place::new(file, FilePart::Line(line)),
             columns: fields.len(),
