@@ -69,8 +69,6 @@ pub(super) struct Posterior {
     pub information: Vec<f64>,
     /// Share of eᵀe that least squares on the columns explain.
     pub explained: f64,
-    /// Error on left-out parts over that without columns, where that was computed.
-    pub left_out: Option<f64>,
 }
 
 impl Sums {
@@ -146,7 +144,6 @@ impl Sums {
             directions,
             information,
             explained: explained / self.power,
-            left_out: None,
         })
     }
 

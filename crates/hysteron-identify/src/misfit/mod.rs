@@ -97,21 +97,26 @@ impl Identification {
     pub fn misfit(&self) -> Misfit {
         let records = if self.runs.is_empty() { &self.records } else { &self.runs };
         match posterior(&self.model, records, self.excited_hz) {
-            Ok(Some((basis, found))) if found.explained >= OUTSIDE => {
+            Ok(Some((basis, found, left_out))) if found.explained >= OUTSIDE => {
                 let one_amplitude = holds_one_amplitude(records);
-                Misfit::Outside(Box::new(stored(basis, &found, one_amplitude)))
+                Misfit::Outside(Box::new(stored(basis, &found, left_out, one_amplitude)))
             }
-            Ok(found) => Misfit::InsideClass { explained: found.map_or(0.0, |(_, found)| found.explained) },
+            Ok(found) => {
+                Misfit::InsideClass { explained: found.map_or(0.0, |(_, found, _)| found.explained) }
+            }
             Err(error) => Misfit::Absent(Arc::new(error)),
         }
     }
 }
 
+/// Columns and residual of a record, and the weight of its rows.
+type Rows = (DMatrix<f64>, DVector<f64>, f64);
+
 fn posterior(
     model: &Model,
     records: &[RecordFit],
     excited_hz: Option<(f64, f64)>,
-) -> Result<Option<(Basis, Posterior)>, MisfitError> {
+) -> Result<Option<(Basis, Posterior, Option<f64>)>, MisfitError> {
     let rates = records.iter().map(|r| rates_hz(&r.data).ok_or(MisfitError::NoTimes));
     let rates = rates.collect::<Result<Vec<(f64, f64)>, _>>()?;
     let lowest_rate = rates.iter().map(|(mean, _)| *mean).fold(f64::INFINITY, f64::min);
@@ -141,28 +146,29 @@ fn posterior(
         Ok(rows(record, &columns, factor, weight))
     };
     let parts: Vec<Result<_, MisfitError>> = records.par_iter().zip(rates).map(of_record).collect();
+    let parts: Vec<Option<Rows>> = parts.into_iter().collect::<Result<_, _>>()?;
+    let parts: Vec<Rows> = parts.into_iter().flatten().collect();
     let mut sums = Sums::new(COLUMNS);
-    let mut folds = vec![Sums::new(COLUMNS); FOLDS];
-    for part in parts {
-        if let Some((columns, residual, weight)) = part? {
-            sums.add(&columns, &residual, weight);
-            let of_fold = residual.len().div_ceil(FOLDS);
-            for (k, fold) in folds.iter_mut().enumerate() {
-                let rows = (k * of_fold).min(residual.len())..((k + 1) * of_fold).min(residual.len());
-                let (from, count) = (rows.start, rows.len());
-                fold.add(&columns.rows(from, count).into(), &residual.rows(from, count).into(), weight);
-            }
-        }
-    }
-    let left_out = left_out(&sums, &folds, &prior);
-    Ok(sums.posterior(&prior).map(|found| (basis, Posterior { left_out, ..found })))
+    parts.iter().for_each(|(columns, residual, weight)| sums.add(columns, residual, *weight));
+    Ok(sums.posterior(&prior).map(|found| {
+        // Inside the class nobody asks.
+        let left_out = if found.explained >= OUTSIDE { left_out(&sums, &parts, &prior) } else { None };
+        (basis, found, left_out)
+    }))
 }
 
 /// Error with the predicted discrepancy over that without it, on each part left out of its fit in turn.
-fn left_out(all: &Sums, folds: &[Sums], prior: &Prior) -> Option<f64> {
+fn left_out(all: &Sums, parts: &[Rows], prior: &Prior) -> Option<f64> {
     let mut after = 0.0;
-    for fold in folds {
-        after += fold.power_left(&all.without(fold).posterior(prior)?.mean);
+    for k in 0..FOLDS {
+        let mut fold = Sums::new(COLUMNS);
+        for (columns, residual, weight) in parts {
+            let of_fold = residual.len().div_ceil(FOLDS);
+            let (from, to) = ((k * of_fold).min(residual.len()), ((k + 1) * of_fold).min(residual.len()));
+            let count = to - from;
+            fold.add(&columns.rows(from, count).into(), &residual.rows(from, count).into(), *weight);
+        }
+        after += fold.power_left(&all.without(&fold).posterior(prior)?.mean);
     }
     Some((after.max(0.0) / all.power).sqrt())
 }
@@ -206,7 +212,7 @@ fn rows(
     columns: &[Vec<f64>],
     factor: usize,
     weight: impl Fn(usize) -> f64,
-) -> Option<(DMatrix<f64>, DVector<f64>, f64)> {
+) -> Option<Rows> {
     let RecordFit { data, simulated, scores, .. } = record;
     let invalid = (0..data.len()).filter(|k| !data.is_valid(*k)).count();
     // Those skipped at the start.
@@ -242,7 +248,7 @@ fn rows(
 }
 
 /// The model with numbers of [`DIGITS`] digits: deviations need no more, and a model file stays small.
-fn stored(basis: Basis, found: &Posterior, one_amplitude: bool) -> MisfitModel {
+fn stored(basis: Basis, found: &Posterior, left_out: Option<f64>, one_amplitude: bool) -> MisfitModel {
     let rounded = |x: f64| format!("{x:.DIGITS$e}").parse().unwrap_or(x);
     MisfitModel {
         basis,
@@ -252,6 +258,6 @@ fn stored(basis: Basis, found: &Posterior, one_amplitude: bool) -> MisfitModel {
         directions: found.directions.column_iter().map(|f| f.iter().map(|x| rounded(*x)).collect()).collect(),
         information: found.information.iter().map(|x| rounded(*x)).collect(),
         one_amplitude,
-        left_out: found.left_out.map(rounded),
+        left_out: left_out.map(rounded),
     }
 }

@@ -160,7 +160,15 @@ impl Basis {
                 let per_s = self.frequency_hz / periods;
                 // A cycle before the record is as long as the record.
                 let count = samples_v.len();
-                let decay = |k: usize| (-per_s * steps.s((k + count - prologue % count) % count)).exp();
+                // Of equal steps it is computed once.
+                let (mut of_step, mut decay) = (f64::NAN, 1.0);
+                let decay = |k: usize| {
+                    let step_s = steps.s((k + count - prologue % count) % count);
+                    if step_s != of_step {
+                        (of_step, decay) = (step_s, (-per_s * step_s).exp());
+                    }
+                    decay
+                };
                 means(&drive.relaxing_play(*r, decay), factor, |p| p)
             };
             RELAXATIONS.iter().map(path).collect::<Vec<_>>()
@@ -197,7 +205,7 @@ impl ScaledDrive<'_> {
     }
 
     /// Play of half-width `r` whose distance from x decays by the factor `decay(k)` after the move to sample k.
-    fn relaxing_play(&self, r: f64, decay: impl Fn(usize) -> f64) -> Vec<f64> {
+    fn relaxing_play(&self, r: f64, mut decay: impl FnMut(usize) -> f64) -> Vec<f64> {
         let mut state = self.rest;
         self.path(|(k, &x)| {
             state = x + (play(r, state, x) - x) * decay(k);
