@@ -4,6 +4,7 @@ use super::{OffsetTreatment, ScoreError, Scoring, mean, root_mean_square, scored
 use crate::hammerstein::Model;
 use crate::record::{InputOutput, range_of};
 use crate::start::Start;
+use rayon::prelude::*;
 
 /// Memories tried before the best is refined: the error may have several minima.
 const COARSE: usize = 9;
@@ -12,8 +13,8 @@ const PRECISION: f64 = 1e-5;
 
 /// The start at rest at u(0) with the memory from which `model` explains the record best (smallest RMSE), its
 /// RMSE and the simulation from it. The memory is searched over
-/// [`Hysteresis::memory_range`](crate::hysteresis::Hysteresis::memory_range): first on a grid, then by golden
-/// section. `None` where there is no memory to search.
+/// [`Hysteresis::memory_range`](crate::hysteresis::Hysteresis::memory_range): first on a grid, then by
+/// parabolas. `None` where there is no memory to search.
 ///
 /// # Errors
 /// [`ScoreError`] where the record cannot be scored.
@@ -47,10 +48,10 @@ fn error_of(record: &InputOutput, simulated: &[f64], scored: &[bool], offset: Of
 }
 
 /// Where `f` is smallest on [low, high].
-fn minimum(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
+fn minimum(f: impl Fn(f64) -> f64 + Sync, low: f64, high: f64) -> f64 {
     let step = (high - low) / (COARSE - 1) as f64;
     let at = |k: usize| low + step * k as f64;
-    let values: Vec<f64> = (0..COARSE).map(|k| f(at(k))).collect();
+    let values: Vec<f64> = (0..COARSE).into_par_iter().map(|k| f(at(k))).collect();
     let least = values.iter().copied().fold(f64::INFINITY, f64::min);
     let best = values.iter().position(|value| *value == least).unwrap_or(0);
     let ends = [at(best.saturating_sub(1)), at((best + 1).min(COARSE - 1))];
@@ -102,19 +103,20 @@ fn parabolic(f: &impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], best: (f64,
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
     #[test]
     fn the_minimum_of_a_parabola_and_of_two_valleys_is_found_inside_and_on_the_edge() {
         assert!((minimum(|z| (z - 0.37).powi(2), -2.0, 3.0) - 0.37).abs() < 1e-4);
         assert!((minimum(|z| z, -2.0, 3.0) + 2.0).abs() < 1e-4);
         // Steps of parabolas: as few evaluations as that takes.
-        let evaluations = std::cell::Cell::new(0);
+        let evaluations = AtomicUsize::new(0);
         let hyperbola = |z: f64| {
-            evaluations.set(evaluations.get() + 1);
+            evaluations.fetch_add(1, Ordering::Relaxed);
             (1.0 + (z - 0.37).powi(2)).sqrt()
         };
         assert!((minimum(hyperbola, -2.0, 3.0) - 0.37).abs() < 1e-4);
-        assert!(evaluations.get() < COARSE + 12, "{}", evaluations.get());
+        assert!(evaluations.into_inner() < COARSE + 12);
         assert!(minimum(|_| f64::INFINITY, -2.0, 3.0).is_finite());
         assert_eq!(minimum(|z| z, 1.0, 1.0), 1.0);
         let valleys = |z: f64| ((z - 2.0).powi(2)).min((z + 1.5).powi(2) + 0.1);
