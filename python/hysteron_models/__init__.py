@@ -30,7 +30,7 @@ from ._errors import (
     RegistryError,
 )
 from ._native import __version__
-from .comparison import Comparison, choices, compare
+from .comparison import Comparison, choices, compare, compare_axes
 from .design import Design, design
 from .estimators import Branches, Estimator, Force, Hammerstein, Modes, Oscillator
 from .excitation import excite, simulate_bench
@@ -75,6 +75,7 @@ __all__ = [
     "__version__",
     "choices",
     "compare",
+    "compare_axes",
     "contents",
     "design",
     "excite",

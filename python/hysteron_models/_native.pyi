@@ -24,6 +24,7 @@ __all__ = [
     "chi_square_tail",
     "choices",
     "compare",
+    "compare_axes",
     "contents",
     "design",
     "difference_of",
@@ -222,6 +223,14 @@ def compare(
     continued: bool = False,
     input: str | None = None,
     output: str | None = None,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> tuple[str, str, Model | None, BaseException | None]: ...
+def compare_axes(
+    records: list[Record],
+    inputs: list[str],
+    outputs: list[str],
+    candidates: list[str] = ...,
     threads: int | None = None,
     progress: _Progress | None = None,
 ) -> tuple[str, str, Model | None, BaseException | None]: ...

@@ -18,7 +18,7 @@ from .results import write_text
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Comparison", "choices", "compare"]
+__all__ = ["Comparison", "choices", "compare", "compare_axes"]
 
 
 @dataclass(frozen=True)
@@ -89,6 +89,37 @@ def compare(
             given[0]._output,
             threads,
             told,
+        )
+    if interrupt is not None:
+        raise interrupt
+    return Comparison(None if model is None else Model(model), json.loads(text), page)
+
+
+def compare_axes(
+    records: Sequence[Record],
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    candidates: Sequence[str] = (),
+    *,
+    threads: int | None = None,
+    progress: bool | Progress = False,
+) -> Comparison:
+    """Compare structures of modes of several axes by the error on records held out, one of every level.
+
+    Args:
+        records: periodic records of one device, two or more at every level.
+        inputs: names of the drives, in order.
+        outputs: names of the axes, in order.
+        candidates: structures, ``"linear"``, ``"polynomial"``, ``"plays6"``, ``"modes8+plays6"``; the usual
+            four if none is given.
+        threads: threads; all cores if not given.
+        progress: as in ``fit``.
+    """
+    if threads is None and _in_worker():
+        threads = 1
+    with shown(progress) as told:
+        text, page, model, interrupt = _native.compare_axes(
+            natives(as_records(records)), list(inputs), list(outputs), list(candidates), threads, told
         )
     if interrupt is not None:
         raise interrupt

@@ -211,6 +211,23 @@ def test_other_kinds_agree(command: Path, tmp_path: Path, kind: str) -> None:
     assert np.array_equal(np.column_stack(columns).squeeze(), ours)
 
 
+def test_structures_of_several_axes_are_compared_with_the_same_numbers(command: Path, tmp_path: Path) -> None:
+    axes = (["u1_V", "u2_V"], ["y1_nm", "y2_nm"])
+    records = [_several_axes(1, 0.1), _several_axes(2, 0.1), _several_axes(3, 0.5), _several_axes(4, 0.5)]
+    paths = [tmp_path / f"r{k}.csv" for k in range(len(records))]
+    for path, record in zip(paths, records, strict=True):
+        record.save(path)
+    names = ["modes1+linear", "modes2+linear"]
+    flags = ["--inputs", ",".join(axes[0]), "--outputs", ",".join(axes[1]), "--candidates", ",".join(names)]
+    run = [str(command), "compare", *map(str, paths), *flags, "--json"]
+    told = subprocess.run(run, capture_output=True, text=True)
+    assert told.returncode == 0, told.stderr
+    found = hy.compare_axes(hy.read(paths), *axes, names)
+    assert json.loads(told.stdout) == found.result
+    assert found.preferred == "modes2+linear" and found.model is not None
+    assert len(found.to_pandas()) == 2
+
+
 def _name_in(record: hy.Record, name: str) -> str:
     """Name of an output in a written file: in the model's unit, µm for a length."""
     stem = name.split("_")[0]

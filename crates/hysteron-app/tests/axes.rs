@@ -83,5 +83,5 @@ fn drives_of_all_actuators_and_their_code() {
     assert!(names.contains(&"stage_inverse.c"), "{names:?}");
     let header = preview["files"][0]["text"].as_str().unwrap();
     assert!(header.contains(&hysteron_io::sha256(stage().as_bytes())), "{header}");
-    server.get(&format!("{at}/preview?as=fmu")).refused(422);
+    server.get(&format!("{at}/preview?as=matlab")).refused(422);
 }

@@ -56,7 +56,7 @@ pub enum ExportError {
     #[error(transparent)]
     Unsupported(#[from] hysteron_model::model::Unsupported),
     /// A form that is not there for models of several axes yet.
-    #[error("a model of several axes is exported as C99 or Rust in double precision, not as {form} yet")]
+    #[error("a model of several axes is exported as C99, Rust or FMUs, not as {form} yet")]
     OneAxis {
         /// The form asked for.
         form: String,

@@ -44,7 +44,8 @@ mod summary;
 mod template;
 
 pub use axes::{
-    AxesExportRequest, AxesSubject, axes_files, axes_inverse_files, axes_rust_files, export_axes,
+    AxesExportRequest, AxesExported, AxesSubject, axes_files, axes_fmu_files, axes_inverse_files,
+    axes_rust_files, export_axes,
 };
 pub use c::c_files;
 pub use closed_loop::{ClosedLoop, controller_files};

@@ -159,7 +159,7 @@ fn inverted(
 }
 
 /// What is to be said of a platform that no binary was made for.
-fn without_binary(platform: Platform) -> Finding {
+pub(crate) fn without_binary(platform: Platform) -> Finding {
     let text = format!(
         "The units have no binary for {}, only the source: `{}` is not installed, or its C library is not.",
         platform.words(),

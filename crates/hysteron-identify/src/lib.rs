@@ -79,7 +79,9 @@ pub use options::{
 };
 pub use parameter::{Equation13, LinearPart, Parameter, ParameterRole};
 pub use result::{Correlation, DegreeTried, Identification, RecordFit, Reduction, StructureChoice};
-pub use searches::{ModesCheckpoint, Searches, SearchesFormat};
+pub use searches::{
+    ModesCheckpoint, ModesComparisonCheckpoint, ModesFitCheckpoint, Searches, SearchesFormat,
+};
 pub use sines::{GainPhase, RecordSines, SineResponse};
 pub use static_fit::StaticFit;
 pub use static_step::BIC_FALL;

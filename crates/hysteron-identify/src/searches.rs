@@ -23,6 +23,37 @@ pub struct Searches {
     /// The candidates of a comparison, or of the choice of the family of hysteresis.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub comparison: Option<Box<ComparisonCheckpoint>>,
+    /// The fits of a comparison of structures of modes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub modes_comparison: Option<Box<ModesComparisonCheckpoint>>,
+}
+
+/// State of a comparison of structures of modes: the fits that are finished.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModesComparisonCheckpoint {
+    /// Fingerprint of the records and options.
+    pub problem: String,
+    /// The fits.
+    pub fits: Vec<ModesFitCheckpoint>,
+}
+
+/// A finished fit of a comparison of structures of modes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModesFitCheckpoint {
+    /// Name of the structure.
+    pub candidate: String,
+    /// Number of the fold that was held out, from 1; 0: all records are in the fit.
+    pub fold: usize,
+    /// Free parameters.
+    pub parameters: usize,
+    /// Modes found.
+    pub modes: usize,
+    /// Error on the records held out, or on all.
+    pub error: Option<f64>,
+    /// Why it failed.
+    pub failure: Option<String>,
 }
 
 /// State of the search for modes.

@@ -8,7 +8,7 @@ use hysteron_model::Model;
 use hysteron_optimize::Stop;
 
 use crate::compared::CandidateSummary;
-use crate::searches::Searches;
+use crate::searches::{ModesComparisonCheckpoint, Searches};
 use crate::structure::ComparisonCheckpoint;
 
 /// Progress report of running work.
@@ -141,6 +141,19 @@ impl<'a> Watch<'a> {
             let searches: Option<&dyn Fn() -> Searches> = Some(&searches);
             let state =
                 State { searches: searches.filter(|_| event.state.searches.is_some()), ..event.state };
+            self.tell(Event { state, ..*event })
+        };
+        Watch { unlimited: self.unlimited.clone(), ..Watch::new(told).stopped_by(&self.stop) }
+    }
+
+    /// A watch that reports to this one, with the finished fits of a comparison of modes in every state to
+    /// resume from.
+    pub(crate) fn with_fits<'s>(&'s self, fits: &'s ModesComparisonCheckpoint) -> Watch<'s> {
+        let told = move |event: &Event<'_>| {
+            let modes_comparison = || Some(Box::new(fits.clone()));
+            let searches =
+                || Searches { modes_comparison: modes_comparison(), ..event.searches().unwrap_or_default() };
+            let state = State { searches: Some(&searches), ..event.state };
             self.tell(Event { state, ..*event })
         };
         Watch { unlimited: self.unlimited.clone(), ..Watch::new(told).stopped_by(&self.stop) }

@@ -76,7 +76,6 @@ pub struct FeedbackTangent<'a> {
 #[derive(Clone, Debug, Default)]
 pub struct TangentState {
     x: Vec<Lanes>,
-    next: Vec<Lanes>,
     z: Vec<Lanes>,
     w: Vec<Lanes>,
     plays: Vec<Lanes>,
@@ -96,7 +95,6 @@ impl FeedbackTangent<'_> {
             lanes.resize(count, zero);
         };
         sized(&mut state.x, self.transition.len());
-        sized(&mut state.next, self.transition.len());
         sized(&mut state.z, channels);
         sized(&mut state.w, self.strains);
         sized(&mut state.plays, channels * self.plays);
@@ -112,14 +110,57 @@ fn add_scaled(to: &mut Lanes, factor: f64, from: &Lanes) {
     }
 }
 
-/// Σ_k row_k from_k.
+/// start + Σ_k row_k from_k, in this order. The sum is a local: through a reference it would not stay in vector
+/// registers.
 #[inline(always)]
-fn combined(row: &[f64], from: &[Lanes]) -> Lanes {
-    let mut sum = [0.0; LANES];
+fn combined(start: &Lanes, row: &[f64], from: &[Lanes]) -> Lanes {
+    let mut sum = *start;
     for (factor, from) in row.iter().zip(from) {
         add_scaled(&mut sum, *factor, from);
     }
     sum
+}
+
+/// Rows whose sums are computed together.
+const ROWS: usize = 3;
+
+/// [`combined`] of several rows of `row` numbers, from 0; every term is loaded once.
+#[inline(always)]
+fn combined_rows(matrix: &[f64], row: usize, from: &[Lanes]) -> [Lanes; ROWS] {
+    let [mut a, mut b, mut c] = [[0.0; LANES]; ROWS];
+    let (first, rest) = matrix.split_at(row);
+    let (second, third) = rest.split_at(row);
+    for (((from, f), g), h) in from.iter().zip(first).zip(second).zip(third) {
+        add_scaled(&mut a, *f, from);
+        add_scaled(&mut b, *g, from);
+        add_scaled(&mut c, *h, from);
+    }
+    [a, b, c]
+}
+
+/// to = matrix · from; rows of `row` numbers, of which the first count.
+#[inline(always)]
+fn times(matrix: &[f64], row: usize, from: &[Lanes], to: &mut [Lanes]) {
+    for (matrix, to) in matrix.chunks(ROWS * row).zip(to.chunks_mut(ROWS)) {
+        if to.len() == ROWS {
+            to.copy_from_slice(&combined_rows(matrix, row, from));
+            continue;
+        }
+        for (row, to) in matrix.chunks(row).zip(to) {
+            *to = combined(&[0.0; LANES], row, from);
+        }
+    }
+}
+
+/// A direct action: row, lane, signal, factor.
+type Action = (usize, usize, usize, f64);
+
+/// Adds the direct actions on one kind of target.
+#[inline(always)]
+fn act(actions: &[Action], signals: &[f64], on: &mut [Lanes]) {
+    for (row, lane, signal, factor) in actions {
+        on[*row][*lane] += factor * signals[*signal];
+    }
 }
 
 /// The recursion; every step of the trajectory in turn.
@@ -131,85 +172,74 @@ pub(super) fn feedback_tangent_kernel(
     out: &mut [Lanes],
 ) {
     let s = system;
-    let states = s.transition.len();
-    let channels = state.z.len();
+    let TangentState { x, z, w, plays, weighted } = state;
+    let (states, channels) = (s.transition.len(), z.len());
     let outputs = s.output.len() / states.max(1);
     let samples = out.len() / outputs.max(1);
-    let rows = s.signals.chunks_exact(s.width);
-    for (step, signals) in rows.enumerate() {
+    let on = |place: fn(&Target) -> Option<usize>| -> Vec<Action> {
+        let action = |f: &Forcing| place(&f.target).map(|row| (row, f.lane, f.signal, f.factor));
+        forcing.iter().filter_map(action).collect()
+    };
+    let on_channels = on(|target| if let Target::Channel(i) = target { Some(*i) } else { None });
+    let on_strains = on(|target| if let Target::Strain(i) = target { Some(*i) } else { None });
+    let on_states = on(|target| if let Target::State(i) = target { Some(*i) } else { None });
+    let mut y = vec![[0.0; LANES]; outputs];
+    for (step, signals) in s.signals.chunks_exact(s.width).enumerate() {
         if channels > 0 {
-            for (z, row) in state.z.iter_mut().zip(s.channels.chunks_exact(s.row)) {
-                *z = combined(&row[..states], &state.x);
-            }
-            for f in forcing {
-                if let Target::Channel(i) = f.target {
-                    state.z[i][f.lane] += f.factor * signals[f.signal];
-                }
-            }
-            state.w.iter_mut().for_each(|w| *w = [0.0; LANES]);
+            times(s.channels, s.row, x, z);
+            act(&on_channels, signals, z);
+            w.fill([0.0; LANES]);
             let slopes = &s.slopes[step * channels..(step + 1) * channels];
             let moved = &s.moved[step * channels..(step + 1) * channels];
             for i in 0..channels {
-                let z = state.z[i];
+                let z = &z[i];
+                let mut sum = weighted[i];
                 // A play that moves follows z; the sum over the plays changes by those alone.
                 for j in (0..s.plays).filter(|j| moved[i] >> j & 1 == 1) {
-                    let play = &mut state.plays[i * s.plays + j];
+                    let play = &mut plays[i * s.plays + j];
                     let weight = s.weights[i * s.plays + j];
-                    for ((sum, play), z) in state.weighted[i].iter_mut().zip(play.iter_mut()).zip(&z) {
+                    for ((sum, play), z) in sum.iter_mut().zip(play.iter()).zip(z) {
                         *sum += weight * (z - *play);
-                        *play = *z;
                     }
+                    *play = *z;
                 }
-                let w = &mut state.w[i % s.strains];
-                add_scaled(w, slopes[i], &z);
-                add_scaled(w, 1.0, &state.weighted[i]);
+                weighted[i] = sum;
+                let mut of_strain = w[i % s.strains];
+                add_scaled(&mut of_strain, slopes[i], z);
+                add_scaled(&mut of_strain, 1.0, &sum);
+                w[i % s.strains] = of_strain;
             }
-            for f in forcing {
-                if let Target::Strain(i) = f.target {
-                    state.w[i][f.lane] += f.factor * signals[f.signal];
-                }
-            }
+            act(&on_strains, signals, w);
         }
         if step >= s.before && (step - s.before).is_multiple_of(s.steps) {
             let sample = (step - s.before) / s.steps;
-            for m in 0..outputs {
-                let mut y = combined(&s.output[m * states..(m + 1) * states], &state.x);
-                if channels > 0 {
-                    let row = &s.strain_feedthrough[m * s.strains..(m + 1) * s.strains];
-                    for (factor, w) in row.iter().zip(&state.w) {
-                        add_scaled(&mut y, *factor, w);
-                    }
-                }
+            times(s.output, states, x, &mut y);
+            for (m, y) in y.iter().enumerate() {
+                let row = &s.strain_feedthrough[m * s.strains..(m + 1) * s.strains];
                 if let Some(slot) = out.get_mut(m * samples + sample) {
-                    *slot = y;
+                    *slot = if channels > 0 { combined(y, row, w) } else { *y };
                 }
             }
         }
-        for k in 0..s.modes {
-            let (a, b) = (s.transition[2 * k], s.transition[2 * k + 1]);
-            let (re, im) = (state.x[2 * k], state.x[2 * k + 1]);
-            for lane in 0..LANES {
-                state.next[2 * k][lane] = a * re[lane] - b * im[lane];
-                state.next[2 * k + 1][lane] = a * im[lane] + b * re[lane];
+        for (k, p) in s.transition[..2 * s.modes].chunks_exact(2).enumerate() {
+            let (re, im) = (&x[2 * k], &x[2 * k + 1]);
+            let (mut to_re, mut to_im) = ([0.0; LANES], [0.0; LANES]);
+            for ((to, re), im) in to_re.iter_mut().zip(re).zip(im) {
+                *to = p[0] * re - p[1] * im;
             }
+            for ((to, re), im) in to_im.iter_mut().zip(re).zip(im) {
+                *to = p[0] * im + p[1] * re;
+            }
+            (x[2 * k], x[2 * k + 1]) = (to_re, to_im);
         }
-        for k in 2 * s.modes..states {
-            for (next, x) in state.next[k].iter_mut().zip(&state.x[k]) {
-                *next = s.transition[k] * x;
-            }
+        for (x, a) in x[2 * s.modes..].iter_mut().zip(&s.transition[2 * s.modes..]) {
+            x.iter_mut().for_each(|x| *x *= a);
         }
         if channels > 0 {
-            for (next, row) in state.next.iter_mut().zip(s.strain_input.chunks_exact(s.strains)) {
-                for (factor, w) in row.iter().zip(&state.w) {
-                    add_scaled(next, *factor, w);
-                }
+            for (x, row) in x.iter_mut().zip(s.strain_input.chunks_exact(s.strains)) {
+                *x = combined(x, row, w);
             }
         }
-        for f in forcing {
-            if let Target::State(k) = f.target {
-                state.next[k][f.lane] += f.factor * signals[f.signal];
-            }
-        }
-        std::mem::swap(&mut state.x, &mut state.next);
+        act(&on_states, signals, x);
     }
 }

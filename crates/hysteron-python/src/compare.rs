@@ -2,12 +2,14 @@
 
 use std::time::{Duration, Instant};
 
+use hysteron_identify::modes::{ModesCandidate, Options as ModesOptions, compare_modes};
 use hysteron_identify::structure::{Candidate, Selection, compare as compare_structures};
-use hysteron_identify::{Compared, IdentifyError, Options};
+use hysteron_identify::{Compared, FitRecords, IdentifyError, Options, Task, fit};
+use hysteron_model::axes::AxesRecord;
 use hysteron_model::record::ChannelChoice;
 use pyo3::prelude::*;
 
-use crate::errors::{option, to_json};
+use crate::errors::{option, raised, to_json};
 use crate::fit::campaign;
 use crate::model::{Model, maker};
 use crate::record::Record;
@@ -65,5 +67,37 @@ pub fn compare(
     };
     let ((found, model), interruption) = work::watched(py, threads, progress.as_ref(), work)?;
     let page = hysteron_report::comparison::page(&found, &maker()).to_html();
+    Ok((to_json(&found)?, page, model.map(Model::from), interruption))
+}
+
+/// Comparison of structures of modes of several axes: what [`compare`] returns.
+#[pyfunction]
+#[pyo3(signature = (records, inputs, outputs, candidates=Vec::new(), threads=None, progress=None))]
+pub fn compare_axes(
+    py: Python<'_>,
+    records: Vec<PyRef<'_, Record>>,
+    inputs: Vec<String>,
+    outputs: Vec<String>,
+    candidates: Vec<String>,
+    threads: Option<usize>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<(String, String, Option<Model>, Option<PyErr>)> {
+    let axes = records.iter().map(|record| AxesRecord::new(&record.inner, &inputs, &outputs));
+    let axes = axes.collect::<Result<Vec<_>, _>>().map_err(raised)?;
+    let candidates = candidates.iter().map(|name| name.parse::<ModesCandidate>());
+    let candidates = candidates.collect::<Result<Vec<_>, _>>().map_err(option)?;
+    let options = ModesOptions::default();
+    let work = |watch: &hysteron_identify::Watch<'_>| {
+        let found = compare_modes(&axes, &candidates, &options, watch, None)?;
+        let model = match found.preferred(&options) {
+            Some((_, own)) if !watch.is_stopped() => {
+                Some(fit(&FitRecords::Several(axes), &Task::Modes(own), watch, None, &maker())?.model)
+            }
+            _ => None,
+        };
+        Ok::<_, IdentifyError>((found, model))
+    };
+    let ((found, model), interruption) = work::watched(py, threads, progress.as_ref(), work)?;
+    let page = hysteron_report::modes_comparison::page(&found, &maker()).to_html();
     Ok((to_json(&found)?, page, model.map(Model::from), interruption))
 }

@@ -31,7 +31,7 @@ static GLOBAL: mimalloc::MiMalloc = mimalloc::MiMalloc;
 #[pymodule]
 mod _native {
     #[pymodule_export]
-    use super::compare::compare;
+    use super::compare::{compare, compare_axes};
     #[pymodule_export]
     use super::controller::Controller;
     #[pymodule_export]

@@ -3,8 +3,8 @@
 use std::io::{Cursor, Write};
 
 use hysteron_export::{
-    AxesExportRequest, ExportRequest, Exported, Form, Means, NamedFile, Precision, export, export_axes,
-    name_of,
+    AxesExportRequest, AxesExported, ExportRequest, Exported, Form, Means, NamedFile, Precision, export,
+    export_axes, name_of,
 };
 use hysteron_identify::Listener;
 use hysteron_model::Finding;
@@ -47,6 +47,7 @@ fn exported(
     let (model, read) = workspace.model_and_source(id)?;
     let single = query.single && form.has_single_precision();
     let float = if single { Precision::F32 } else { Precision::F64 };
+    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
     if model.channels().is_some() {
         let request = AxesExportRequest {
             form,
@@ -58,10 +59,12 @@ fn exported(
             model_sha256: Some(read.sha256),
             date: Some(today()),
         };
-        let (subject, files) = export_axes(&model, &request).map_err(Refused::cannot)?;
+        let means = Means { compiler: &compiler, listener };
+        let found = export_axes(&model, &request, means).map_err(Refused::cannot)?;
+        let AxesExported { subject, files, findings } = found;
         let held = &subject.law().held;
         let (states, error) = (held.model.states(), held.error);
-        return Ok(Source { name: request.name, files, states, error, findings: Vec::new() });
+        return Ok(Source { name: request.name, files, states, error, findings });
     }
     let body = model.hammerstein(Capability::Export).map_err(Refused::cannot)?;
     let request = ExportRequest {
@@ -74,7 +77,6 @@ fn exported(
         date: Some(today()),
         ..ExportRequest::new(form, &name_for(id, query))
     };
-    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
     let found = export(body, &request, Means { compiler: &compiler, listener }).map_err(Refused::cannot)?;
     let Exported { subject, files, findings } = found;
     let dynamics = &subject.realisation.dynamics;

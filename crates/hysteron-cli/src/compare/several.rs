@@ -8,8 +8,8 @@ use super::{Compare, Structure};
 use crate::console;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
+use crate::kept::{self, Kept};
 use crate::maker::maker;
-use crate::progress;
 
 impl Compare {
     pub(super) fn several_axes(&self) -> Result<(), Failure> {
@@ -17,7 +17,6 @@ impl Compare {
             (self.quick, "--quick"),
             (self.continued, "--continued"),
             (self.baselines, "--baselines"),
-            (self.resume.is_some(), "--resume"),
             (self.time_limit.is_some(), "--time-limit"),
         ] {
             if given {
@@ -37,10 +36,12 @@ impl Compare {
         });
         let candidates = candidates.collect::<Result<Vec<ModesCandidate>, Failure>>()?;
         let records = self.axes.read_all(&self.records, self.columns.of_drive())?;
+        let resume = self.resume.as_deref().map(kept::read).transpose()?;
         let stop = Interrupt::listen("what is finished is printed")?;
-        let watch = progress::watch(&stop);
+        let kept = Kept::beside(self.out.as_deref());
+        let watch = kept.watch_searches(&stop);
         let options = Options::default();
-        let found = compare_modes(&records, &candidates, &options, &watch);
+        let found = compare_modes(&records, &candidates, &options, &watch, resume);
         drop(watch);
         let found = found.map_err(|e| explain(&e))?;
         let maker = maker();
@@ -51,10 +52,7 @@ impl Compare {
             console::result(&text(&found))?;
         }
         if found.interrupted {
-            return Err(stop.told(
-                Failure::new("the comparison was interrupted")
-                    .because("the finished candidates are printed, and no model is written"),
-            ));
+            return Err(stop.told(interrupted(&kept)));
         }
         if found.ranking.is_none() {
             let failure = Failure::new("no structure could be compared");
@@ -68,16 +66,24 @@ impl Compare {
         let Some((candidate, options)) = found.preferred(&options) else { return Ok(()) };
         let fit = fit(&FitRecords::Several(records), &Task::Modes(options), &watch, None, &maker);
         if stop.stop().is_requested() {
-            return Err(stop.told(
-                Failure::new("the comparison was interrupted")
-                    .because("the candidates are printed, and no model is written"),
-            ));
+            return Err(stop.told(interrupted(&kept)));
         }
         let fit = fit
             .map_err(|e| Failure::new(format!("cannot identify {candidate} from all records")).because(e))?;
-        crate::model::save(path, &fit.model)?;
+        crate::model::save(path, &fit.model).map_err(|e| kept.told(e))?;
         console::message(&format!("model of {candidate} written to {}", path.display()));
+        kept.forget();
         Ok(())
+    }
+}
+
+/// Failure of a comparison that was stopped, with what goes on with it.
+fn interrupted(kept: &Kept) -> Failure {
+    let failure = Failure::new("the comparison was interrupted")
+        .because("the finished candidates are printed, and no model is written");
+    match kept.file() {
+        Some(file) => failure.hint(format!("go on with the same command and --resume {}", file.display())),
+        None => failure.hint("run it again, or name fewer structures with --candidates"),
     }
 }
 
@@ -98,6 +104,9 @@ fn explain(error: &IdentifyError) -> Failure {
                 .because(because)
                 .hint(format!("measure {measure}"))
         }
+        IdentifyError::Resume => Failure::new("the comparison cannot be resumed")
+            .because(error)
+            .hint("resume with the records of the interrupted one; or leave out --resume to start again"),
         error => Failure::new("structures cannot be compared on these records").because(error),
     }
 }

@@ -1,13 +1,19 @@
 //! `hysteron export` of a model of several axes.
 
-use hysteron_export::{AxesExportRequest, FileSummary, export_axes, write_folder};
+use hysteron_export::{
+    AxesExportRequest, AxesExported, ExportError, FileSummary, Means, export_axes, write_folder,
+};
+use hysteron_identify::Listener;
 use hysteron_model::model::DecouplingRequest;
 use serde::Serialize;
 
 use super::Export;
+use crate::advice;
 use crate::console;
 use crate::failure::Failure;
+use crate::interrupt::Interrupt;
 use crate::model::Loaded;
+use crate::progress;
 
 /// Summary of an export of several axes.
 #[derive(Serialize)]
@@ -53,7 +59,21 @@ impl Export {
             model_sha256: Some(loaded.source().sha256.clone()),
             date: self.date(),
         };
-        let (subject, files) = export_axes(loaded.model(), &request).map_err(|e| self.cannot(&e))?;
+        let interrupt = Interrupt::listen("no file is written")?;
+        let watch = progress::watch(&interrupt);
+        let teller = watch.teller();
+        let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
+        let means = Means { compiler: &compiler, listener: Listener::new(&teller) };
+        let exported = export_axes(loaded.model(), &request, means);
+        drop(teller);
+        drop(watch);
+        let AxesExported { subject, files, findings } = exported.map_err(|e| match e {
+            ExportError::Stopped => interrupt.told(Failure::new("the export was interrupted")),
+            e => self.cannot(&e),
+        })?;
+        for finding in &findings {
+            console::note(&advice::text(finding));
+        }
         write_folder(&self.out_dir, &files).map_err(|e| self.cannot(&e))?;
         if let Some(range) = loaded.model().valid_range() {
             console::note(&range.in_words());

@@ -79,8 +79,7 @@ fn what_does_not_go_with_several_axes_is_refused() {
     refuse(&format!("{invert} --range 0.5:1"), 1, "would have to rest at");
     bench.write("short.csv", "t_s,y1_nm\n0,0\n0.001,1\n");
     refuse("invert stage.json short.csv -o drives.csv --range=-1:1", 1, "no channel `y2`");
-    refuse("export stage.json --to fmu -o out", 1, "as C99 or Rust in double precision, not as fmu");
-    refuse("export stage.json --to c --float f32 -o out", 1, "not as f32");
+    refuse("export stage.json --to matlab -o out", 1, "as C99, Rust or FMUs, not as matlab");
     refuse("export stage.json --to c --sample-rate 700 -o out", 1, "cannot be run at 700 Hz");
     refuse("realise stage.json --sample-rate 1000", 1, "export writes them");
     refuse("invert model.json references.csv -o drive.csv --range 0:1,0:1", 2, "several axes");
@@ -97,6 +96,16 @@ fn model_and_inverse_are_written_in_c() {
     for file in ["stage.h", "stage.c", "stage_selftest.c", "stage_inverse.h", "stage_inverse.c"] {
         assert!(bench.path("out").join(file).exists(), "{file}");
     }
+    let run = bench.run("export stage.json --to c --float f32 -o single");
+    assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    let header = std::fs::read_to_string(bench.path("single").join("stage.h")).unwrap();
+    assert!(header.contains("single precision departs from double by"), "{header}");
+    let run = bench.run("export stage.json --to fmu -o units");
+    assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    assert!(
+        bench.path("units").join("stage_fmi2.fmu").exists()
+            && bench.path("units").join("stage_fmi3.fmu").exists()
+    );
 }
 
 #[test]

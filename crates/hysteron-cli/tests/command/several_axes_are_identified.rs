@@ -329,6 +329,7 @@ fn structures_are_compared_by_what_was_held_out() {
     for (command, code, words) in [
         (format!("{compare} --candidates integer2"), 2, "one input and one output"),
         (format!("{compare} --quick"), 2, "--quick does not go"),
+        (format!("{compare} --resume none.json"), 1, "cannot resume"),
         (format!("compare low1.csv high1.csv {COLUMNS}"), 1, "one record only"),
         ("compare model.json --candidates plays6".to_owned(), 2, "--inputs and --outputs"),
     ] {

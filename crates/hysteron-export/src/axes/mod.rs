@@ -1,26 +1,32 @@
-//! Models of several axes and their inverses as C99 source and as a `no_std` crate.
+//! Models of several axes and their inverses as C99 source, as a `no_std` crate and as FMUs.
 //!
-//! Both run at the constant level of a [`DecouplingLaw`], in double precision, with the arithmetic of
-//! [`HeldSimulation`] and [`DecouplingController`], operation by operation.
+//! All run at the constant level of a [`DecouplingLaw`], with the arithmetic of [`HeldSimulation`] and
+//! [`hysteron_model::decoupling::DecouplingController`], operation by operation; in single precision after a
+//! run along their own vectors.
 
+mod golden;
 mod request;
+mod single;
 mod tables;
 
 use hysteron_io::NamedFile;
 use hysteron_model::axes::{HeldSimulation, ScheduledModes};
 use hysteron_model::compensator::Limits;
-use hysteron_model::decoupling::{DecouplingController, DecouplingError, DecouplingLaw};
+use hysteron_model::decoupling::{DecouplingError, DecouplingLaw};
 
-use crate::c::{description_comment, rows};
+use crate::c::description_comment;
 use crate::error::ExportError;
 use crate::escape::{c_comment, rust_comment, toml_string};
+use crate::fmu::{self, AxesUnit, InverseOfAxes};
+use crate::form::Means;
 use crate::number::Precision;
 use crate::origin::Origin;
 use crate::saved;
 use crate::subject::{check_name, significant};
 use crate::template::Filling;
-pub use request::{AxesExportRequest, export_axes};
-use tables::{Language, Tables, literal};
+use golden::Golden;
+pub use request::{AxesExportRequest, AxesExported, export_axes};
+use tables::{Language, Limited, Tables};
 
 const HEADER: &str = include_str!("../../templates/c/axes_top.h");
 const MODEL: &str = concat!(
@@ -39,19 +45,12 @@ const RUST_INVERSE: &str = include_str!("../../templates/rust/axes_inverse.rs");
 const RUST_SAVED: &str = include_str!("../../templates/rust/axes_saved.rs");
 const RUST_SELFTEST: &str = include_str!("../../templates/rust/axes_selftest.rs");
 
-const PRECISION: Precision = Precision::F64;
-/// Golden vectors; the last are steps.
-const VECTORS: usize = 240;
-/// Vectors that a preview is passed in.
-const WITHIN: usize = 60;
-/// Largest difference, as a share of the range: sums in another order.
-const TOLERANCE: f64 = 1e-9;
-
 /// A model of several axes to export, at the rate and level of a law.
 #[derive(Clone, Debug)]
 pub struct AxesSubject {
     name: String,
     title: Option<String>,
+    precision: Precision,
     input_unit: String,
     output_unit: String,
     law: DecouplingLaw,
@@ -78,12 +77,19 @@ impl AxesSubject {
         Ok(Self {
             name: name.to_owned(),
             title: title.map(str::to_owned),
+            precision: Precision::F64,
             input_unit,
             output_unit,
             law,
             limits,
             origin: Origin::made(None),
         })
+    }
+
+    /// The same in this number type.
+    #[must_use]
+    pub fn in_precision(self, precision: Precision) -> Self {
+        Self { precision, ..self }
     }
 
     /// The law.
@@ -95,7 +101,7 @@ impl AxesSubject {
         &self.law.held.model
     }
 
-    fn description(&self, inverse: bool) -> Vec<String> {
+    fn description(&self, inverse: bool, golden: &Golden) -> Vec<String> {
         let (law, model) = (&self.law, self.model());
         let title = self.title.as_deref().map(|t| format!(" ({t})")).unwrap_or_default();
         let (input, output) = (&self.input_unit, &self.output_unit);
@@ -114,8 +120,9 @@ impl AxesSubject {
         let mut lines = vec![
             what,
             format!(
-                "{} Hz, double precision. Voltages are held from sample to sample.",
-                significant(model.sample_rate_hz)
+                "{} Hz, {} precision. Voltages are held from sample to sample.",
+                significant(model.sample_rate_hz),
+                if self.precision == Precision::F32 { "single" } else { "double" }
             ),
             format!(
                 "{} modes and {} lags, at the level of {} {input} rms, at which it holds; it does not \
@@ -132,6 +139,13 @@ impl AxesSubject {
                 significant(law.held.error)
             ));
         }
+        if let Some(share) = golden.departure {
+            lines.push(format!(
+                "Along the vectors of its self-test single precision departs from double by {} % of the \
+                 range.",
+                significant(100.0 * share)
+            ));
+        }
         if inverse {
             lines.push(format!(
                 "Follows up to {} Hz; the references are known {} samples ahead, beyond which they are taken \
@@ -143,12 +157,13 @@ impl AxesSubject {
         lines
     }
 
-    fn filling(&self, inverse: bool, language: Language) -> Filling {
+    fn filling(&self, inverse: bool, language: Language, golden: &Golden) -> Filling {
+        let precision = self.precision;
         let (law, model) = (&self.law, self.model());
         let simulation = HeldSimulation::new(model.clone(), law.state);
         let name = if inverse { format!("{}_inverse", self.name) } else { self.name.clone() };
         let plays = model.feedback.as_ref().map_or(0, |f| f.drive.radii.len());
-        let mut tables = Tables::new(language);
+        let mut tables = Tables::new(language, precision);
         // In Rust the inverse runs the model of the crate.
         if !(inverse && language == Language::Rust) {
             tables.of_model(model, law.state);
@@ -160,13 +175,16 @@ impl AxesSubject {
             Language::C => c_comment(text),
             Language::Rust => rust_comment(text),
         };
-        let description = self.description(inverse);
-        let mut filling = Filling::new(PRECISION);
+        let description = self.description(inverse, golden);
+        let mut filling = Filling::new(precision);
         filling
             .key("NAME", name.to_ascii_uppercase())
             .key("name", name)
             .key("crate", &self.name)
-            .key("real", PRECISION.c_type())
+            .key("real", precision.c_type())
+            .key("float", precision.name())
+            .key("WORD", if precision == Precision::F32 { "u64::from(x.to_bits())" } else { "x.to_bits()" })
+            .key("BACK", if precision == Precision::F32 { "word as u32" } else { "word" })
             .key(
                 "DESCRIPTION",
                 match language {
@@ -177,7 +195,7 @@ impl AxesSubject {
                     }
                 },
             )
-            .key("RATE", literal(model.sample_rate_hz))
+            .key("RATE", language.literal(precision, model.sample_rate_hz))
             .key("INPUT_UNIT", comment(&self.input_unit))
             .key("OUTPUT_UNIT", comment(&self.output_unit))
             .key("N_INPUTS", model.inputs)
@@ -193,7 +211,7 @@ impl AxesSubject {
                 },
             )
             .key("N_PREVIEW", law.preview)
-            .key("SMOOTHING", literal(law.smoothing))
+            .key("SMOOTHING", language.literal(precision, law.smoothing))
             .key("TABLES", tables.text())
             .flag("saves", true)
             .flag("inverse", inverse)
@@ -202,16 +220,55 @@ impl AxesSubject {
         filling
     }
 
-    fn c_files(&self, inverse: bool, golden: &Golden) -> Result<Vec<NamedFile>, ExportError> {
-        let mut filling = self.filling(inverse, Language::C);
+    /// Lowest and highest voltage of each actuator in the source.
+    fn ranges(&self) -> Vec<[f64; 2]> {
+        let rate = self.model().sample_rate_hz;
+        let limited = |limits| Limited::new(limits, rate, self.precision);
+        self.limits.iter().map(limited).map(|l| [l.low, l.high]).collect()
+    }
+
+    /// What is packed as an FMU.
+    fn unit(&self, inverse: bool) -> Result<AxesUnit, ExportError> {
+        let golden = if inverse { self.golden_inverse()? } else { self.golden()? };
+        let Core { name, filling, files } = self.core(inverse, &golden)?;
+        let of_inverse = || {
+            let ranges = self.ranges();
+            let rest_voltages: Vec<f64> =
+                ranges.iter().map(|[low, high]| 0.0_f64.max(*low).min(*high)).collect();
+            let mut simulation = HeldSimulation::new(self.model().clone(), self.law.state);
+            simulation.rest_at(&rest_voltages);
+            let rest_displacements = simulation.output().to_vec();
+            InverseOfAxes { preview: self.law.preview, ranges, rest_voltages, rest_displacements }
+        };
+        Ok(AxesUnit {
+            name,
+            description: self.description(inverse, &golden),
+            filling,
+            files,
+            sample_rate_hz: self.model().sample_rate_hz,
+            units: [self.input_unit.clone(), self.output_unit.clone()],
+            inputs: self.model().inputs,
+            outputs: self.model().outputs,
+            inverse: inverse.then(of_inverse),
+        })
+    }
+
+    /// The C source without its self-test.
+    fn core(&self, inverse: bool, golden: &Golden) -> Result<Core, ExportError> {
+        let mut filling = self.filling(inverse, Language::C, golden);
         let name = filling.text("name").to_owned();
         let source = if inverse { INVERSE } else { MODEL };
-        saved::fill(&mut filling, PRECISION, (HEADER, source), &[&self.origin.model_sha256])?;
-        let mut files = vec![
+        saved::fill(&mut filling, self.precision, (HEADER, source), &[&self.origin.model_sha256])?;
+        let files = vec![
             NamedFile::new(format!("{name}.h"), filling.fill(HEADER)?),
             NamedFile::new(format!("{name}.c"), filling.fill(source)?),
         ];
-        golden.fill(&mut filling, Language::C);
+        Ok(Core { name, filling, files })
+    }
+
+    fn c_files(&self, inverse: bool, golden: &Golden) -> Result<Vec<NamedFile>, ExportError> {
+        let Core { name, mut filling, mut files } = self.core(inverse, golden)?;
+        golden.fill(&mut filling, Language::C, self.precision);
         files.push(NamedFile::new(format!("{name}_selftest.c"), filling.fill(SELFTEST)?));
         Ok(files)
     }
@@ -224,53 +281,13 @@ impl AxesSubject {
         filling.key("MARK", format!("0x{:016x}", saved::mark(sums.into_iter())));
         Ok(())
     }
+}
 
-    /// Vectors of the model.
-    fn golden(&self) -> Result<Golden, ExportError> {
-        let mut simulation = HeldSimulation::new(self.model().clone(), self.law.state);
-        let drive = |k: usize, i: usize| {
-            let Limits { low, high, .. } = self.limits[i];
-            0.5 * (low + high) + 0.4 * (high - low) * wave(k, i)
-        };
-        let given: Vec<Vec<f64>> =
-            (0..VECTORS).map(|k| (0..self.limits.len()).map(|i| drive(k, i)).collect()).collect();
-        let wanted = given
-            .iter()
-            .map(|u| {
-                simulation.advance();
-                simulation.apply(u).to_vec()
-            })
-            .collect();
-        Golden::new(given, wanted, 1)
-    }
-
-    /// Vectors of the inverse.
-    fn golden_inverse(&self) -> Result<Golden, ExportError> {
-        let mut controller: DecouplingController = self.law.controller(&self.limits)?;
-        let rest = controller.output().to_vec();
-        // The motion that a good part of the limits moves each axis by.
-        let mut simulation = HeldSimulation::new(self.model().clone(), self.law.state);
-        let middle: Vec<f64> = self.limits.iter().map(|l| 0.5 * (l.low + l.high)).collect();
-        let top: Vec<f64> = self.limits.iter().map(|l| 0.75 * l.high + 0.25 * l.low).collect();
-        simulation.rest_at(&middle);
-        let from = simulation.output().to_vec();
-        simulation.rest_at(&top);
-        let strokes: Vec<f64> = simulation.output().iter().zip(&from).map(|(a, b)| (a - b).abs()).collect();
-        let reference = |k: usize, m: usize| rest[m] + 0.5 * strokes[m] * wave(k, m);
-        let given: Vec<Vec<f64>> =
-            (0..VECTORS).map(|k| (0..rest.len()).map(|m| reference(k, m)).collect()).collect();
-        let hold = self.law.preview.div_ceil(WITHIN).max(1);
-        let wanted = given
-            .iter()
-            .map(|r| {
-                (1..hold).for_each(|_| {
-                    controller.step(r);
-                });
-                controller.step(r).to_vec()
-            })
-            .collect();
-        Golden::new(given, wanted, hold)
-    }
+/// The C source of a model of several axes or its inverse, and what it was filled with.
+struct Core {
+    name: String,
+    filling: Filling,
+    files: Vec<NamedFile>,
 }
 
 /// The model as C99: `NAME.h`, `NAME.c`, and `NAME_selftest.c` with golden vectors.
@@ -302,7 +319,8 @@ pub fn axes_rust_files(subject: &AxesSubject, inverse: bool) -> Result<Vec<Named
         env!("CARGO_PKG_VERSION"),
         toml_string(&subject.name)
     );
-    let mut filling = subject.filling(false, Language::Rust);
+    let golden = subject.golden()?;
+    let mut filling = subject.filling(false, Language::Rust, &golden);
     filling.flag("has_inverse", inverse);
     subject.mark_saved(&mut filling, RUST_MODEL)?;
     let mut files = vec![
@@ -310,58 +328,39 @@ pub fn axes_rust_files(subject: &AxesSubject, inverse: bool) -> Result<Vec<Named
         NamedFile::new("src/lib.rs", filling.fill(RUST_MODEL)?),
         NamedFile::new("src/saved.rs", RUST_SAVED),
     ];
-    subject.golden()?.fill(&mut filling, Language::Rust);
+    golden.fill(&mut filling, Language::Rust, subject.precision);
     filling.key("type", "Model").key("PLACE", "Model");
     files.push(NamedFile::new("tests/selftest.rs", filling.fill(RUST_SELFTEST)?));
     if inverse {
-        let mut filling = subject.filling(true, Language::Rust);
+        let golden = subject.golden_inverse()?;
+        let mut filling = subject.filling(true, Language::Rust, &golden);
         subject.mark_saved(&mut filling, RUST_INVERSE)?;
         files.push(NamedFile::new("src/inverse.rs", filling.fill(RUST_INVERSE)?));
-        subject.golden_inverse()?.fill(&mut filling, Language::Rust);
+        golden.fill(&mut filling, Language::Rust, subject.precision);
         filling.key("type", "Inverse").key("PLACE", "inverse::Inverse");
         files.push(NamedFile::new("tests/inverse_selftest.rs", filling.fill(RUST_SELFTEST)?));
     }
     Ok(files)
 }
 
-/// Between −1 and 1: a growing sine of its own for every channel, then steps.
-fn wave(k: usize, channel: usize) -> f64 {
-    let phase = (0.05 + 0.013 * channel as f64) * k as f64;
-    if k < 3 * VECTORS / 4 { phase.sin() * (k as f64 / 60.0).min(1.0) } else { phase.sin().signum() * 0.8 }
-}
-
-struct Golden {
-    given: Vec<Vec<f64>>,
-    /// At the end of every vector.
-    wanted: Vec<Vec<f64>>,
-    /// Samples that a vector lasts.
-    hold: usize,
-    tolerance: f64,
-}
-
-impl Golden {
-    fn new(given: Vec<Vec<f64>>, wanted: Vec<Vec<f64>>, hold: usize) -> Result<Self, ExportError> {
-        let all = wanted.iter().flatten();
-        let ends = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
-        let span = ends.1 - ends.0;
-        if !(span > 0.0 && span.is_finite()) {
-            return Err(ExportError::Still { what: "output of the several axes" });
-        }
-        Ok(Self { given, wanted, hold, tolerance: TOLERANCE * span })
+/// The model, and its inverse where `inverse`, as FMUs of both versions, `NAME_fmi2.fmu` and the like, each
+/// with a variable for every actuator and axis.
+///
+/// # Errors
+/// Those of [`axes_files`] and [`axes_inverse_files`]; of a compiler; [`ExportError::Stopped`] by the
+/// listener.
+pub fn axes_fmu_files(
+    subject: &AxesSubject,
+    inverse: bool,
+    means: Means<'_>,
+) -> Result<Vec<NamedFile>, ExportError> {
+    let Means { compiler, listener } = means;
+    let of_model = if inverse { 0.5 } else { 1.0 };
+    let mut files = fmu::axes_files(&subject.unit(false)?, (compiler, listener.part(0.0, of_model)))?;
+    if inverse {
+        files.extend(fmu::axes_files(&subject.unit(true)?, (compiler, listener.part(of_model, 1.0)))?);
     }
-
-    /// Sets what a self-test is filled with.
-    fn fill(&self, filling: &mut Filling, language: Language) {
-        let lines = |lists: &[Vec<f64>]| rows(lists.iter().map(|list| language.row(list)));
-        filling
-            .key("VECTORS", self.given.len())
-            .key("HOLD", self.hold)
-            .key("N_GIVEN", self.given.first().map_or(0, Vec::len))
-            .key("N_FOUND", self.wanted.first().map_or(0, Vec::len))
-            .key("GIVEN", lines(&self.given))
-            .key("WANTED", lines(&self.wanted))
-            .key("TOLERANCE", literal(self.tolerance));
-    }
+    Ok(files)
 }
 
 impl From<DecouplingError> for ExportError {

@@ -1,26 +1,28 @@
 //! An export of a model of several axes as it is asked for, with the defaults of every front end.
 
 use hysteron_io::NamedFile;
-use hysteron_model::Model;
 use hysteron_model::compensator::Limits;
 use hysteron_model::decoupling::DecouplingLaw;
 use hysteron_model::model::{Capability, DecouplingRequest};
+use hysteron_model::{Finding, Model};
 use serde::{Deserialize, Serialize};
 
-use super::{AxesSubject, axes_files, axes_inverse_files, axes_rust_files};
+use super::{AxesSubject, axes_files, axes_fmu_files, axes_inverse_files, axes_rust_files};
 use crate::error::ExportError;
-use crate::form::Form;
+use crate::fmu::Platform;
+use crate::form::{Form, Means};
 use crate::number::Precision;
 use crate::origin::Origin;
+use crate::request::without_binary;
 
 /// What a model of several axes is exported as; what is left out takes its default.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AxesExportRequest {
-    /// Form: C99 or Rust.
+    /// Form: C99, Rust or FMUs.
     #[serde(rename = "to")]
     pub form: Form,
-    /// Number type: double precision.
+    /// Number type.
     pub float: Precision,
     /// Beginning of every name in the source: a to z, digits, `_`.
     pub name: String,
@@ -41,21 +43,29 @@ pub struct AxesExportRequest {
     pub date: Option<String>,
 }
 
-/// The files of a model of several axes as they are asked for, and its subject.
+/// An export of a model of several axes.
+#[derive(Clone, Debug)]
+pub struct AxesExported {
+    /// The model at its rate and level.
+    pub subject: AxesSubject,
+    /// Its files, and those of the inverse.
+    pub files: Vec<NamedFile>,
+    /// What to know of them.
+    pub findings: Vec<Finding>,
+}
+
+/// The files of a model of several axes as they are asked for.
 ///
 /// # Errors
-/// [`ExportError::Unsupported`] for a model without such an export, [`ExportError::OneAxis`] for a form that is
-/// not there for it; those of [`DecouplingLaw::new`] and [`AxesSubject::new`].
+/// [`ExportError::Unsupported`] for a model without such an export, [`ExportError::OneAxis`] for a form that
+/// is not there for it; those of [`DecouplingLaw::new`] and [`AxesSubject::new`].
 pub fn export_axes(
     model: &Model,
     request: &AxesExportRequest,
-) -> Result<(AxesSubject, Vec<NamedFile>), ExportError> {
-    let refused = |form: &str| Err(ExportError::OneAxis { form: form.to_owned() });
-    if !matches!(request.form, Form::C | Form::Rust) {
-        return refused(request.form.name());
-    }
-    if request.float == Precision::F32 {
-        return refused("f32");
+    means: Means<'_>,
+) -> Result<AxesExported, ExportError> {
+    if !matches!(request.form, Form::C | Form::Rust | Form::Fmu) {
+        return Err(ExportError::OneAxis { form: request.form.name().to_owned() });
     }
     let modes = model.scheduled_modes(Capability::Export)?;
     let rate = request.sample_rate_hz.unwrap_or(modes.sample_rate_hz);
@@ -67,18 +77,25 @@ pub fn export_axes(
     };
     let units = model.units();
     let mut subject =
-        AxesSubject::new(&request.name, model.name(), (&units.input, &units.output), law, limits)?;
+        AxesSubject::new(&request.name, model.name(), (&units.input, &units.output), law, limits)?
+            .in_precision(request.float);
     subject.origin = Origin::made(model.provenance());
     subject.origin.model_sha256 = request.model_sha256.clone().unwrap_or_default();
     subject.origin.date.clone_from(&request.date);
-    let files = if request.form == Form::Rust {
-        axes_rust_files(&subject, request.inverse)?
-    } else {
-        let mut files = axes_files(&subject)?;
-        if request.inverse {
-            files.extend(axes_inverse_files(&subject)?);
+    let mut findings = Vec::new();
+    let files = match request.form {
+        Form::Rust => axes_rust_files(&subject, request.inverse)?,
+        Form::Fmu => {
+            findings.extend(Platform::left_out().into_iter().map(without_binary));
+            axes_fmu_files(&subject, request.inverse, means)?
         }
-        files
+        _ => {
+            let mut files = axes_files(&subject)?;
+            if request.inverse {
+                files.extend(axes_inverse_files(&subject)?);
+            }
+            files
+        }
     };
-    Ok((subject, files))
+    Ok(AxesExported { subject, files, findings })
 }

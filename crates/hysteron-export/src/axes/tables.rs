@@ -4,8 +4,8 @@ use hysteron_model::axes::ScheduledModes;
 use hysteron_model::compensator::Limits;
 use hysteron_model::decoupling::DecouplingLaw;
 
-use super::PRECISION;
 use crate::c::rows;
+use crate::number::Precision;
 
 /// Language of a source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,27 +24,55 @@ impl Language {
     }
 
     /// A list of numbers.
-    pub fn row(self, numbers: &[f64]) -> String {
+    pub fn row(self, precision: Precision, numbers: &[f64]) -> String {
         let (open, close) = self.brackets();
-        let numbers: Vec<String> = numbers.iter().map(|x| literal(*x)).collect();
+        let numbers: Vec<String> = numbers.iter().map(|x| self.literal(precision, *x)).collect();
         format!("{open}{}{close}", numbers.join(", "))
+    }
+
+    /// A number of the source.
+    pub fn literal(self, precision: Precision, x: f64) -> String {
+        match self {
+            Self::C => precision.c_literal(x),
+            Self::Rust => precision.rust_literal(x),
+        }
     }
 }
 
-/// A number of the source.
-pub(super) fn literal(x: f64) -> String {
-    PRECISION.c_literal(x)
+/// Limits of an actuator, as numbers of a source: rounded inwards.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limited {
+    pub low: f64,
+    pub high: f64,
+    /// Largest change from one sample to the next.
+    pub step: f64,
+}
+
+impl Limited {
+    pub fn new(limits: &Limits, sample_rate_hz: f64, precision: Precision) -> Self {
+        let (low, high) = (precision.at_least(limits.low), precision.at_most(limits.high));
+        let largest = precision.constant("MAX").unwrap_or(f64::MAX);
+        let step = limits.slew_v_per_s / sample_rate_hz;
+        // Less what the sum with a voltage is rounded by.
+        let rounding = match precision {
+            Precision::F32 => precision.epsilon() * low.abs().max(high.abs()),
+            Precision::F64 => 0.0,
+        };
+        let step = if step < largest { precision.at_most((step - rounding).max(0.0)) } else { largest };
+        Self { low, high, step }
+    }
 }
 
 /// Declarations, one after the other.
 pub(super) struct Tables {
     language: Language,
+    precision: Precision,
     text: String,
 }
 
 impl Tables {
-    pub fn new(language: Language) -> Self {
-        Self { language, text: String::new() }
+    pub fn new(language: Language, precision: Precision) -> Self {
+        Self { language, precision, text: String::new() }
     }
 
     pub fn text(self) -> String {
@@ -86,24 +114,25 @@ impl Tables {
         self.matrix("On their change in a sample.", "LAW_RATES", n, &law.strain_rates);
         let (open, close) = self.language.brackets();
         let block = |gains: &Vec<f64>| {
-            let rows: Vec<String> = gains.chunks(m).map(|row| self.language.row(row)).collect();
+            let rows: Vec<String> =
+                gains.chunks(m).map(|row| self.language.row(self.precision, row)).collect();
             format!("    {open}{}{close}", rows.join(", "))
         };
         let content: Vec<String> = law.reference.iter().map(block).collect();
         let comment = "On the references, from the present one to the end of the preview.";
         self.declare(comment, "LAW_REFERENCES", &[law.reference.len(), n, m], &content.join(",\n"));
-        let step = |limit: &Limits| {
-            let step = limit.slew_v_per_s / model.sample_rate_hz;
-            if step.is_finite() { step } else { f64::MAX }
+        let of = |one: fn(Limited) -> f64| -> Vec<f64> {
+            let limited = |limits| Limited::new(limits, model.sample_rate_hz, self.precision);
+            limits.iter().map(|limits| one(limited(limits))).collect()
         };
-        let of = |one: &dyn Fn(&Limits) -> f64| limits.iter().map(one).collect::<Vec<f64>>();
-        self.list("Least voltages.", "LOW", &of(&|l| l.low));
-        self.list("Largest voltages.", "HIGH", &of(&|l| l.high));
-        self.list("Largest changes from one sample to the next.", "STEP", &of(&step));
+        let (low, high, step) = (of(|l| l.low), of(|l| l.high), of(|l| l.step));
+        self.list("Least voltages.", "LOW", &low);
+        self.list("Largest voltages.", "HIGH", &high);
+        self.list("Largest changes from one sample to the next.", "STEP", &step);
     }
 
     fn list(&mut self, comment: &str, name: &str, numbers: &[f64]) {
-        let content = rows(numbers.iter().map(|x| literal(*x)));
+        let content = rows(numbers.iter().map(|x| self.language.literal(self.precision, *x)));
         self.declare(comment, name, &[numbers.len()], &content);
     }
 
@@ -111,7 +140,12 @@ impl Tables {
         let (open, close) = self.language.brackets();
         let content: Vec<String> = numbers
             .chunks(width)
-            .map(|row| format!("    {open}\n{}\n    {close}", rows(row.iter().map(|x| literal(*x)))))
+            .map(|row| {
+                format!(
+                    "    {open}\n{}\n    {close}",
+                    rows(row.iter().map(|x| self.language.literal(self.precision, *x)))
+                )
+            })
             .collect();
         self.declare(comment, name, &[numbers.len() / width, width], &content.join(",\n"));
     }
@@ -123,8 +157,10 @@ impl Tables {
                 format!("/* {comment} */\nstatic const real {name}{sizes} = {{\n{content}\n}};\n")
             }
             Language::Rust => {
-                let kind =
-                    sizes.iter().rev().fold("f64".to_owned(), |kind, size| format!("[{kind}; {size}]"));
+                let kind = sizes
+                    .iter()
+                    .rev()
+                    .fold(self.precision.name().to_owned(), |kind, size| format!("[{kind}; {size}]"));
                 format!("/// {comment}\nstatic {name}: {kind} = [\n{content},\n];\n")
             }
         };

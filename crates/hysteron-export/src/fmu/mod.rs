@@ -1,5 +1,6 @@
 //! Functional mock-up units: FMI 2.0 and 3.0, co-simulation, source and binary.
 
+mod axes_unit;
 mod compiler;
 mod platform;
 mod variables;
@@ -14,10 +15,12 @@ use crate::error::ExportError;
 use crate::inverse::{Inverse, inverse_core, inverse_filling};
 use crate::number::Precision;
 use crate::subject::Subject;
+use crate::template::Filling;
+pub(crate) use axes_unit::{AxesUnit, InverseOfAxes};
 use compiler::Compiler;
 use hysteron_io::NamedFile;
 pub use platform::Platform;
-use variables::{Parameter, build_description, cases, description, parameters};
+use variables::{Described, Parameter, build_description, cases, description, parameters};
 
 /// Version of the interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,13 +68,35 @@ pub(crate) fn files(
         Precision::F32 => of_type::<f32>(subject)?,
         Precision::F64 => of_type::<f64>(subject)?,
     };
+    both(&subject.name, (compiler, listener), |version, means| {
+        unit(subject, inverse, &parameters, version, means)
+    })
+}
+
+/// A model of several axes, or its inverse, as units of both versions.
+pub(crate) fn axes_files(own: &AxesUnit, means: (&str, Listener<'_>)) -> Result<Vec<NamedFile>, ExportError> {
+    let described = Described::several(own);
+    both(&own.name, means, |version, means| {
+        let mut filling = own.filling.clone();
+        filling
+            .part("memory of a unit", include_str!("../../templates/fmu/axes_memory.h"))
+            .part("functions of a unit", include_str!("../../templates/fmu/axes_functions.h"));
+        pack(&described, filling, own.files.clone(), version, means)
+    })
+}
+
+/// Units of both versions; the listener hears of the compilations and may stop them.
+fn both(
+    name: &str,
+    (compiler, listener): (&str, Listener<'_>),
+    unit: impl Fn(FmiVersion, (&str, Listener<'_>)) -> Result<Vec<(String, Vec<u8>)>, ExportError>,
+) -> Result<Vec<NamedFile>, ExportError> {
     let halves = [(FmiVersion::Two, listener.part(0.0, 0.5)), (FmiVersion::Three, listener.part(0.5, 1.0))];
     halves
         .into_iter()
         .map(|(version, listener)| {
-            let content = unit(subject, inverse, &parameters, version, (compiler, listener))?;
-            let bytes = zip::archive(&content)?;
-            Ok(NamedFile::new(format!("{}_fmi{}.fmu", subject.name, version.number()), bytes))
+            let bytes = zip::archive(&unit(version, (compiler, listener))?)?;
+            Ok(NamedFile::new(format!("{name}_fmi{}.fmu", version.number()), bytes))
         })
         .collect()
 }
@@ -86,9 +111,9 @@ fn unit(
     inverse: Option<&Inverse>,
     parameters: &[Parameter],
     version: FmiVersion,
-    (compiler, listener): (&str, Listener<'_>),
+    means: (&str, Listener<'_>),
 ) -> Result<Vec<(String, Vec<u8>)>, ExportError> {
-    let (mut filling, mut sources) = match inverse {
+    let (mut filling, sources) = match inverse {
         None => {
             let filling = filling(subject, Numbers::Tunable)?;
             let sources = core_files(subject, &filling)?;
@@ -101,8 +126,23 @@ fn unit(
         }
     };
     filling.flag("inverse", inverse.is_some());
+    filling
+        .key("PARAMETER_CASES", cases(parameters))
+        .part("memory of a unit", include_str!("../../templates/fmu/one_memory.h"))
+        .part("functions of a unit", include_str!("../../templates/fmu/one_functions.h"));
+    pack(&Described::one(subject, inverse, parameters), filling, sources, version, means)
+}
+
+/// Files of a unit around the C source of what it runs.
+fn pack(
+    described: &Described,
+    mut filling: Filling,
+    mut sources: Vec<NamedFile>,
+    version: FmiVersion,
+    (compiler, listener): (&str, Listener<'_>),
+) -> Result<Vec<(String, Vec<u8>)>, ExportError> {
     let token = token(&sources, version);
-    filling.key("TOKEN", &token).key("PARAMETER_CASES", cases(parameters));
+    filling.key("TOKEN", &token);
     let (types, functions, name) = match version {
         FmiVersion::Two => (
             include_str!("../../templates/fmu/fmi2_types.h"),
@@ -118,23 +158,21 @@ fn unit(
     sources.push(NamedFile::new("instance.h", filling.fill(include_str!("../../templates/fmu/instance.h"))?));
     sources.push(NamedFile::new(format!("{name}_types.h"), types));
     sources.push(NamedFile::new(format!("{name}.c"), filling.fill(functions)?));
-    let mut files = vec![(
-        "modelDescription.xml".to_owned(),
-        description(subject, inverse, parameters, version, &token).into_bytes(),
-    )];
-    let main = [format!("{}.c", subject.name), format!("{name}.c")];
+    let mut files =
+        vec![("modelDescription.xml".to_owned(), description(described, version, &token).into_bytes())];
+    let main = [format!("{}.c", described.name), format!("{name}.c")];
     for platform in Platform::ALL {
         if let Some(command) = platform.compiler(compiler) {
             let compiler = Compiler { command, flags: platform.flags(), listener };
             let library = compiler.library(&sources, &main)?;
             files.push((
-                format!("{}/{}.{}", platform.folder(version), subject.name, platform.ending()),
+                format!("{}/{}.{}", platform.folder(version), described.name, platform.ending()),
                 library,
             ));
         }
     }
     if version == FmiVersion::Three {
-        files.push(("sources/buildDescription.xml".into(), build_description(&subject.name).into_bytes()));
+        files.push(("sources/buildDescription.xml".into(), build_description(&described.name).into_bytes()));
     }
     files.extend(sources.into_iter().map(|f| (format!("sources/{}", f.name), f.bytes)));
     Ok(files)

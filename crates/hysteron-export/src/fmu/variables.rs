@@ -6,6 +6,7 @@ use hysteron_model::realise::Coefficients;
 use hysteron_rt::{Real, StateLaw};
 
 use super::FmiVersion;
+use super::axes_unit::AxesUnit;
 use crate::escape::xml;
 use crate::inverse::Inverse;
 use crate::operator::OperatorNumbers;
@@ -117,8 +118,8 @@ fn base_unit(unit: &str) -> String {
     format!("<BaseUnit {exponents} factor=\"{factor:e}\"/>")
 }
 
-fn units(subject: &Subject, parameters: &[Parameter]) -> String {
-    let mut names: Vec<&str> = vec!["s", &subject.input_unit, &subject.output_unit];
+fn units(own: [&str; 2], parameters: &[Parameter]) -> String {
+    let mut names: Vec<&str> = vec!["s", own[0], own[1]];
     names.extend(parameters.iter().map(|p| p.unit.as_str()));
     // Different texts may be the same name in XML, which must be defined once.
     let names: BTreeMap<String, &str> = names.into_iter().map(|name| (xml(name), name)).collect();
@@ -127,27 +128,27 @@ fn units(subject: &Subject, parameters: &[Parameter]) -> String {
 }
 
 /// A variable that is no tunable parameter.
-struct Variable {
-    name: &'static str,
-    reference: usize,
+pub(super) struct Variable {
+    pub name: String,
+    pub reference: usize,
     /// Causality, variability and initial, as attributes of either version.
-    attributes: &'static str,
-    about: String,
+    pub attributes: &'static str,
+    pub about: String,
     /// None: a whole number.
-    unit: Option<String>,
-    start: Option<f64>,
+    pub unit: Option<String>,
+    pub start: Option<f64>,
 }
 
-const INPUT: &str = r#"causality="input" variability="continuous""#;
-const OUTPUT: &str = r#"causality="output" variability="continuous" initial="calculated""#;
-const WHOLE_OUTPUT: &str = r#"causality="output" variability="discrete" initial="calculated""#;
-const FIXED: &str = r#"causality="parameter" variability="fixed" initial="exact""#;
+pub(super) const INPUT: &str = r#"causality="input" variability="continuous""#;
+pub(super) const OUTPUT: &str = r#"causality="output" variability="continuous" initial="calculated""#;
+pub(super) const WHOLE_OUTPUT: &str = r#"causality="output" variability="discrete" initial="calculated""#;
+pub(super) const FIXED: &str = r#"causality="parameter" variability="fixed" initial="exact""#;
 const TUNABLE: &str = r#"causality="parameter" variability="tunable" initial="exact""#;
 
 /// Input and output variables, in the order of the file.
 fn signals(subject: &Subject, inverse: Option<&Inverse>) -> Vec<Variable> {
-    let variable = |name, reference, attributes, about: &str, unit: Option<&str>, start| Variable {
-        name,
+    let variable = |name: &str, reference, attributes, about: &str, unit: Option<&str>, start| Variable {
+        name: name.to_owned(),
         reference,
         attributes,
         about: about.to_owned(),
@@ -187,23 +188,53 @@ fn signals(subject: &Subject, inverse: Option<&Inverse>) -> Vec<Variable> {
     ]
 }
 
+/// What the description of a unit is made of.
+pub(super) struct Described {
+    pub name: String,
+    about: String,
+    period: f64,
+    units: String,
+    signals: Vec<Variable>,
+    parameters: Vec<Parameter>,
+}
+
+impl Described {
+    /// A model of one axis, or its inverse.
+    pub(super) fn one(subject: &Subject, inverse: Option<&Inverse>, parameters: &[Parameter]) -> Self {
+        Self {
+            name: subject.name.clone(),
+            about: on_a_line(&inverse.map_or_else(|| subject.description(), Inverse::description)),
+            period: 1.0 / subject.realisation.sample_rate_hz,
+            units: units([&subject.input_unit, &subject.output_unit], parameters),
+            signals: signals(subject, inverse),
+            parameters: parameters.to_vec(),
+        }
+    }
+
+    /// A model of several axes, or its inverse.
+    pub(super) fn several(unit: &AxesUnit) -> Self {
+        Self {
+            name: unit.name.clone(),
+            about: on_a_line(&unit.description),
+            period: 1.0 / unit.sample_rate_hz,
+            units: units(unit.units.each_ref().map(String::as_str), &[]),
+            signals: unit.signals(),
+            parameters: Vec::new(),
+        }
+    }
+}
+
+/// Text of a description.
+fn on_a_line(lines: &[String]) -> String {
+    xml(&lines.iter().map(|l| l.trim()).filter(|l| !l.is_empty()).collect::<Vec<_>>().join(" "))
+}
+
 /// The whole `modelDescription.xml`.
-pub(super) fn description(
-    subject: &Subject,
-    inverse: Option<&Inverse>,
-    parameters: &[Parameter],
-    version: FmiVersion,
-    token: &str,
-) -> String {
-    let name = &subject.name;
-    let lines = inverse.map_or_else(|| subject.description(), Inverse::description);
-    let about = lines.iter().map(|l| l.trim()).filter(|l| !l.is_empty()).collect::<Vec<_>>().join(" ");
-    let about = xml(&about);
+pub(super) fn description(described: &Described, version: FmiVersion, token: &str) -> String {
+    let Described { name, about, period, units, signals: all, parameters } = described;
     let tool = format!("hysteron export {}", env!("CARGO_PKG_VERSION"));
-    let period = 1.0 / subject.realisation.sample_rate_hz;
-    let mut all = signals(subject, inverse);
     let outputs: Vec<usize> =
-        (1..).zip(&all).filter(|(_, v)| v.attributes.contains("output")).map(|(k, _)| k).collect();
+        (1..).zip(all).filter(|(_, v)| v.attributes.contains("output")).map(|(k, _)| k).collect();
     let references: Vec<usize> = outputs.iter().filter_map(|k| Some(all.get(k - 1)?.reference)).collect();
     let lines_of =
         |list: &[usize], line: &dyn Fn(usize) -> String| list.iter().map(|&k| line(k)).collect::<String>();
@@ -211,7 +242,6 @@ pub(super) fn description(
     let start = |x: Option<f64>| x.map(|s| format!(" start=\"{s:?}\"")).unwrap_or_default();
     let experiment =
         format!("  <DefaultExperiment startTime=\"0\" stopTime=\"1\" stepSize=\"{period:e}\"/>\n");
-    let units = units(subject, parameters);
     match version {
         FmiVersion::Two => {
             let line = |name: &str, reference: usize, attributes: &str, about: &str, kind: &str| {
@@ -222,10 +252,10 @@ pub(super) fn description(
             };
             let real = |unit: &str, from: Option<f64>| format!("<Real unit=\"{unit}\"{}/>", start(from));
             let mut variables = String::new();
-            for v in all.drain(..) {
+            for v in all {
                 let kind =
                     v.unit.as_ref().map_or_else(|| "<Integer/>".to_owned(), |unit| real(unit, v.start));
-                variables += &line(v.name, v.reference, v.attributes, &v.about, &kind);
+                variables += &line(&v.name, v.reference, v.attributes, &v.about, &kind);
             }
             for (p, reference) in tuned {
                 variables +=
@@ -259,12 +289,12 @@ pub(super) fn description(
             let real = |unit: &str, from: Option<f64>| format!(" unit=\"{unit}\"{}", start(from));
             let time = r#"causality="independent" variability="continuous""#;
             let mut variables = line("Float64", "time", 0, time, "Simulation time", &real("s", None));
-            for v in all.drain(..) {
+            for v in all {
                 let (kind, rest) = v
                     .unit
                     .as_ref()
                     .map_or_else(|| ("Int32", String::new()), |unit| ("Float64", real(unit, v.start)));
-                variables += &line(kind, v.name, v.reference, v.attributes, &v.about, &rest);
+                variables += &line(kind, &v.name, v.reference, v.attributes, &v.about, &rest);
             }
             for (p, reference) in tuned {
                 variables += &line(

@@ -19,7 +19,7 @@ $GIVEN
 static const real wanted[VECTORS][FOUND] = {
 $WANTED
 };
-/* Largest difference allowed: 1e-9 of the range of what comes out. */
+/* Largest difference allowed: $ALLOWED. */
 static const real tolerance = $TOLERANCE;
 
 static $name_state state, twin;

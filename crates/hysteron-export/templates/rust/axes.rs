@@ -12,7 +12,7 @@ mod saved;
 pub use saved::NotSaved;
 
 /// Samples a second \[Hz\]. The coefficients belong to this rate.
-pub const SAMPLE_RATE_HZ: f64 = $RATE;
+pub const SAMPLE_RATE_HZ: $float = $RATE;
 /// Actuators.
 pub const INPUTS: usize = $N_INPUTS;
 /// Axes.
@@ -41,16 +41,16 @@ pub const SAVED_BYTES: usize = saved::bytes_of(NUMBERS);
 /// The model. A step allocates nothing.
 #[derive(Clone, Debug)]
 pub struct Model {
-    x: [f64; STATES],
-    held: [f64; INPUTS],
-    strain: [f64; INPUTS],
+    x: [$float; STATES],
+    held: [$float; INPUTS],
+    strain: [$float; INPUTS],
 //{ strains
-    plays: [[f64; PLAYS]; 2 * INPUTS],
+    plays: [[$float; PLAYS]; 2 * INPUTS],
 //}
-    output: [f64; OUTPUTS],
+    output: [$float; OUTPUTS],
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+fn dot(a: &[$float], b: &[$float]) -> $float {
     let mut sum = 0.0;
     for (a, b) in a.iter().zip(b) {
         sum += a * b;
@@ -82,14 +82,14 @@ impl Model {
 
     /// At rest under these voltages \[$INPUT_UNIT\]: simulates until every state has settled. Not for real
     /// time. Those that are not finite count as 0.
-    pub fn rest_at(&mut self, voltages: [f64; INPUTS]) -> [f64; OUTPUTS] {
+    pub fn rest_at(&mut self, voltages: [$float; INPUTS]) -> [$float; OUTPUTS] {
         self.settle(voltages.map(|u| if u.is_finite() { u } else { 0.0 }));
         self.output
     }
 
     /// One sample: these voltages \[$INPUT_UNIT\] are held from now on; returns the outputs \[$OUTPUT_UNIT\]
     /// now. One that is not finite is replaced by the last.
-    pub fn step(&mut self, voltages: [f64; INPUTS]) -> [f64; OUTPUTS] {
+    pub fn step(&mut self, voltages: [$float; INPUTS]) -> [$float; OUTPUTS] {
         let mut u = voltages;
         for (u, held) in u.iter_mut().zip(&self.held) {
             if !u.is_finite() {
@@ -104,7 +104,7 @@ impl Model {
     /// The state, as bytes that outlast a reset.
     pub fn save(&self) -> [u8; SAVED_BYTES] {
         let mut bytes = [0; SAVED_BYTES];
-        saved::save(MARK, self.numbers().map(|x| x.to_bits()), &mut bytes);
+        saved::save(MARK, self.numbers().map(|x| $WORD), &mut bytes);
         bytes
     }
 
@@ -117,11 +117,11 @@ impl Model {
             return Err(NotSaved);
         }
         let words = saved::restore(MARK, bytes)?;
-        self.numbers_mut().zip(words).for_each(|(x, word)| *x = f64::from_bits(word));
+        self.numbers_mut().zip(words).for_each(|(x, word)| *x = $float::from_bits($BACK));
         Ok(())
     }
 
-    fn numbers(&self) -> impl Iterator<Item = &f64> {
+    fn numbers(&self) -> impl Iterator<Item = &$float> {
         let numbers = self.x.iter().chain(&self.held).chain(&self.strain).chain(&self.output);
 //{ strains
         let numbers = numbers.chain(self.plays.as_flattened());
@@ -129,7 +129,7 @@ impl Model {
         numbers
     }
 
-    fn numbers_mut(&mut self) -> impl Iterator<Item = &mut f64> {
+    fn numbers_mut(&mut self) -> impl Iterator<Item = &mut $float> {
         let Self { x, held, strain, output, .. } = self;
         let numbers = x.iter_mut().chain(held).chain(strain).chain(output);
 //{ strains
@@ -138,7 +138,7 @@ impl Model {
         numbers
     }
 
-    fn settle(&mut self, u: [f64; INPUTS]) {
+    fn settle(&mut self, u: [$float; INPUTS]) {
         self.x = [0.0; STATES];
         self.strain = [0.0; INPUTS];
 //{ strains
@@ -215,7 +215,7 @@ impl Model {
     }
 
     /// Holds voltages from the present sample on.
-    fn apply(&mut self, u: [f64; INPUTS]) {
+    fn apply(&mut self, u: [$float; INPUTS]) {
         self.held = u;
 //{ strains
         self.strains();

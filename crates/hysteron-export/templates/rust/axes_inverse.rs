@@ -7,7 +7,7 @@ use crate::{INPUTS, Model, NUMBERS, OUTPUTS, STATES, dot};
 /// Samples that the references handed to a step are ahead of those that its voltages are for.
 pub const PREVIEW: usize = $N_PREVIEW;
 /// Share by which the change of the strains moves to the newest one.
-const SMOOTHING: f64 = $SMOOTHING;
+const SMOOTHING: $float = $SMOOTHING;
 
 $TABLES
 /// Marks the saved states of this export.
@@ -19,10 +19,10 @@ pub const SAVED_BYTES: usize = saved::bytes_of(NUMBERS + 3 * INPUTS + (PREVIEW +
 #[derive(Clone, Debug)]
 pub struct Inverse {
     model: Model,
-    before: [f64; INPUTS],
-    predicted: [f64; INPUTS],
-    rate: [f64; INPUTS],
-    window: [[f64; OUTPUTS]; PREVIEW + 1],
+    before: [$float; INPUTS],
+    predicted: [$float; INPUTS],
+    rate: [$float; INPUTS],
+    window: [[$float; OUTPUTS]; PREVIEW + 1],
     present: usize,
 }
 
@@ -49,7 +49,7 @@ impl Inverse {
 
     /// At rest under these voltages \[$INPUT_UNIT\], moved into the limits; the references known are the
     /// outputs \[$OUTPUT_UNIT\] there, which it returns. Not for real time.
-    pub fn rest_at(&mut self, voltages: [f64; INPUTS]) -> [f64; OUTPUTS] {
+    pub fn rest_at(&mut self, voltages: [$float; INPUTS]) -> [$float; OUTPUTS] {
         let mut u = voltages;
         for i in 0..INPUTS {
             let wanted = if u[i].is_finite() { u[i] } else { 0.0 };
@@ -66,7 +66,7 @@ impl Inverse {
 
     /// Takes the newest references without moving: called [`PREVIEW`] times before the first step, oldest
     /// first. One that is not finite is replaced by the last.
-    pub fn know(&mut self, references: [f64; OUTPUTS]) {
+    pub fn know(&mut self, references: [$float; OUTPUTS]) {
         let last = self.window[(self.present + PREVIEW) % (PREVIEW + 1)];
         for m in 0..OUTPUTS {
             self.window[self.present][m] = if references[m].is_finite() { references[m] } else { last[m] };
@@ -76,11 +76,11 @@ impl Inverse {
 
     /// One sample: the voltages \[$INPUT_UNIT\] to be held from now on, within their limits. `references`
     /// \[$OUTPUT_UNIT\] are the newest known, [`PREVIEW`] samples ahead.
-    pub fn step(&mut self, references: [f64; OUTPUTS]) -> [f64; INPUTS] {
+    pub fn step(&mut self, references: [$float; OUTPUTS]) -> [$float; INPUTS] {
         self.know(references);
         let last_strain = self.model.strain;
         self.model.next_sample();
-        let x: &[f64; STATES] = &self.model.x;
+        let x: &[$float; STATES] = &self.model.x;
         let last = self.model.held;
         let mut u = last;
         for i in 0..INPUTS {
@@ -109,7 +109,7 @@ impl Inverse {
         let mut bytes = [0; SAVED_BYTES];
         let own = self.before.iter().chain(&self.predicted).chain(&self.rate);
         let numbers = self.model.numbers().chain(own).chain(self.window.as_flattened());
-        saved::save(MARK, numbers.map(|x| x.to_bits()).chain([self.present as u64]), &mut bytes);
+        saved::save(MARK, numbers.map(|x| $WORD).chain([self.present as u64]), &mut bytes);
         bytes
     }
 
@@ -124,13 +124,13 @@ impl Inverse {
         let mut words = saved::restore(MARK, bytes)?;
         let Self { model, before, predicted, rate, window, present } = self;
         let own = before.iter_mut().chain(predicted).chain(rate).chain(window.as_flattened_mut());
-        model.numbers_mut().chain(own).zip(&mut words).for_each(|(x, word)| *x = f64::from_bits(word));
+        model.numbers_mut().chain(own).zip(&mut words).for_each(|(x, word)| *x = $float::from_bits($BACK));
         *present = words.next().map_or(0, |word| (word % (PREVIEW as u64 + 1)) as usize);
         Ok(())
     }
 
     /// Outputs of the model at the last step \[$OUTPUT_UNIT\].
-    pub fn output(&self) -> [f64; OUTPUTS] {
+    pub fn output(&self) -> [$float; OUTPUTS] {
         self.model.output
     }
 }

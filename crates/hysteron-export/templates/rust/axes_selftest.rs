@@ -6,19 +6,19 @@ use $crate::$PLACE;
 /// Samples that a vector lasts.
 const HOLD: usize = $HOLD;
 /// What goes in, and what the library puts out at the end of each.
-const GIVEN: [[f64; $N_GIVEN]; $VECTORS] = [
+const GIVEN: [[$float; $N_GIVEN]; $VECTORS] = [
 $GIVEN
 ];
-const WANTED: [[f64; $N_FOUND]; $VECTORS] = [
+const WANTED: [[$float; $N_FOUND]; $VECTORS] = [
 $WANTED
 ];
-/// Largest difference allowed: 1e-9 of the range of what comes out.
-const TOLERANCE: f64 = $TOLERANCE;
+/// Largest difference allowed: $ALLOWED.
+const TOLERANCE: $float = $TOLERANCE;
 
 #[test]
 fn golden_vectors() {
     let mut one = $type::new();
-    let mut worst = 0.0_f64;
+    let mut worst = 0.0_$float;
     for (given, wanted) in GIVEN.into_iter().zip(WANTED) {
         for _ in 1..HOLD {
             one.step(given);
@@ -47,7 +47,7 @@ fn a_saved_state_goes_on_with_the_same_bits() {
     }
     twin.restore(&bytes).unwrap();
     for &given in after {
-        assert_eq!(one.step(given).map(f64::to_bits), twin.step(given).map(f64::to_bits));
+        assert_eq!(one.step(given).map($float::to_bits), twin.step(given).map($float::to_bits));
     }
 }
 
@@ -55,7 +55,7 @@ fn a_saved_state_goes_on_with_the_same_bits() {
 fn bad_numbers_are_not_used() {
     let mut one = $type::new();
     for (k, given) in GIVEN.into_iter().enumerate() {
-        let bad = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY][k % 3];
+        let bad = [$float::NAN, $float::INFINITY, $float::NEG_INFINITY][k % 3];
         let found = one.step(if k % 7 == 3 { [bad; $N_GIVEN] } else { given });
         assert!(found.iter().all(|x| x.is_finite()));
     }

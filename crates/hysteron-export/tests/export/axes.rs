@@ -1,12 +1,19 @@
-//! A model of several axes and its inverse in C and Rust: without a warning, and the library's numbers.
+//! A model of several axes and its inverse in C, Rust and FMUs: without a warning, and the library's numbers.
 
-use std::path::PathBuf;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 
-use hysteron_export::{AxesSubject, axes_files, axes_inverse_files, axes_rust_files, write_folder};
-use hysteron_model::axes::{FeedbackStrain, LevelLaw, ScheduledModes, StrainLaw};
+use hysteron_export::{
+    AxesSubject, Means, NamedFile, Precision, axes_files, axes_fmu_files, axes_inverse_files,
+    axes_rust_files, write_folder,
+};
+use hysteron_model::axes::{FeedbackStrain, HeldSimulation, LevelLaw, ScheduledModes, StrainLaw};
 use hysteron_model::compensator::Limits;
 use hysteron_model::decoupling::{DecouplingLaw, LawOptions};
+use hysteron_numeric::Listener;
 
+use crate::platforms::token;
 use crate::tools::{STRICT, c_compilers, run, workspace_of};
 
 /// Two axes, two modes, two steps a sample of 2 kHz; hysteresis in feedback where `hysteresis`.
@@ -56,16 +63,28 @@ fn device(hysteresis: bool) -> ScheduledModes {
     model
 }
 
-/// With and without hysteresis, at the model's rate and others, by name.
+fn limits() -> Vec<Limits> {
+    vec![Limits::range(-1.0, 1.0).slew(2000.0), Limits::range(-0.5, 1.5)]
+}
+
+/// With and without hysteresis, at the model's rate and others, in double and in single precision, by name.
 pub fn subjects() -> Vec<(&'static str, AxesSubject)> {
-    [("held", true, 2000.0), ("refitted", true, 20_000.0), ("linear", false, 4000.0)]
-        .into_iter()
-        .map(|(name, hysteresis, rate)| {
-            let law = DecouplingLaw::new(&device(hysteresis), rate, &LawOptions::default()).unwrap();
-            let limits = vec![Limits::range(-1.0, 1.0).slew(2000.0), Limits::range(-0.5, 1.5)];
-            (name, AxesSubject::new(name, Some("two */ axes"), ("V", "um"), law, limits).unwrap())
-        })
-        .collect()
+    let (double, single) = (Precision::F64, Precision::F32);
+    [
+        ("held", true, 2000.0, double),
+        ("refitted", true, 20_000.0, double),
+        ("linear", false, 4000.0, double),
+        ("single", true, 2000.0, single),
+        ("single_linear", false, 4000.0, single),
+    ]
+    .into_iter()
+    .map(|(name, hysteresis, rate, precision)| {
+        let law = DecouplingLaw::new(&device(hysteresis), rate, &LawOptions::default()).unwrap();
+        let limits = limits();
+        let subject = AxesSubject::new(name, Some("two */ axes"), ("V", "um"), law, limits).unwrap();
+        (name, subject.in_precision(precision))
+    })
+    .collect()
 }
 
 #[test]
@@ -110,6 +129,78 @@ fn several_axes_in_rust_are_the_library_s() {
     assert_eq!(said.matches("test golden_vectors ... ok").count(), 2 * members.len(), "{said}");
     let check = ["clippy", "--offline", "--workspace", "--target-dir", target, "--"];
     run(place.path(), env!("CARGO"), &[&check[..], &["-D", "warnings", "-W", "missing-docs"]].concat());
+}
+
+/// What the binary of a unit for this machine puts out for these inputs, two a sample.
+fn of_binary(
+    folder: &Path,
+    unit: &NamedFile,
+    version: usize,
+    rate: f64,
+    inputs: &[[f64; 2]],
+) -> Vec<[f64; 2]> {
+    zip::ZipArchive::new(std::io::Cursor::new(&unit.bytes)).unwrap().extract(folder).unwrap();
+    let description = std::fs::read_to_string(folder.join("modelDescription.xml")).unwrap();
+    let libraries = folder.join(["binaries/linux64", "binaries/x86_64-linux"][version - 2]);
+    let library = std::fs::read_dir(libraries).unwrap().next().unwrap().unwrap().path();
+    std::fs::write(folder.join("master.c"), include_str!("master.c")).unwrap();
+    let (fmi, rate) = (format!("-DFMI={version}"), format!("-DRATE_HZ={rate:e}"));
+    let flags = ["-std=c99", "-D_GNU_SOURCE", "-DGIVEN=2", "-DFOUND=2", &fmi, &rate];
+    run(folder, "cc", &[&flags[..], &["master.c", "-o", "master", "-ldl"]].concat());
+    let mut child = Command::new(folder.join("master"))
+        .args([library.to_str().unwrap(), &token(&description)])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let bytes: Vec<u8> = inputs.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
+    child.stdin.take().unwrap().write_all(&bytes).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success(), "{}", output.status);
+    let numbers: Vec<f64> =
+        output.stdout.chunks_exact(8).map(|x| f64::from_le_bytes(x.try_into().unwrap())).collect();
+    numbers.as_chunks::<2>().0.to_vec()
+}
+
+#[test]
+fn units_of_several_axes_put_out_what_the_library_does() {
+    if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+        return crate::tools::skipped("64-bit Linux on x86-64", "units of several axes were not run");
+    }
+    let place = tempfile::tempdir().unwrap();
+    let wave = |k: usize, i: usize| (0.05 + 0.02 * i as f64) * k as f64;
+    for (name, subject) in subjects() {
+        let (law, rate) = (subject.law(), subject.law().held.model.sample_rate_hz);
+        let means = Means { compiler: "cc", listener: Listener::silent() };
+        let units = axes_fmu_files(&subject, true, means).unwrap();
+        let names: Vec<&str> = units.iter().map(|unit| unit.name.as_str()).collect();
+        let own = |tail: &str| format!("{name}{tail}.fmu");
+        assert_eq!(names, ["_fmi2", "_fmi3", "_inverse_fmi2", "_inverse_fmi3"].map(own));
+        let tolerance = if name.starts_with("single") { 1e-3 } else { 1e-9 };
+        let mut simulation = HeldSimulation::new(law.held.model.clone(), law.state);
+        let drives: Vec<[f64; 2]> = (0..600).map(|k| [0, 1].map(|i| 0.6 * wave(k, i).sin())).collect();
+        let mut wanted = Vec::new();
+        for u in &drives {
+            simulation.advance();
+            wanted.push(simulation.apply(u).to_vec());
+        }
+        let mut controller = law.controller(&limits()).unwrap();
+        let rest = controller.output().to_vec();
+        let references: Vec<[f64; 2]> =
+            (0..600).map(|k| [0, 1].map(|i| rest[i] + 0.2 * wave(k, i).sin())).collect();
+        let voltages: Vec<Vec<f64>> = references.iter().map(|r| controller.step(r).to_vec()).collect();
+        for (k, unit) in units.iter().enumerate() {
+            let (inputs, wanted) = if k < 2 { (&drives, &wanted) } else { (&references, &voltages) };
+            let found = of_binary(&place.path().join(&unit.name), unit, 2 + k % 2, rate, inputs);
+            assert_eq!(found.len(), wanted.len());
+            let apart = |(found, wanted): (&[f64; 2], &Vec<f64>)| {
+                found.iter().zip(wanted).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+            };
+            let worst = found.iter().zip(wanted).map(apart).fold(0.0, f64::max);
+            println!("{}: largest difference {worst:.1e}", unit.name);
+            assert!(worst <= tolerance, "{}: {worst:e}", unit.name);
+        }
+    }
 }
 
 #[test]

@@ -1,6 +1,7 @@
-/* A small master: loads the binary of an FMU, sets the input of every sample read from standard input (a
-   double each), saves the state half-way as bytes and goes on from them, and writes the output of every
-   sample to standard output. Arguments: the library, the token. Compiled with FMI=2 or 3. */
+/* A small master: loads the binary of an FMU, sets the inputs of every sample read from standard input
+   (GIVEN doubles each), saves the state half-way as bytes and goes on from them, and writes the outputs of
+   every sample, FOUND of them, to standard output. Arguments: the library, the token. Compiled with FMI=2 or
+   3. */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,18 +19,22 @@
 #endif
 
 #define MOST 4096
+#if !defined(GIVEN)
+#define GIVEN 1
+#define FOUND 1
+#endif
 #define WANTED(holds) if (!(holds)) { fprintf(stderr, "line %d\n", __LINE__); return 1; }
 #define FUNCTION(type, name, arguments)                       \
     type(*name) arguments;                                    \
     *(void **)&name = FIND(library, #name);                   \
     WANTED(name != NULL)
 
-static double inputs[MOST];
+static double inputs[MOST][GIVEN];
 
 int main(int count, char **arguments)
 {
     const double period = 1.0 / RATE_HZ;
-    const unsigned input = 1, output = 2;
+    unsigned input[GIVEN], output[FOUND];
     void *library, *unit, *saved = NULL;
     size_t n, k, size = 0;
     char *bytes;
@@ -38,6 +43,12 @@ int main(int count, char **arguments)
     (void)_setmode(1, _O_BINARY);
 #endif
     WANTED(count == 3);
+    for (k = 0; k < GIVEN; k++) {
+        input[k] = (unsigned)(k + 1);
+    }
+    for (k = 0; k < FOUND; k++) {
+        output[k] = (unsigned)(GIVEN + k + 1);
+    }
     n = fread(inputs, sizeof inputs[0], MOST, stdin);
     library = LOAD(arguments[1]);
     WANTED(library != NULL && n > 1);
@@ -57,12 +68,12 @@ int main(int count, char **arguments)
     FUNCTION(int, fmi2SerializeFMUstate, (void *, void *, char *, size_t))
     FUNCTION(int, fmi2DeSerializeFMUstate, (void *, const char *, size_t, void **))
     FUNCTION(void, fmi2FreeInstance, (void *))
-#define SET(x) fmi2SetReal(unit, &input, 1, x)
-#define GET(x) fmi2GetReal(unit, &output, 1, x)
+#define SET(x) fmi2SetReal(unit, input, GIVEN, x)
+#define GET(x) fmi2GetReal(unit, output, FOUND, x)
 #define STEP(t) fmi2DoStep(unit, t, period, 0)
     unit = fmi2Instantiate("unit", 1, arguments[2], NULL, NULL, 0, 0);
     WANTED(unit != NULL);
-    WANTED(fmi2SetupExperiment(unit, 0, 0.0, 0.0, 0, 0.0) == 0 && SET(&inputs[0]) == 0);
+    WANTED(fmi2SetupExperiment(unit, 0, 0.0, 0.0, 0, 0.0) == 0 && SET(inputs[0]) == 0);
     WANTED(fmi2EnterInitializationMode(unit) == 0 && fmi2ExitInitializationMode(unit) == 0);
 #else
     FUNCTION(void *, fmi3InstantiateCoSimulation,
@@ -82,8 +93,8 @@ int main(int count, char **arguments)
     FUNCTION(void, fmi3FreeInstance, (void *))
     _Bool event, ended, early;
     double last;
-#define SET(x) fmi3SetFloat64(unit, &input, 1, x, 1)
-#define GET(x) fmi3GetFloat64(unit, &output, 1, x, 1)
+#define SET(x) fmi3SetFloat64(unit, input, GIVEN, x, GIVEN)
+#define GET(x) fmi3GetFloat64(unit, output, FOUND, x, FOUND)
 #define STEP(t) fmi3DoStep(unit, t, period, 0, &event, &ended, &early, &last)
 #define fmi2GetFMUstate fmi3GetFMUState
 #define fmi2SetFMUstate fmi3SetFMUState
@@ -93,14 +104,14 @@ int main(int count, char **arguments)
 #define fmi2DeSerializeFMUstate fmi3DeserializeFMUState
 #define fmi2FreeInstance fmi3FreeInstance
     unit = fmi3InstantiateCoSimulation("unit", arguments[2], NULL, 0, 0, 0, 0, NULL, 0, NULL, NULL, NULL);
-    WANTED(unit != NULL && SET(&inputs[0]) == 0);
+    WANTED(unit != NULL && SET(inputs[0]) == 0);
     WANTED(fmi3EnterInitializationMode(unit, 0, 0.0, 0.0, 0, 0.0) == 0);
     WANTED(fmi3ExitInitializationMode(unit) == 0);
 #endif
     for (k = 0; k < n; k++) {
-        double result;
-        WANTED(SET(&inputs[k]) == 0 && STEP((double)k * period) == 0 && GET(&result) == 0);
-        WANTED(fwrite(&result, sizeof result, 1, stdout) == 1);
+        double result[FOUND];
+        WANTED(SET(inputs[k]) == 0 && STEP((double)k * period) == 0 && GET(result) == 0);
+        WANTED(fwrite(result, sizeof result, 1, stdout) == 1);
         if (k == n / 2) {
             WANTED(fmi2GetFMUstate(unit, &saved) == 0);
             WANTED(fmi2SerializedFMUstateSize(unit, saved, &size) == 0);

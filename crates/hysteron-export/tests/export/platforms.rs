@@ -41,7 +41,7 @@ fn platforms() -> [Foreign; 2] {
 }
 
 /// The token of a unit's description.
-fn token(description: &str) -> String {
+pub fn token(description: &str) -> String {
     let after = |key: &str| description.split_once(key).map(|(_, rest)| rest.split('"').next().unwrap());
     after("guid=\"").or_else(|| after("instantiationToken=\"")).unwrap().to_owned()
 }

@@ -12,10 +12,10 @@ use serde::{Deserialize, Serialize, Serializer};
 use super::candidate::ModesCandidate;
 use super::normal::residual;
 use super::records::Campaign;
-use super::{ModesIdentification, Options, identify};
+use super::{ModesIdentification, Options, identify, summary};
 use crate::structure::{Ranking, Standing, rank};
 use crate::watch::Event;
-use crate::{IdentifyError, Watch};
+use crate::{IdentifyError, ModesComparisonCheckpoint, ModesFitCheckpoint, Searches, Watch, fingerprint};
 use hysteron_numeric::number::significant;
 
 /// Most folds.
@@ -56,17 +56,22 @@ pub struct ModesComparison {
 }
 
 /// Compares `candidates` (empty: [`ModesCandidate::USUAL`]) on records of several axes; `options`: the rest
-/// of their options. After a stop the finished candidates are compared.
+/// of their options. After a stop the finished candidates are compared. `resume`: the state of an interrupted
+/// comparison of the same records, whose finished fits are taken and whose last one goes on; the result is
+/// the same to the bit.
 ///
 /// # Errors
 /// [`IdentifyError`]: records that cannot be used; [`IdentifyError::CannotRank`] where a level has one record
-/// only.
+/// only; [`IdentifyError::Resume`] for a state of other records or options.
 pub fn compare_modes(
     records: &[AxesRecord],
     candidates: &[ModesCandidate],
     options: &Options,
     watch: &Watch<'_>,
+    resume: Option<Searches>,
 ) -> Result<ModesComparison, IdentifyError> {
+    let problem = identity(records, options);
+    let (mut finished, mut running) = resumed(resume, problem)?;
     let campaign = Campaign::new(records, options)?;
     let folds = folds(&campaign)?;
     let candidates = if candidates.is_empty() { &ModesCandidate::USUAL[..] } else { candidates };
@@ -83,7 +88,7 @@ pub fn compare_modes(
             folds: Vec::new(),
             failures: Vec::new(),
         };
-        for held_out in std::iter::once(&Vec::new()).chain(&folds) {
+        for (fold, held_out) in std::iter::once(&Vec::new()).chain(&folds).enumerate() {
             let stage = if held_out.is_empty() {
                 format!("{candidate}, all records")
             } else {
@@ -91,29 +96,34 @@ pub fn compare_modes(
             };
             // A stop is seen below.
             let _ = watch.tell(Event::new(&stage, done / fits, None));
-            let part = watch.part(done / fits, (done + 1.0) / fits);
-            let kept = |k: &usize| !held_out.contains(k);
-            let training: Vec<AxesRecord> =
-                (0..records.len()).filter(kept).map(|k| records[k].clone()).collect();
-            let found = identify(&training, &own, &part, None);
-            drop(part);
-            done += 1.0;
-            if watch.is_stopped() {
-                break 'candidates;
-            }
-            let scored: Vec<usize> =
-                if held_out.is_empty() { (0..records.len()).collect() } else { held_out.clone() };
-            let error = found.as_ref().ok().and_then(|found| error(found, &campaign, &scored));
-            if let Err(why) = &found {
-                entry.failures.push(format!("{stage}: {why}"));
-            }
-            match found {
-                Ok(found) if held_out.is_empty() => {
-                    (entry.parameters, entry.modes, entry.training) =
-                        (found.parameters, found.model.modes, error);
+            let name = candidate.to_string();
+            let before = finished.fits.iter().find(|fit| fit.candidate == name && fit.fold == fold);
+            let fit = match before {
+                Some(fit) => fit.clone(),
+                None => {
+                    let kept = |k: &usize| !held_out.contains(k);
+                    let training: Vec<AxesRecord> =
+                        (0..records.len()).filter(kept).map(|k| records[k].clone()).collect();
+                    let state = running.take().filter(|state| is_of(state, &training, &own));
+                    let part = watch.part(done / fits, (done + 1.0) / fits);
+                    let found = identify(&training, &own, &part.with_fits(&finished), state);
+                    drop(part);
+                    if watch.is_stopped() {
+                        break 'candidates;
+                    }
+                    let scored: Vec<usize> =
+                        if held_out.is_empty() { (0..records.len()).collect() } else { held_out.clone() };
+                    let fit = of_fit(name, fold, &found, &campaign, &scored);
+                    finished.fits.push(fit.clone());
+                    fit
                 }
-                Err(_) if held_out.is_empty() => {}
-                _ => entry.folds.push(error),
+            };
+            done += 1.0;
+            entry.failures.extend(fit.failure.map(|why| format!("{stage}: {why}")));
+            if fold > 0 {
+                entry.folds.push(fit.error);
+            } else {
+                (entry.parameters, entry.modes, entry.training) = (fit.parameters, fit.modes, fit.error);
             }
         }
         entries.push(entry);
@@ -129,6 +139,50 @@ pub fn compare_modes(
         entries,
         interrupted: watch.is_stopped(),
     })
+}
+
+/// Fingerprint of records and options.
+fn identity(records: &[AxesRecord], options: &Options) -> String {
+    let values = records.iter().flat_map(|r| r.u.iter().chain(&r.y)).flatten().map(|x| x.to_bits());
+    format!("comparison of modes {options:?} {:x}", fingerprint(values))
+}
+
+/// The finished fits of an interrupted comparison of this problem, and the state of the fit that ran.
+fn resumed(
+    resume: Option<Searches>,
+    problem: String,
+) -> Result<(ModesComparisonCheckpoint, Option<Searches>), IdentifyError> {
+    match resume {
+        None => Ok((ModesComparisonCheckpoint { problem, fits: Vec::new() }, None)),
+        Some(mut state) => match state.modes_comparison.take() {
+            Some(finished) if finished.problem == problem => Ok((*finished, Some(state))),
+            _ => Err(IdentifyError::Resume),
+        },
+    }
+}
+
+/// Whether a state is that of the fit of these records.
+fn is_of(state: &Searches, records: &[AxesRecord], options: &Options) -> bool {
+    state.modes.as_ref().is_some_and(|modes| modes.problem == summary::identity(records, options))
+}
+
+/// A finished fit, with its error on the records `scored`.
+fn of_fit(
+    candidate: String,
+    fold: usize,
+    found: &Result<ModesIdentification, IdentifyError>,
+    campaign: &Campaign,
+    scored: &[usize],
+) -> ModesFitCheckpoint {
+    let (parameters, modes) = found.as_ref().map_or((0, 0), |found| (found.parameters, found.model.modes));
+    ModesFitCheckpoint {
+        candidate,
+        fold,
+        parameters,
+        modes,
+        error: found.as_ref().ok().and_then(|found| error(found, campaign, scored)),
+        failure: found.as_ref().err().map(ToString::to_string),
+    }
 }
 
 /// Fold k: the k-th record of every level.

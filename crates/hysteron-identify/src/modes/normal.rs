@@ -9,8 +9,10 @@ use hysteron_model::axes::{ScheduledModes, Trajectory, simulate_steady};
 use hysteron_numeric::{FeedbackTangent, InstructionSet, LANES, Lanes, TangentState};
 use hysteron_optimize::Stop;
 
-/// Blocks of columns multiplied at once.
-const PANEL: usize = 4;
+/// Columns multiplied with all that follow at once.
+const PANEL: usize = 4 * LANES;
+/// Samples copied at once.
+const STRETCH: usize = 512;
 /// Preroll in e-folds of the slowest state, for the simulation and for the derivatives.
 const FORGOTTEN: f64 = 20.0;
 const FADED: f64 = 10.0;
@@ -82,11 +84,10 @@ pub(super) fn normal_equations(
     stop: &Stop,
 ) -> Option<NormalEquations> {
     let mut sum = NormalEquations::zeros(freedom.columns.len());
-    for piece in pieces {
-        let s = model.state_of(&piece.period);
-        let products = Products::of_record(model, freedom, piece, s, stop)?;
-        sum.add(freedom, &products.weighted(&vec![1.0; model.outputs]), s, piece.weight);
-    }
+    let ones = vec![1.0; model.outputs];
+    each_record(model, freedom, pieces, stop, |k, s, products| {
+        sum.add(freedom, &products.weighted(&ones), s, pieces[k].weight);
+    })?;
     Some(sum)
 }
 
@@ -101,23 +102,62 @@ pub(super) fn information(
 ) -> Option<(NormalEquations, DMatrix<f64>)> {
     let count = freedom.columns.len();
     let (mut inner, mut outer) = (NormalEquations::zeros(count), NormalEquations::zeros(count));
-    for (piece, variances) in pieces.iter().zip(variances) {
-        let s = model.state_of(&piece.period);
-        let products = Products::of_record(model, freedom, piece, s, stop)?;
-        inner.add(freedom, &products.weighted(&vec![1.0; model.outputs]), s, piece.weight);
-        outer.add(freedom, &products.weighted(variances), s, piece.weight.powi(2));
-    }
+    let ones = vec![1.0; model.outputs];
+    each_record(model, freedom, pieces, stop, |k, s, products| {
+        let weight = pieces[k].weight;
+        inner.add(freedom, &products.weighted(&ones), s, weight);
+        if let Some(variances) = variances.get(k) {
+            outer.add(freedom, &products.weighted(variances), s, weight.powi(2));
+        }
+    })?;
     Some((inner, outer.matrix))
 }
 
-/// Products of the panels of one record, output by output.
+/// Products of the columns of every record in turn, with its place and S. While those of a record are
+/// computed, the next is simulated. `None` where a record cannot be simulated, or after a stop.
+fn each_record(
+    model: &ScheduledModes,
+    freedom: &Freedom,
+    pieces: &[&RecordPeriod],
+    stop: &Stop,
+    mut add: impl FnMut(usize, f64, &Products),
+) -> Option<()> {
+    let simulated = |k: usize| {
+        let piece = pieces.get(k)?;
+        let s = model.state_of(&piece.period);
+        let (compared, faded) = preroll(model, s, piece.fine.len() / model.inputs);
+        Some((s, Trajectory::new(model, s, &piece.fine, compared, faded)?))
+    };
+    let mut room = Room::default();
+    let mut current = simulated(0);
+    for (k, piece) in pieces.iter().enumerate() {
+        let (s, trajectory) = current?;
+        let (products, next) = rayon::join(
+            || Products::of_record(model, freedom, (piece, &trajectory, s), &mut room, stop),
+            || simulated(k + 1),
+        );
+        add(k, s, &products?);
+        current = next;
+    }
+    Some(())
+}
+
+/// Room for the columns of a record, used for one after the other.
+#[derive(Default)]
+struct Room {
+    blocks: Vec<Vec<Lanes>>,
+    /// Mean-free columns of each output, sample by sample.
+    columns: Vec<Vec<f64>>,
+}
+
+/// Products of the columns of one record, output by output: dynamic columns, padded to whole blocks, those of
+/// the output's own parameters, the residual.
 struct Products {
-    /// Output and the two panels of every product.
-    pairs: Vec<(usize, usize, usize)>,
-    products: Vec<DMatrix<f64>>,
-    /// Panels of dynamic columns.
-    dynamic_panels: usize,
+    /// Output, first column, and the product of the panel from there with all columns from there.
+    products: Vec<(usize, usize, DMatrix<f64>)>,
+    /// Dynamic columns, without and with padding.
     dynamic: usize,
+    padded: usize,
     /// Columns of an output's own parameters.
     own: usize,
     /// Base columns of all outputs.
@@ -128,45 +168,50 @@ impl Products {
     fn of_record(
         model: &ScheduledModes,
         freedom: &Freedom,
-        piece: &RecordPeriod,
-        s: f64,
+        (piece, trajectory, s): (&RecordPeriod, &Trajectory, f64),
+        room: &mut Room,
         stop: &Stop,
     ) -> Option<Self> {
-        let (compared, faded) = preroll(model, s, piece.fine.len() / model.inputs);
-        let trajectory = Trajectory::new(model, s, &piece.fine, compared, faded)?;
         let e = difference(piece, &trajectory.y);
-        let blocks = derivatives(model, freedom, &trajectory, s, stop);
         let (outputs, samples) = (model.outputs, piece.period.samples());
-        // Panels of each output: dynamic columns, then the columns of its own parameters and the residual.
-        let dynamic: Vec<&[Vec<Lanes>]> = blocks.chunks(PANEL).collect();
-        let panels: Vec<Vec<Panel>> = (0..outputs)
-            .into_par_iter()
-            .map(|m| {
-                let mut panels: Vec<Panel> =
-                    dynamic.iter().map(|b| Panel::of_blocks(b, m, samples)).collect();
-                panels.push(Panel::of_signals(model, freedom, &trajectory, &e, m));
-                panels
-            })
-            .collect();
-        let pairs: Vec<(usize, usize, usize)> = (0..outputs)
-            .flat_map(|m| {
-                let count = panels[m].len();
-                (0..count).flat_map(move |a| (a..count).map(move |b| (m, a, b)))
-            })
-            .collect();
-        let products =
-            pairs.par_iter().map(|&(m, a, b)| panels[m][a].transposed_times(&panels[m][b])).collect();
-        let (dynamic_panels, dynamic, own) = (dynamic.len(), freedom.dynamic, freedom.own.len());
-        let base_columns = freedom.base_columns(outputs);
-        (!stop.is_requested()).then_some(Self { pairs, products, dynamic_panels, dynamic, own, base_columns })
+        derivatives(model, freedom, trajectory, s, stop, &mut room.blocks);
+        room.blocks.par_iter_mut().flat_map(|block| block.par_chunks_exact_mut(samples)).for_each(|column| {
+            hysteron_model::axes::remove_means(column.as_flattened_mut(), LANES);
+        });
+        let (padded, own) = (room.blocks.len() * LANES, freedom.own.len());
+        let width = padded + own + 1;
+        room.columns.resize_with(outputs, Vec::new);
+        let own_columns: Vec<Vec<f64>> =
+            (0..outputs).into_par_iter().map(|m| own_columns(model, freedom, trajectory, &e, m)).collect();
+        for (m, (columns, of_own)) in room.columns.iter_mut().zip(&own_columns).enumerate() {
+            columns.resize(width * samples, 0.0);
+            let blocks = &room.blocks;
+            columns.par_chunks_mut(width * STRETCH).enumerate().for_each(|(stretch, rows)| {
+                for (row, k) in rows.chunks_exact_mut(width).zip(stretch * STRETCH..) {
+                    for (to, block) in row.chunks_exact_mut(LANES).zip(blocks) {
+                        to.copy_from_slice(&block[m * samples + k]);
+                    }
+                    row[padded..].copy_from_slice(&of_own[k * (own + 1)..(k + 1) * (own + 1)]);
+                }
+            });
+        }
+        let panels: Vec<(usize, usize)> =
+            (0..width).step_by(PANEL).flat_map(|first| (0..outputs).map(move |m| (m, first))).collect();
+        let columns = &room.columns;
+        let product = |&(m, first): &(usize, usize)| {
+            (m, first, panel_products(&columns[m], width, first, PANEL.min(width - first)))
+        };
+        let products = panels.par_iter().map(product).collect();
+        let (dynamic, base_columns) = (freedom.dynamic, freedom.base_columns(outputs));
+        (!stop.is_requested()).then_some(Self { products, dynamic, padded, own, base_columns })
     }
 
-    /// Base column of a panel's column; `None` for padding and for the residual.
-    fn place(&self, m: usize, panel: usize, column: usize) -> Option<usize> {
-        if panel < self.dynamic_panels {
-            let column = panel * PANEL * LANES + column;
+    /// Base column of an output's column; `None` for padding and for the residual.
+    fn place(&self, m: usize, column: usize) -> Option<usize> {
+        if column < self.padded {
             (column < self.dynamic).then_some(column)
         } else {
+            let column = column - self.padded;
             (column < self.own).then_some(self.dynamic + m * self.own + column)
         }
     }
@@ -174,19 +219,19 @@ impl Products {
     /// JᵀJ and Jᵀe of the base columns, with these weights of the outputs.
     fn weighted(&self, weights: &[f64]) -> NormalEquations {
         let mut sum = NormalEquations::zeros(self.base_columns);
-        for (&(m, a, b), product) in self.pairs.iter().zip(&self.products) {
-            let weight = weights[m];
+        for (m, first, product) in &self.products {
+            let (m, weight) = (*m, weights[*m]);
             for j in 0..product.ncols() {
-                for i in 0..product.nrows() {
-                    let Some(row) = self.place(m, a, i) else { continue };
-                    match self.place(m, b, j) {
+                for i in 0..product.nrows().min(j + 1) {
+                    let Some(row) = self.place(m, first + i) else { continue };
+                    match self.place(m, first + j) {
                         Some(column) => {
                             sum.matrix[(row, column)] += weight * product[(i, j)];
-                            if a != b {
+                            if row != column {
                                 sum.matrix[(column, row)] += weight * product[(i, j)];
                             }
                         }
-                        None if b == self.dynamic_panels && j == self.own => {
+                        None if first + j == self.padded + self.own => {
                             sum.gradient[row] += weight * product[(i, j)];
                         }
                         None => {}
@@ -199,14 +244,15 @@ impl Products {
 }
 
 /// Derivatives of the outputs with respect to the dynamic columns, block by block: outputs · samples lanes
-/// each; zeros after a stop.
+/// each; of no meaning after a stop.
 pub(super) fn derivatives(
     model: &ScheduledModes,
     freedom: &Freedom,
     trajectory: &Trajectory,
     s: f64,
     stop: &Stop,
-) -> Vec<Vec<Lanes>> {
+    blocks: &mut Vec<Vec<Lanes>>,
+) {
     let at = model.at(s);
     let (n, x) = (model.inputs, model.states());
     let (mut channels, mut weights, mut plays) = (Vec::new(), Vec::new(), 0);
@@ -238,61 +284,41 @@ pub(super) fn derivatives(
         steps: model.steps,
     };
     let set = InstructionSet::detected();
-    let run = |forcing: &Vec<_>| {
-        let mut out = vec![[0.0; LANES]; trajectory.y.len()];
+    blocks.resize_with(freedom.blocks.len(), Vec::new);
+    blocks.par_iter_mut().zip(&freedom.blocks).for_each(|(out, forcing)| {
+        out.resize(trajectory.y.len(), [0.0; LANES]);
         if !stop.is_requested() {
-            system.run(set, forcing, &mut TangentState::default(), &mut out);
+            system.run(set, forcing, &mut TangentState::default(), out);
         }
-        out
-    };
-    freedom.blocks.par_iter().map(run).collect()
+    });
 }
 
-/// Mean-free columns, sample by sample.
-struct Panel {
-    rows: Vec<f64>,
-    width: usize,
+/// Mean-free columns of an output's own parameters and its residual, sample by sample.
+fn own_columns(
+    model: &ScheduledModes,
+    freedom: &Freedom,
+    trajectory: &Trajectory,
+    e: &[f64],
+    output: usize,
+) -> Vec<f64> {
+    let width = freedom.own.len() + 1;
+    let samples = e.len() / model.outputs;
+    let mut rows = Vec::with_capacity(width * samples);
+    for k in 0..samples {
+        let signals = trajectory.at_sample(k, model.steps);
+        rows.extend(freedom.own.iter().map(|&signal| signals[signal]));
+        rows.push(e[k * model.outputs + output]);
+    }
+    hysteron_model::axes::remove_means(&mut rows, width);
+    rows
 }
 
-impl Panel {
-    fn of_blocks(blocks: &[Vec<Lanes>], output: usize, samples: usize) -> Self {
-        let width = blocks.len() * LANES;
-        let mut rows = vec![0.0; width * samples];
-        for (b, block) in blocks.iter().enumerate() {
-            let lanes = &block[output * samples..(output + 1) * samples];
-            for (row, lanes) in rows.chunks_exact_mut(width).zip(lanes) {
-                row[b * LANES..(b + 1) * LANES].copy_from_slice(lanes);
-            }
-        }
-        hysteron_model::axes::remove_means(&mut rows, width);
-        Self { rows, width }
-    }
-
-    fn of_signals(
-        model: &ScheduledModes,
-        freedom: &Freedom,
-        trajectory: &Trajectory,
-        e: &[f64],
-        output: usize,
-    ) -> Self {
-        let width = freedom.own.len() + 1;
-        let samples = e.len() / model.outputs;
-        let mut rows = Vec::with_capacity(width * samples);
-        for k in 0..samples {
-            let signals = trajectory.at_sample(k, model.steps);
-            rows.extend(freedom.own.iter().map(|&signal| signals[signal]));
-            rows.push(e[k * model.outputs + output]);
-        }
-        hysteron_model::axes::remove_means(&mut rows, width);
-        Self { rows, width }
-    }
-
-    fn transposed_times(&self, other: &Self) -> DMatrix<f64> {
-        let samples = self.rows.len() / self.width;
-        let left = DMatrixView::from_slice_with_strides(&self.rows, self.width, samples, 1, self.width);
-        let right = DMatrixView::from_slice_with_strides(&other.rows, samples, other.width, other.width, 1);
-        let mut product = DMatrix::zeros(self.width, other.width);
-        product.gemm(1.0, &left, &right, 0.0);
-        product
-    }
+/// Products of the `height` columns from `first` with all columns from there, of rows of `width` numbers.
+fn panel_products(rows: &[f64], width: usize, first: usize, height: usize) -> DMatrix<f64> {
+    let (samples, rows) = (rows.len() / width, &rows[first..]);
+    let left = DMatrixView::from_slice_with_strides(rows, height, samples, 1, width);
+    let right = DMatrixView::from_slice_with_strides(rows, samples, width - first, width, 1);
+    let mut product = DMatrix::zeros(height, width - first);
+    product.gemm(1.0, &left, &right, 0.0);
+    product
 }

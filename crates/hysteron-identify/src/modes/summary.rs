@@ -100,7 +100,7 @@ pub(super) const ALL: [Group; 11] = [
 ];
 
 /// Fingerprint of records and options, for checkpoints.
-fn identity(records: &[AxesRecord], options: &Options) -> String {
+pub(super) fn identity(records: &[AxesRecord], options: &Options) -> String {
     let values = records.iter().flat_map(|r| r.u.iter().chain(&r.y)).flatten().map(|x| x.to_bits());
     format!("modes {options:?} {:x}", fingerprint(values))
 }

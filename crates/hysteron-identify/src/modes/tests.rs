@@ -119,7 +119,8 @@ fn every_derivative_is_that_of_central_differences() {
     let preroll = 6 * count;
     let expected = differences(&model, &freedom, s, &piece.fine, preroll);
     let trajectory = Trajectory::new(&model, s, &piece.fine, preroll, preroll).unwrap();
-    let blocks = derivatives(&model, &freedom, &trajectory, s, &Stop::new());
+    let mut blocks = Vec::new();
+    derivatives(&model, &freedom, &trajectory, s, &Stop::new(), &mut blocks);
     let (samples, outputs) = (piece.period.samples(), model.outputs);
     for (column, expected) in freedom.columns.iter().zip(&expected) {
         let factor = if column.scheduled { s } else { 1.0 };

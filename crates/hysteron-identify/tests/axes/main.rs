@@ -7,6 +7,7 @@
     reason = "a test stops at the first surprise, and says when it is skipped"
 )]
 
+mod comparison;
 mod coupled;
 mod device;
 mod recovery;
