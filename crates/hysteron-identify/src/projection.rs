@@ -87,12 +87,7 @@ impl Projection {
 
     /// Projects `x` onto the orthogonal complement of the columns.
     pub(super) fn project(&self, x: &mut [f64]) {
-        self.project_out_first(self.columns, x);
-    }
-
-    /// Projects `x` onto the orthogonal complement of the first `count` columns.
-    pub(super) fn project_out_first(&self, count: usize, x: &mut [f64]) {
-        project_out(&self.q[..count.min(self.columns) * self.rows], x);
+        project_out(&self.q[..self.columns * self.rows], x);
     }
 
     /// Replaces all columns by those of `matrix`.

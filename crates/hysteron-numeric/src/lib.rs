@@ -12,6 +12,7 @@ mod elementary;
 mod feedback_tangent;
 pub mod fft;
 mod filter;
+mod gram;
 mod inner_product;
 mod least_squares;
 mod non_negative;
@@ -32,6 +33,7 @@ pub use dispatch::{
 };
 pub use elementary::smooth_minimum;
 pub use feedback_tangent::{FeedbackTangent, Forcing, LANES, Lanes, TangentState, Target};
+pub use gram::gram;
 pub use inner_product::{dot, project_out, root_mean_square, subtract};
 pub use least_squares::{LeastSquares, least_squares};
 pub use non_negative::non_negative_least_squares;

@@ -29,58 +29,116 @@ pub fn non_negative_least_squares(columns: &[&[f64]], target: &[f64]) -> Vec<f64
     let target = factor.column(count).into_owned();
     let size = target.norm();
     let mut c = DVector::zeros(count);
-    let mut free: Vec<usize> = Vec::new();
+    let mut free = Free::new(&unit, &target);
     let mut barred = vec![false; count];
     // Each round frees one column; apart from rounding, the method ends long before this.
     for _ in 0..10 * count.max(1) {
         let gradient = unit.tr_mul(&(&target - &unit * &c));
         let next = (0..count)
-            .filter(|j| !free.contains(j) && !barred[*j] && gradient[*j] > ROUNDING * size)
+            .filter(|j| !free.columns.contains(j) && !barred[*j] && gradient[*j] > ROUNDING * size)
             .max_by(|&i, &j| gradient[i].total_cmp(&gradient[j]));
         let Some(next) = next else { break };
-        free.push(next);
-        while let Some(solution) = solve(&unit, &free, &target) {
+        if !free.push(next) {
+            barred[next] = true;
+            continue;
+        }
+        loop {
+            let solution = free.coefficients();
             if solution.iter().all(|x| *x > 0.0) {
-                free.iter().zip(&solution).for_each(|(&j, x)| c[j] = *x);
+                free.columns.iter().zip(&solution).for_each(|(&j, x)| c[j] = *x);
                 barred.fill(false);
                 break;
             }
-            if solution.last().is_some_and(|x| *x <= 0.0) && free.last() == Some(&next) && c[next] == 0.0 {
+            if solution.last().is_some_and(|x| *x <= 0.0)
+                && free.columns.last() == Some(&next)
+                && c[next] == 0.0
+            {
                 // Its gradient was rounding.
                 barred[next] = true;
             }
             let step = free
+                .columns
                 .iter()
                 .zip(&solution)
                 .filter(|(_, x)| **x <= 0.0)
                 .map(|(&j, x)| c[j] / (c[j] - x))
                 .fold(1.0, f64::min);
-            free.iter().zip(&solution).for_each(|(&j, x)| c[j] += step * (x - c[j]));
-            for &j in &free {
+            free.columns.iter().zip(&solution).for_each(|(&j, x)| c[j] += step * (x - c[j]));
+            for &j in &free.columns {
                 if c[j] <= ROUNDING * size {
                     c[j] = 0.0;
                 }
             }
-            free.retain(|&j| c[j] > 0.0);
-        }
-        if solve(&unit, &free, &target).is_none() {
-            // It depends on the others.
-            free.retain(|&j| j != next);
-            (c[next], barred[next]) = (0.0, true);
+            free.retain(|j| c[j] > 0.0);
         }
     }
     (0..count).map(|j| if norms[j] > 0.0 { c[j] / norms[j] } else { 0.0 }).collect()
 }
 
-/// Coefficients of the free columns; `None` where they depend on one another.
-fn solve(unit: &DMatrix<f64>, free: &[usize], target: &DVector<f64>) -> Option<Vec<f64>> {
-    let qr = unit.select_columns(free).qr();
-    let r = qr.r();
-    let dependent = (0..free.len()).any(|j| r[(j, j)].abs() < 1e-11);
-    let mut right = target.clone();
-    qr.q_tr_mul(&mut right);
-    let solved = r.solve_upper_triangular(&right.rows(0, free.len()).into_owned())?;
-    (!dependent).then(|| solved.iter().copied().collect())
+/// Columns of unit length below which the part beside the others is rounding.
+const DEPENDENT: f64 = 1e-11;
+
+/// QR factorisation of the free columns, to which columns are added one by one (Gram–Schmidt, repeated).
+struct Free<'u> {
+    unit: &'u DMatrix<f64>,
+    target: &'u DVector<f64>,
+    columns: Vec<usize>,
+    q: Vec<DVector<f64>>,
+    /// Column j of R down to its diagonal.
+    r: Vec<Vec<f64>>,
+    /// Qᵀ target.
+    shares: Vec<f64>,
+}
+
+impl<'u> Free<'u> {
+    fn new(unit: &'u DMatrix<f64>, target: &'u DVector<f64>) -> Self {
+        Self { unit, target, columns: Vec::new(), q: Vec::new(), r: Vec::new(), shares: Vec::new() }
+    }
+
+    /// Adds a column; `false` where it depends on the others.
+    fn push(&mut self, column: usize) -> bool {
+        let mut beside: DVector<f64> = self.unit.column(column).into_owned();
+        let mut r = vec![0.0; self.q.len()];
+        for _ in 0..2 {
+            for (q, r) in self.q.iter().zip(&mut r) {
+                let share = q.dot(&beside);
+                *r += share;
+                beside.axpy(-share, q, 1.0);
+            }
+        }
+        let norm = beside.norm();
+        if norm < DEPENDENT {
+            return false;
+        }
+        beside /= norm;
+        r.push(norm);
+        self.shares.push(beside.dot(self.target));
+        self.q.push(beside);
+        self.r.push(r);
+        self.columns.push(column);
+        true
+    }
+
+    /// Leaves the columns that are not to be kept.
+    fn retain(&mut self, kept: impl Fn(usize) -> bool) {
+        let columns = std::mem::take(&mut self.columns);
+        *self = Self::new(self.unit, self.target);
+        for column in columns.into_iter().filter(|column| kept(*column)) {
+            self.push(column);
+        }
+    }
+
+    /// Coefficients of the columns by least squares.
+    fn coefficients(&self) -> Vec<f64> {
+        let mut c = self.shares.clone();
+        for j in (0..c.len()).rev() {
+            c[j] /= self.r[j][j];
+            for i in 0..j {
+                c[i] -= self.r[j][i] * c[j];
+            }
+        }
+        c
+    }
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use super::super::options::{Choice, Options, RecordRole};
 use super::super::parameter::ParameterRole;
 use super::super::result::{Identification, RecordFit};
 use super::super::{Finding, FindingKind, IdentifyError};
+use super::campaign::Rate;
 use super::normalised::resolved_fit;
 use super::problem::JointProblem;
 use super::setup::JointSetup;
@@ -150,7 +151,7 @@ pub(super) fn compared<'a>(
     let mut best: Option<Better> = None;
     for (index, options) in others.iter().enumerate() {
         let rule = options.inter_sample();
-        let problem = setup.anew(options).problem(degree, false)?;
+        let problem = setup.anew(options).problem(degree, Rate::Own)?;
         let fit = resolved_fit(engine, &format!("between samples: {rule}"), &problem, vec![x.to_vec()], None);
         let Some(fit) = engine.unless_stopped(fit)?.filter(|_| !engine.is_stopped()) else { return Ok(None) };
         costs.push((rule, fit.outcome.cost));

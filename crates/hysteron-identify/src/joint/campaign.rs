@@ -12,16 +12,33 @@ use hysteron_model::hysteresis::{Hysteresis, RecordEnds};
 use hysteron_model::record::{Dependence, Timing, noise_floor, quantisation_step};
 use hysteron_model::validate::{first_cycle, unfollowed_start};
 
-/// Samples kept by reduction, per swing of the drive (its first seven harmonics are in the pass band) and per
-/// record.
-const SAMPLES_A_SWING: usize = 12;
-const SAMPLES_A_RECORD: usize = 2000;
+/// Least samples kept by reduction, per swing of the drive and per record: while the start is searched, which
+/// three harmonics of the drive determine, and afterwards, seven harmonics being in the pass band.
+const COARSE: Least = Least { a_swing: 4, a_record: 700 };
+const FINE: Least = Least { a_swing: 12, a_record: 2000 };
 /// Least noise assumed, as a share of the stroke.
 const LEAST_NOISE: f64 = 1e-6;
 /// Weight of the first of several cycles, with unknown history, relative to the others.
 pub(in super::super) const UNKNOWN_PAST: f64 = 0.01;
 /// A first sample off 0 V by more than this share of the range may be a step from 0 V.
 const JUMP: f64 = 0.02;
+
+/// Least samples.
+struct Least {
+    a_swing: usize,
+    a_record: usize,
+}
+
+/// Rate at which the records are fitted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in super::super) enum Rate {
+    /// The lowest, for the search from many starts.
+    Coarse,
+    /// The lowest at which the optimum is nearly that of all samples.
+    Reduced,
+    /// That of the record.
+    Own,
+}
 
 /// One record of a joint fit.
 #[derive(Debug)]
@@ -32,8 +49,9 @@ pub(in super::super) struct JointMember<'a> {
     pub(in super::super) transients: bool,
     /// Standard deviation of the output's noise \[output unit\].
     pub(in super::super) noise: f64,
-    /// Decimation factor while searching.
+    /// Decimation factor of the reduced record, and of the coarse one.
     pub(in super::super) factor: usize,
+    coarse_factor: usize,
     pub(in super::super) rate_hz: f64,
 }
 
@@ -87,14 +105,16 @@ impl<'a> JointMember<'a> {
         let step = quantisation_step(&facts.data.y).unwrap_or(0.0) / 12f64.sqrt();
         let noise = floor.max(step).max(LEAST_NOISE * facts.stroke());
         let whole = facts.scored(0).len() == facts.data.y.len();
-        let factor = match timing {
+        let factor = |least| match timing {
             // A rate-dependent family needs the rate of the drive between all samples: no thinning.
             Timing::Stamps(_) if options.family().depends_on() == Dependence::Rate => 1,
             Timing::Stamps(_) => facts.data.len() / thinned(&facts.data).len().max(1),
-            _ if whole => reduction(facts, before),
+            _ if whole => reduction(facts, before, least),
             _ => 1,
         };
-        Ok(Self { facts, before, transients, noise, factor, rate_hz })
+        let [factor, coarse_factor] = [factor(&FINE), factor(&COARSE)];
+        let coarse_factor = if factor > 1 { coarse_factor } else { 1 };
+        Ok(Self { facts, before, transients, noise, factor, coarse_factor, rate_hz })
     }
 
     /// Number of initial samples that a model without dynamics cannot follow.
@@ -107,19 +127,27 @@ impl<'a> JointMember<'a> {
 
     /// This record with the valid samples of `facts`.
     pub(in super::super) fn masked<'b>(&self, facts: &'b RecordFacts) -> JointMember<'b> {
-        let Self { before, transients, noise, factor, rate_hz, .. } = *self;
-        JointMember { facts, before, transients, noise, factor, rate_hz }
+        JointMember { facts, ..*self }
     }
 
-    /// The record prepared for the fit. `reduced`: at its lower rate. `scale` times 1/noise is its weight.
+    /// Decimation factor.
+    pub(super) fn factor_at(&self, rate: Rate) -> usize {
+        match rate {
+            Rate::Coarse => self.coarse_factor,
+            Rate::Reduced => self.factor,
+            Rate::Own => 1,
+        }
+    }
+
+    /// The record prepared for the fit at a rate. `scale` times 1/noise is its weight.
     pub(in super::super) fn prepare(
         &self,
-        reduced: bool,
+        rate: Rate,
         scale: f64,
         degree: usize,
         options: &Options,
     ) -> Result<JointRecord, IdentifyError> {
-        let factor = if reduced { self.factor } else { 1 };
+        let factor = self.factor_at(rate);
         let (timing, _) = self.facts.require_timing()?;
         if matches!(timing, Timing::Stamps(_)) {
             return self.prepare_stamps(factor > 1, scale, degree, options);
@@ -280,9 +308,9 @@ fn is_averaged(options: &Options) -> bool {
 
 /// Largest decimation factor that resolves every swing of the drive. An initial step is not band-limited, and
 /// the first samples determine its response.
-fn reduction(facts: &RecordFacts, before: Start<()>) -> usize {
+fn reduction(facts: &RecordFacts, before: Start<()>, least: &Least) -> usize {
     let samples = facts.data.u.len();
-    let most = (facts.shortest_swing / SAMPLES_A_SWING).min(samples / SAMPLES_A_RECORD).max(1);
+    let most = (facts.shortest_swing / least.a_swing).min(samples / least.a_record).max(1);
     match before {
         Start::Rest { voltage_v } if voltage_v != facts.data.u[0] => 1,
         Start::Settled { .. } => (1..=most).rev().find(|&factor| samples.is_multiple_of(factor)).unwrap_or(1),

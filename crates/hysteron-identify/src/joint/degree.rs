@@ -4,7 +4,8 @@ use super::super::engine::{Engine, Search, rough};
 use super::super::facts::amplitudes;
 use super::super::static_step::{BIC_FALL, HIGHEST_AUTOMATIC_DEGREE};
 use super::super::{DegreeTried, HIGHEST_DEGREE, IdentifyError};
-use super::normalised::{local_fits, resolved_fit};
+use super::campaign::Rate;
+use super::normalised::{fit_with_its_memory, resolved_fit};
 use super::problem::JointProblem;
 use super::resolution::{self, COARSE, NEAR, resolved};
 use super::setup::{JointSetup, memory_name};
@@ -27,22 +28,28 @@ const BRIEF: usize = 3;
 const OF_START: f64 = 0.25;
 const OF_BRIEF: f64 = 0.5;
 
-/// The search continued with the reach of the plays that fits the records best, where a density of plays is
-/// searched: its corners are then where the device has plays.
+/// The setup with the reach of the plays that fits the records best at the optimum of a search, where a density
+/// of plays is searched: its corners are then where the device has plays. `None` where the present one is.
 pub(super) fn with_reach<'a>(
-    setup: JointSetup<'a>,
-    (problem, reduced): (JointProblem, bool),
-    mut search: Search,
+    setup: &JointSetup<'a>,
+    (problem, rate): (&JointProblem, Rate),
+    search: &mut Search,
     engine: &mut Engine<'_, '_>,
-) -> Result<(JointSetup<'a>, JointProblem, Search), IdentifyError> {
+) -> Result<Option<JointSetup<'a>>, IdentifyError> {
     if problem.hysteresis() == setup.options.family() || engine.is_stopped() {
-        return Ok((setup, problem, search));
+        return Ok(None);
+    }
+    if problem.keeps_memory() {
+        // Plays of another reach make up for another memory.
+        let free = setup.problem(problem.degree(), rate)?.keeping_memory(false);
+        let fit = resolved_fit(engine, "joint fit", &free, vec![search.outcome.best.clone()], None);
+        search.take_better(engine.unless_stopped(fit)?);
     }
     // Not below half of the range: its loop moves these plays, and a polynomial would stand in for them.
     let shorter: Vec<JointSetup<'a>> =
         REACHES.into_iter().map_while(|share| setup.with_reach(share)).collect();
     let cost = |shorter: &JointSetup<'a>| -> Result<f64, IdentifyError> {
-        let problem = shorter.problem(problem.degree(), reduced)?;
+        let problem = shorter.problem(problem.degree(), rate)?;
         Ok(problem.cost(&search.outcome.best, &mut problem.workspace()))
     };
     let costs: Vec<_> = shorter.par_iter().map(cost).collect();
@@ -53,18 +60,14 @@ pub(super) fn with_reach<'a>(
             best = Some((cost, shorter));
         }
     }
-    let Some((_, setup)) = best else { return Ok((setup, problem, search)) };
-    let problem = setup.problem(problem.degree(), reduced)?;
-    let fit = resolved_fit(engine, "joint fit", &problem, vec![search.outcome.best.clone()], None);
-    search.take_better(engine.unless_stopped(fit)?);
-    Ok((setup, problem, search))
+    Ok(best.map(|(_, shorter)| shorter))
 }
 
 /// Degree by BIC over the independent samples, from one warm-started fit each (of plays also from the memory
 /// of a settled loop), and its best point.
 pub(super) fn choose_degree(
     setup: &JointSetup<'_>,
-    reduced: bool,
+    rate: Rate,
     found: &Search,
     engine: &mut Engine<'_, '_>,
     tried: &mut Vec<DegreeTried>,
@@ -75,7 +78,7 @@ pub(super) fn choose_degree(
         .unwrap_or(1);
     let mut fits: Vec<DegreeFit> = Vec::new();
     // At a stop the residuals are unknown; nothing is fitted then.
-    let searched = setup.problem(DEGREE_OF_STARTS, reduced)?;
+    let searched = setup.problem(DEGREE_OF_STARTS, rate)?;
     let fine = resolution::resolution(&searched, &found.outcome.best);
     let so_far = resolution::information(&searched, &found.outcome.best);
     let unknowns = |problem: &JointProblem| problem.bounds().dimension() + problem.layout().linear().count();
@@ -87,7 +90,7 @@ pub(super) fn choose_degree(
         OF_START * searched.cost(&settled, &mut searched.workspace()) < FAR * found.outcome.cost
     };
     for degree in 1..=highest {
-        let problem = setup.problem(degree, reduced)?;
+        let problem = setup.problem(degree, rate)?;
         let parameters = unknowns(&problem);
         let start = found.outcome.best.clone();
         let is_hopeless = |cost: f64| bic(cost, parameters, so_far) > own + CLOSE * BIC_FALL;
@@ -124,7 +127,7 @@ pub(super) fn choose_degree(
         if !is_near || fit.degree == DEGREE_OF_STARTS && fit.x == found.outcome.best || engine.is_stopped() {
             continue;
         }
-        let problem = setup.problem(fit.degree, reduced)?;
+        let problem = setup.problem(fit.degree, rate)?;
         if let Some((cost, x)) = fitted(engine, &problem, fit.x.clone(), resolved(fine))? {
             (fit.cost, fit.x) = (cost, x);
         }
@@ -144,13 +147,7 @@ pub(super) fn choose_degree(
             chosen = Some((degree, bic, fit.x));
         }
     }
-    let Some((degree, _, mut best)) = chosen else { return Ok((demanded, found.outcome.best.clone())) };
-    let problem = setup.problem(degree, reduced)?;
-    let is_moved = degree != DEGREE_OF_STARTS || best != found.outcome.best;
-    if is_moved && problem.holding_memory(&best).is_some() && !engine.is_stopped() {
-        let fit = resolved_fit(engine, &format!("degree {degree}"), &problem, vec![best.clone()], None);
-        best = engine.unless_stopped(fit)?.map_or(best, |fit| fit.outcome.best);
-    }
+    let Some((degree, _, best)) = chosen else { return Ok((demanded, found.outcome.best.clone())) };
     Ok((degree, best))
 }
 
@@ -181,7 +178,7 @@ fn fitted(
     options: LeastSquaresOptions,
 ) -> Result<Option<(f64, Vec<f64>)>, IdentifyError> {
     let step = format!("degree {}", problem.degree());
-    let fit = fit_with_its_memory(engine, &step, problem, start, options);
+    let fit = fit_with_its_memory(engine, &step, problem, start, options, None);
     ended(engine, fit)
 }
 
@@ -215,23 +212,6 @@ fn highest_degree(setup: &JointSetup<'_>) -> usize {
     }
 }
 
-/// A local fit with the memory held where this spares rerunning the operators, else with all free.
-pub(in super::super) fn fit_with_its_memory(
-    engine: &mut Engine<'_, '_>,
-    step: &str,
-    problem: &JointProblem,
-    start: Vec<f64>,
-    options: LeastSquaresOptions,
-) -> Result<Search, OptimizeError> {
-    let Some(held) = problem.holding_memory(&start) else {
-        return local_fits(engine, step, problem, vec![start], options, None);
-    };
-    let (searched, memory) = start.split_at(held.bounds().dimension());
-    let mut fit = local_fits(engine, step, &held, vec![searched.to_vec()], options, None)?;
-    fit.outcome.best.extend(memory);
-    Ok(fit)
-}
-
 /// [`fit_with_its_memory`], ended after a few iterations where a cost far below that reached then would still
 /// be hopeless.
 pub(super) fn fit_unless_hopeless(
@@ -245,10 +225,10 @@ pub(super) fn fit_unless_hopeless(
     let at_start = problem.cost(&start, &mut problem.workspace());
     if at_start.is_finite() && is_hopeless(OF_START * at_start) {
         let brief = LeastSquaresOptions { iterations: BRIEF, ..options.clone() };
-        let fit = fit_with_its_memory(engine, step, problem, start.clone(), brief)?;
+        let fit = fit_with_its_memory(engine, step, problem, start.clone(), brief, None)?;
         if is_hopeless(OF_BRIEF * fit.outcome.cost) || engine.is_stopped() {
             return Ok(fit);
         }
     }
-    fit_with_its_memory(engine, step, problem, start, options)
+    fit_with_its_memory(engine, step, problem, start, options, None)
 }

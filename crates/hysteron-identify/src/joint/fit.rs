@@ -9,7 +9,7 @@ use super::super::{IdentifyError, RecordFacts, findings};
 use super::band::{self, OutputUncertainty};
 use super::between;
 use super::campaign::JointMember;
-use super::fitted::{ALL_SAMPLES, FittedOptimum};
+use super::fitted::{ALL_SAMPLES, FittedOptimum, REDUCED};
 use super::intervals::intervals;
 use super::knowledge::{self, Covariance};
 use super::model::assemble;
@@ -43,6 +43,7 @@ pub(in super::super) const PLAN: Plan = Plan(&[
     ("joint fit, population", 0.05),
     ("joint fit, polished", 0.02),
     ("degree", 0.08),
+    (REDUCED, 0.03),
     (ALL_SAMPLES, 0.05),
     ("between samples", 0.05),
     (ERRORS, 0.10),
@@ -54,6 +55,7 @@ pub(in super::super) const POPULATION_PLAN: Plan = Plan(&[
     ("joint fit, polished", 0.02),
     ("joint fit with creep", 0.02),
     ("degree", 0.05),
+    (REDUCED, 0.02),
     (ALL_SAMPLES, 0.05),
     (ERRORS, 0.04),
 ]);

@@ -5,6 +5,7 @@ use super::super::options::Options;
 use super::super::result::Reduction;
 use super::super::{DegreeTried, IdentifyError};
 use super::between::{self, InterSampleChoice};
+use super::campaign::Rate;
 use super::model::shown;
 use super::normalised::{local_fits, resolved_fit};
 use super::parameter_layout::DELAY;
@@ -14,6 +15,7 @@ use super::search::Optimum;
 use super::setup::JointSetup;
 use hysteron_optimize::{LeastSquaresProblem, Problem};
 
+pub(super) const REDUCED: &str = "reduced records";
 pub(super) const ALL_SAMPLES: &str = "all samples";
 
 /// The optimum of a joint fit.
@@ -43,8 +45,11 @@ impl<'a> FittedOptimum<'a> {
         engine: &mut Engine<'_, '_>,
     ) -> Result<Self, IdentifyError> {
         let Optimum { mut setup, problem, mut search, degree, best, degrees } = optimum;
-        let mut thinned = if reduced { Some((setup.problem(degree, true)?, best.clone())) } else { None };
-        let Some((mut whole, mut x, mut cost)) = polished(&setup, (degree, best), reduced, engine)? else {
+        let searched = if reduced { Rate::Reduced } else { Rate::Own };
+        let best = if reduced { finely(&setup, (degree, best), engine)? } else { best };
+        let mut thinned =
+            if reduced { Some((setup.problem(degree, Rate::Reduced)?, best.clone())) } else { None };
+        let Some((mut whole, mut x, mut cost)) = polished(&setup, (degree, best), searched, engine)? else {
             let (x, degree) = (search.outcome.best.clone(), problem.degree());
             let (between, reduction) = (None, None);
             return Ok(Self { setup, problem, x, thinned, search, degree, degrees, between, reduction });
@@ -56,7 +61,7 @@ impl<'a> FittedOptimum<'a> {
         if let Some(better) = better.flatten() {
             setup = setup.anew(&others[better.index]);
             if reduced {
-                let problem = setup.problem(degree, true)?;
+                let problem = setup.problem(degree, Rate::Reduced)?;
                 let fit = resolved_fit(engine, ALL_SAMPLES, &problem, vec![better.x.clone()], None);
                 let fit = engine.unless_stopped(fit)?.map(|fit| fit.outcome.best);
                 let before = thinned.map_or_else(Vec::new, |(_, x)| x);
@@ -80,20 +85,36 @@ impl<'a> FittedOptimum<'a> {
     /// that the model has none, but the standard errors allow for it. A stop from here on leaves this point.
     pub(super) fn with_free_delay(self, asked: &'a Options) -> Result<Self, IdentifyError> {
         let setup = self.setup.with(self.setup.form, asked);
-        let freed = |reduced: bool, x: &[f64]| -> Result<(JointProblem, Vec<f64>), IdentifyError> {
-            let problem = setup.problem(self.degree, reduced)?;
+        let freed = |rate: Rate, x: &[f64]| -> Result<(JointProblem, Vec<f64>), IdentifyError> {
+            let problem = setup.problem(self.degree, rate)?;
             let place = problem.bounds().ranges.iter().position(|range| range.name == DELAY);
             let mut x = x.to_vec();
             x.insert(place.map_or(x.len(), |place| place.min(x.len())), 0.0);
             Ok((problem, x))
         };
-        let (problem, x) = freed(false, &self.x)?;
+        let (problem, x) = freed(Rate::Own, &self.x)?;
         if !problem.cost(&x, &mut problem.workspace()).is_finite() {
             return Ok(self);
         }
-        let thinned = self.thinned.as_ref().map(|(_, x)| freed(true, x)).transpose()?;
+        let thinned = self.thinned.as_ref().map(|(_, x)| freed(Rate::Reduced, x)).transpose()?;
         Ok(Self { setup, problem, x, thinned, ..self })
     }
+}
+
+/// The optimum of the reduced records near `best`, as closely as that of all samples is found from it: a step
+/// there costs several times more.
+fn finely(
+    setup: &JointSetup<'_>,
+    (degree, best): (usize, Vec<f64>),
+    engine: &mut Engine<'_, '_>,
+) -> Result<Vec<f64>, IdentifyError> {
+    if engine.is_stopped() {
+        return Ok(best);
+    }
+    let problem = setup.problem(degree, Rate::Reduced)?;
+    let options = resolved(FINAL * resolution(&problem, &best));
+    let fit = local_fits(engine, REDUCED, &problem, vec![best.clone()], options, None);
+    Ok(engine.unless_stopped(fit)?.map_or(best, |fit| fit.outcome.best))
 }
 
 /// The problem of all samples, its optimum from the `best` point of the search, and the cost there; `None`
@@ -101,14 +122,14 @@ impl<'a> FittedOptimum<'a> {
 fn polished(
     setup: &JointSetup<'_>,
     (degree, best): (usize, Vec<f64>),
-    reduced: bool,
+    searched: Rate,
     engine: &mut Engine<'_, '_>,
 ) -> Result<Option<(JointProblem, Vec<f64>, f64)>, IdentifyError> {
     if engine.is_stopped() {
         return Ok(None);
     }
-    let whole = setup.problem(degree, false)?;
-    let options = resolved(FINAL * resolution(&setup.problem(degree, reduced)?, &best));
+    let whole = setup.problem(degree, Rate::Own)?;
+    let options = resolved(FINAL * resolution(&setup.problem(degree, searched)?, &best));
     let grown = |x: &[f64]| shown(&whole, x, setup);
     let polished = local_fits(engine, ALL_SAMPLES, &whole, vec![best], options, Some(&grown));
     let polished = engine.unless_stopped(polished)?.map(|search| search.outcome);

@@ -267,6 +267,56 @@ pub(super) fn rough_fit(
     local_fits(engine, step, problem, starts, rough(), None)
 }
 
+/// Local fits from the given starts, each with the memory of its start held.
+fn kept_memory_fits(
+    engine: &mut Engine<'_, '_>,
+    step: &str,
+    problem: &JointProblem,
+    starts: Vec<Vec<f64>>,
+    options: LeastSquaresOptions,
+    show: Show<'_>,
+) -> Result<Search, OptimizeError> {
+    let mut found: Option<Search> = None;
+    let mut failed = OptimizeError::NoFeasiblePoint { evaluations: 0 };
+    for start in starts {
+        if found.is_some() && engine.is_stopped() {
+            break;
+        }
+        let fit = fit_with_its_memory(engine, step, problem, start, options.clone(), show);
+        match (&mut found, fit) {
+            (Some(found), Ok(fit)) => found.take_better(Some(fit)),
+            (none, Ok(fit)) => *none = Some(fit),
+            (_, Err(error @ OptimizeError::NoFeasiblePoint { .. })) => failed = error,
+            (Some(_), Err(_)) if engine.is_stopped() => break,
+            (_, Err(error)) => return Err(error),
+        }
+    }
+    found.ok_or(failed)
+}
+
+/// A local fit with the memory held where this spares rerunning the operators, else with all free.
+pub(in super::super) fn fit_with_its_memory(
+    engine: &mut Engine<'_, '_>,
+    step: &str,
+    problem: &JointProblem,
+    start: Vec<f64>,
+    options: LeastSquaresOptions,
+    show: Show<'_>,
+) -> Result<Search, OptimizeError> {
+    let Some(held) = problem.holding_memory(&start) else {
+        return local_fits(engine, step, problem, vec![start], options, show);
+    };
+    let (searched, memory) = start.split_at(held.bounds().dimension());
+    let whole = |x: &[f64]| [x, memory].concat();
+    let shown = |x: &[f64]| show.and_then(|show| show(&whole(x)));
+    let grown: Show<'_> = if show.is_some() { Some(&shown) } else { None };
+    let mut fit = local_fits(engine, step, &held, vec![searched.to_vec()], options, grown)?;
+    let outcome = &mut fit.outcome;
+    outcome.best = whole(&outcome.best);
+    outcome.starts.iter_mut().for_each(|start| start.best = whole(&start.best));
+    Ok(fit)
+}
+
 /// Local fits from the given starts, in normalised coefficients where these apply. If the best ends outside
 /// the ranges of natural frequency and damping, all are refitted within, from their nearest points there and
 /// from the starts.
@@ -278,6 +328,10 @@ pub(in super::super) fn local_fits(
     options: LeastSquaresOptions,
     show: Show<'_>,
 ) -> Result<Search, OptimizeError> {
+    let holds_memory = |start: &Vec<f64>| problem.holding_memory(start).is_some();
+    if problem.keeps_memory() && starts.first().is_some_and(holds_memory) {
+        return kept_memory_fits(engine, step, problem, starts, options, show);
+    }
     let Some(normalised) = Normalised::new(problem).filter(|_| !starts.is_empty()) else {
         return engine.local_fits(step, problem, starts, options, show);
     };

@@ -2,7 +2,7 @@
 
 use super::super::campaign::usable;
 use super::super::{CampaignRecord, Choice, Engine, IdentifyError, Options, Watch};
-use super::campaign::JointMember;
+use super::campaign::{JointMember, Rate};
 use super::degree::DEGREE_OF_STARTS;
 use super::problem::{JointProblem, JointWorkspace};
 use super::setup::{self, JointSetup};
@@ -42,7 +42,7 @@ impl JointObjective {
             Choice::Given(degree) => degree,
             Choice::Auto => DEGREE_OF_STARTS,
         };
-        let problem = setup.problem(degree, reduced)?;
+        let problem = setup.problem(degree, if reduced { Rate::Reduced } else { Rate::Own })?;
         let starts = setup.guesses(&problem)?;
         Ok(Self { problem, starts })
     }

@@ -56,6 +56,8 @@ pub(in super::super) struct JointProblem {
     identity: String,
     /// Normalisation frequency of the dynamics \[Hz\].
     normalisation_hz: f64,
+    /// Fits hold the memory of every record at that of their start.
+    memory_is_kept: bool,
     stop: Stop,
     best: Mutex<Option<Evaluated>>,
     spare: Spare,
@@ -115,6 +117,7 @@ impl JointProblem {
             bounds,
             identity,
             normalisation_hz,
+            memory_is_kept: false,
             stop,
             best,
             spare,
@@ -124,6 +127,18 @@ impl JointProblem {
     /// This problem with `normalisation_hz` as the normalisation frequency of the dynamics \[Hz\].
     pub(super) fn normalised_at(self, normalisation_hz: f64) -> Self {
         Self { normalisation_hz, ..self }
+    }
+
+    /// This problem for fits that hold the memory of every record at that of their start where this spares
+    /// rerunning the operators, which costs more than the rest of an evaluation of few samples; or for fits
+    /// with all numbers free.
+    pub(super) fn keeping_memory(self, memory_is_kept: bool) -> Self {
+        Self { memory_is_kept, ..self }
+    }
+
+    /// Whether fits hold the memory.
+    pub(super) fn keeps_memory(&self) -> bool {
+        self.memory_is_kept
     }
 
     /// This problem with `stop` as its stop signal, which ends an evaluation early.
@@ -355,25 +370,31 @@ impl JointProblem {
         );
     }
 
-    /// −(∂Φ/∂θ) c at `x` into `out`, orthogonal to the first `count` eliminated columns.
+    /// −(∂Φ/∂θ) c at `x` into `out`, orthogonal to the columns of the projection; to the sign-constrained ones
+    /// with positive weights `too`.
     fn differentiate_beside(
         &self,
         x: &[f64],
         ws: &mut JointWorkspace,
         out: &mut [f64],
-        count: impl Fn(&JointWorkspace) -> usize,
+        too: bool,
     ) -> Derivative {
         if !self.is_at(x, ws) && !self.evaluate(x, self.derivatives(), ws) {
             return Derivative::Infeasible;
         }
         let coefficients = self.coefficients(x, ws);
         self.differentiate(&coefficients, &mut ws.records, out);
+        let JointWorkspace { records, projection, eliminated, .. } = ws;
+        let free = projection.len();
+        for &index in eliminated.iter().skip(free).filter(|_| too) {
+            projection.push(|q| self.gather(index, records, q));
+        }
         let rows = self.residual_count();
-        let (projection, eliminated) = (&ws.projection, count(ws));
         out.par_chunks_exact_mut(rows).for_each(|column| {
-            projection.project_out_first(eliminated, column);
+            projection.project(column);
             column.iter_mut().for_each(|d| *d = -*d);
         });
+        projection.truncate(free);
         // A candidate is differentiable where every derivative is finite.
         if out.par_chunks_exact(rows).all(|column| dot(column, column).is_finite()) {
             Derivative::Written
@@ -432,7 +453,7 @@ impl LeastSquaresProblem for JointProblem {
     }
 
     fn jacobian(&self, x: &[f64], ws: &mut JointWorkspace, out: &mut [f64]) -> Derivative {
-        self.differentiate_beside(x, ws, out, |ws| ws.projection.len())
+        self.differentiate_beside(x, ws, out, true)
     }
 
     fn jacobian_with_eliminated<'w>(
@@ -441,11 +462,7 @@ impl LeastSquaresProblem for JointProblem {
         ws: &'w mut JointWorkspace,
         out: &mut [f64],
     ) -> (Derivative, Eliminated<'w>) {
-        let free = |ws: &JointWorkspace| {
-            let positive = ws.absolute.iter().filter(|c| **c > 0.0).count();
-            ws.projection.len() - positive
-        };
-        let derivative = self.differentiate_beside(x, ws, out, free);
+        let derivative = self.differentiate_beside(x, ws, out, false);
         (derivative, Eliminated { columns: &ws.signed, coefficients: &ws.absolute })
     }
 }

@@ -5,9 +5,10 @@ use super::super::engine::{Engine, Search, Show, rough};
 use super::super::options::{Choice, DynamicsChoice, Options};
 use super::super::static_step::BIC_FALL;
 use super::super::{DegreeTried, IdentifyError};
-use super::degree::{DEGREE_OF_STARTS, choose_degree, fit_unless_hopeless, fit_with_its_memory, with_reach};
+use super::campaign::Rate;
+use super::degree::{DEGREE_OF_STARTS, choose_degree, fit_unless_hopeless, with_reach};
 use super::model::shown;
-use super::normalised::{local_fits, resolved_fit};
+use super::normalised::{fit_with_its_memory, local_fits, resolved_fit};
 use super::problem::JointProblem;
 use super::resolution::{COARSE, NEAR, information, resolved};
 use super::setup::JointSetup;
@@ -40,7 +41,8 @@ pub(super) struct Optimum<'a> {
     pub(super) degrees: Vec<DegreeTried>,
 }
 
-/// Searches with the delays, creep and degree that the options leave open.
+/// Searches with the delays, creep and degree that the options leave open: from many starts on records of the
+/// lowest rate, where they are `reduced`.
 pub(super) fn search<'a>(
     mut setup: JointSetup<'a>,
     reduced: bool,
@@ -51,14 +53,19 @@ pub(super) fn search<'a>(
         Choice::Given(degree) => degree,
         Choice::Auto => DEGREE_OF_STARTS,
     };
-    let mut problem = setup.problem(first_degree, reduced)?;
+    let rate = match options.algorithm {
+        None if reduced => Rate::Coarse,
+        Some(_) if reduced => Rate::Reduced,
+        _ => Rate::Own,
+    };
+    let mut problem = setup.problem(first_degree, rate)?;
     let creep_is_open = options.dynamics == DynamicsChoice::Auto && options.creep == Creep::None;
     let with_creep = DynamicForm { creep: Creep::Fractional, ..setup.form };
     let is_free = options.algorithm.is_none() && options.start.is_none();
     let (mut first, mut found) = (None, None);
     if creep_is_open && is_free && problem.bounds().dimension() > 0 {
         let creeping = setup.with(with_creep, options);
-        let mut begun = begin_with_creep(&problem, &creeping, reduced, engine)?;
+        let mut begun = begin_with_creep(&problem, &creeping, rate, engine)?;
         begun.search.outcome.evaluations += begun.evaluations();
         let shows_creep = begun.shows_creep(&problem) && begun.delay_is_inside(&creeping);
         if shows_creep && !begun.dynamics_are_inside(&creeping) && !engine.is_stopped() {
@@ -68,10 +75,22 @@ pub(super) fn search<'a>(
             let others = search_from_places(&begun.problem, places, engine, (f64::INFINITY, None));
             let others = engine.unless_stopped(others.map(|(others, _)| others))?;
             begun.search.take_better(others);
-            return with_degree(creeping, (begun.problem, reduced), begun.search, engine);
+            return with_degree(creeping, (begun.problem, rate), begun.search, engine);
         }
         if shows_creep || engine.is_stopped() {
-            return with_degree(creeping, (begun.problem, reduced), begun.search, engine);
+            return with_degree(creeping, (begun.problem, rate), begun.search, engine);
+        }
+        if let Some(plain) = &begun.plain
+            && is_nearly_white(&problem, &plain.outcome.best)
+        {
+            // Nothing is left to explain: other starts, and creep, cannot do better.
+            let grown = |x: &[f64]| shown(&problem, x, &setup);
+            let fit =
+                resolved_fit(engine, "joint fit", &problem, vec![plain.outcome.best.clone()], Some(&grown));
+            if let Some(mut fit) = engine.unless_stopped(fit)? {
+                fit.outcome.evaluations += begun.search.outcome.evaluations;
+                return with_degree(setup, (problem, rate), fit, engine);
+            }
         }
         let mut from_places = FirstPoints::at(begun.places, &problem, &setup, engine)?;
         from_places.points.splice(0..0, begun.plain.map(|plain| plain.outcome.best));
@@ -79,13 +98,13 @@ pub(super) fn search<'a>(
     }
     let grown = |x: &[f64]| shown(&problem, x, &setup);
     let hopeless = found.as_ref().map_or(f64::INFINITY, |(richer, found)| beaten(&problem, (richer, found)));
-    let mut search = search_globally((&problem, reduced), (&setup, first), engine, (hopeless, Some(&grown)))?;
+    let mut search = search_globally((&problem, rate), (&setup, first), engine, (hopeless, Some(&grown)))?;
     if let Some(longer) =
         setup.with_longer_delays(&problem, &search.outcome.best).filter(|_| !engine.is_stopped())
     {
-        let wide = longer.problem(first_degree, reduced)?;
+        let wide = longer.problem(first_degree, rate)?;
         let grown = |x: &[f64]| shown(&wide, x, &longer);
-        let wider = search_globally((&wide, reduced), (&longer, None), engine, (hopeless, Some(&grown)));
+        let wider = search_globally((&wide, rate), (&longer, None), engine, (hopeless, Some(&grown)));
         if let Some(mut wider) = engine.unless_stopped(wider)? {
             let from_edge = resolved_fit(engine, "joint fit", &wide, vec![search.outcome.best.clone()], None);
             wider.take_better(engine.unless_stopped(from_edge)?);
@@ -95,27 +114,61 @@ pub(super) fn search<'a>(
     if creep_is_open {
         let creeping = setup.with(with_creep, options);
         let plain = (&problem, &search.outcome.best[..]);
-        if let Some((richer, found)) = try_creep(plain, &creeping, reduced, found, engine)?
+        if let Some((richer, found)) = try_creep(plain, &creeping, rate, found, engine)?
             && Gain::new((&problem, search.outcome.cost), (&richer, &found)).is_strong()
         {
-            return with_degree(creeping, (richer, reduced), found, engine);
+            return with_degree(creeping, (richer, rate), found, engine);
         }
     }
-    with_degree(setup, (problem, reduced), search, engine)
+    with_degree(setup, (problem, rate), search, engine)
 }
 
 /// The best point of a search with the chosen degree.
 fn with_degree<'a>(
     setup: JointSetup<'a>,
-    (problem, reduced): (JointProblem, bool),
+    (problem, rate): (JointProblem, Rate),
     mut search: Search,
     engine: &mut Engine<'_, '_>,
 ) -> Result<Optimum<'a>, IdentifyError> {
     search.outcome.best = problem.in_order(search.outcome.best);
-    let (setup, problem, search) = with_reach(setup, (problem, reduced), search, engine)?;
+    let shorter = with_reach(&setup, (&problem, rate), &mut search, engine)?;
+    let finer = if rate == Rate::Coarse { Rate::Reduced } else { rate };
+    let is_final = shorter.is_none() && finer == rate;
+    let setup = shorter.unwrap_or(setup);
+    let (problem, rate, search) = if is_final || engine.is_stopped() {
+        (problem, rate, search)
+    } else {
+        let finer_problem = setup.problem(problem.degree(), finer)?;
+        let grown = |x: &[f64]| shown(&finer_problem, x, &setup);
+        // The memory of the records hardly moves, and another one costs as much as all else.
+        let start = search.outcome.best.clone();
+        let start = if finer_problem.holding_memory(&start).is_some() {
+            let options = resolved(COARSE);
+            let held = fit_with_its_memory(
+                engine,
+                "joint fit",
+                &finer_problem,
+                start.clone(),
+                options,
+                Some(&grown),
+            );
+            engine.where_feasible(held)?.map_or(start, |held| held.outcome.best)
+        } else {
+            start
+        };
+        let fit = resolved_fit(engine, "joint fit", &finer_problem, vec![start], Some(&grown));
+        match engine.unless_stopped(fit)? {
+            Some(mut fit) => {
+                fit.outcome.evaluations += search.outcome.evaluations;
+                fit.outcome.generations += search.outcome.generations;
+                (finer_problem, finer, fit)
+            }
+            None => (problem, rate, search),
+        }
+    };
     let mut degrees = Vec::new();
     let (degree, best) = if setup.options.degree == Choice::Auto && !engine.is_stopped() {
-        choose_degree(&setup, reduced, &search, engine, &mut degrees)?
+        choose_degree(&setup, rate, &search, engine, &mut degrees)?
     } else {
         (problem.degree(), search.outcome.best.clone())
     };
@@ -202,10 +255,10 @@ impl CreepFirst {
 fn begin_with_creep(
     plain: &JointProblem,
     creeping: &JointSetup<'_>,
-    reduced: bool,
+    rate: Rate,
     engine: &mut Engine<'_, '_>,
 ) -> Result<CreepFirst, IdentifyError> {
-    let problem = creeping.problem(plain.degree(), reduced)?;
+    let problem = creeping.problem(plain.degree(), rate)?;
     let places = creeping.places(&problem, engine)?;
     // A loop held at one without creep misleads the dynamics where shape numbers are searched.
     let Starts { points, evaluations } = if problem.searches_shape() {
@@ -218,7 +271,7 @@ fn begin_with_creep(
         if points.is_empty() { creeping.unfitted(&problem, &places, 0..FIRST_STARTS) } else { points };
     let points = first_or_best(&problem, points, engine);
     let grown = |x: &[f64]| shown(&problem, x, creeping);
-    let search = resolved_fit(engine, "joint fit with creep", &problem, points, Some(&grown))?;
+    let search = fit_until_white(engine, "joint fit with creep", &problem, points, Some(&grown))?;
     let start = from_other(&problem, &search.outcome.best, plain, &vec![0.0; plain.bounds().dimension()]);
     let (mut plain_fit, mut is_followed) = (None, false);
     if !engine.is_stopped() {
@@ -231,7 +284,7 @@ fn begin_with_creep(
             // A fit from other starts takes far longer than the end of this one.
             if gain.is_overwhelming() && !gain.is_evident() && !engine.is_stopped() {
                 let start = rough.outcome.best.clone();
-                let fit = fit_with_its_memory(engine, step, plain, start, resolved(COARSE));
+                let fit = fit_with_its_memory(engine, step, plain, start, resolved(COARSE), None);
                 let fit = engine.unless_stopped(fit)?;
                 is_followed = fit.is_some();
                 rough.take_better(fit);
@@ -254,7 +307,7 @@ fn first_or_best(
 /// white, a population search with a twentieth of its usual budget and local polishing. An optimum above the
 /// cost `hopeless` is not sought any further.
 fn search_globally(
-    (problem, reduced): (&JointProblem, bool),
+    (problem, rate): (&JointProblem, Rate),
     (setup, first): (&JointSetup<'_>, Option<FirstPoints>),
     engine: &mut Engine<'_, '_>,
     (hopeless, show): (f64, Show<'_>),
@@ -291,7 +344,7 @@ fn search_globally(
     if setup.form.creep != Creep::None && setup.options.start.is_none() {
         // Creep is small: the optimum without it lies near that with it.
         let without = setup.with(DynamicForm { creep: Creep::None, ..setup.form }, setup.options);
-        let plain = without.problem(problem.degree(), reduced)?;
+        let plain = without.problem(problem.degree(), rate)?;
         let found = search_from_places(&plain, (&without, None), engine, (f64::INFINITY, None));
         let found = match found {
             Err(_) if engine.is_stopped() => return Ok(search),
@@ -343,6 +396,34 @@ fn search_from_places(
     search.take_better(engine.where_feasible(others)?);
     let settled = is_settled(&search);
     Ok((search, settled))
+}
+
+/// Fits from the first start; from the others too unless its residuals are nearly white, when no other optimum
+/// can be better.
+fn fit_until_white(
+    engine: &mut Engine<'_, '_>,
+    step: &str,
+    problem: &JointProblem,
+    mut starts: Vec<Vec<f64>>,
+    show: Show<'_>,
+) -> Result<Search, OptimizeError> {
+    let rest = starts.split_off(starts.len().min(1));
+    let first = resolved_fit(engine, step, problem, starts, show);
+    let mut search = if rest.is_empty() {
+        first?
+    } else {
+        let Some(first) = engine.where_feasible(first)? else {
+            return resolved_fit(engine, step, problem, rest, show);
+        };
+        first
+    };
+    if !rest.is_empty() && !engine.is_stopped() && !is_nearly_white(problem, &search.outcome.best) {
+        // The first optimum again, so that a fit that will not reach it is abandoned.
+        let starts = std::iter::once(search.outcome.best.clone()).chain(rest).collect();
+        let others = resolved_fit(engine, step, problem, starts, show);
+        search.take_better(engine.where_feasible(others)?);
+    }
+    Ok(search)
 }
 
 /// Rough fits from all starts; the best is continued if it is near `known`, the best cost before, or better.
@@ -429,14 +510,14 @@ fn beaten(plain: &JointProblem, (creeping, found): (&JointProblem, &Search)) -> 
 fn try_creep(
     (plain, best): (&JointProblem, &[f64]),
     setup: &JointSetup<'_>,
-    reduced: bool,
+    rate: Rate,
     found: Option<(JointProblem, Search)>,
     engine: &mut Engine<'_, '_>,
 ) -> Result<Option<(JointProblem, Search)>, IdentifyError> {
     if engine.is_stopped() || is_nearly_white(plain, best) {
         return Ok(None);
     }
-    let problem = setup.problem(plain.degree(), reduced)?;
+    let problem = setup.problem(plain.degree(), rate)?;
     let guesses = setup.guesses(&problem)?;
     let mut starts: Vec<_> =
         guesses.first().map(|guess| from_other(plain, best, &problem, guess)).into_iter().collect();

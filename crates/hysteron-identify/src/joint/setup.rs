@@ -5,7 +5,7 @@ use super::super::layout::{BoxBuilder, Role};
 use super::super::options::{Choice, Options};
 use super::super::static_step::{HIGHEST_AUTOMATIC_DEGREE, Scales};
 use super::super::{IdentifyError, RecordFacts, fingerprint};
-use super::campaign::JointMember;
+use super::campaign::{JointMember, Rate};
 use super::parameter_layout::{DELAY, JointLayout};
 use super::problem::JointProblem;
 use super::record::JointRecord;
@@ -40,8 +40,8 @@ pub(in super::super) struct JointSetup<'a> {
     pub(super) reach: Option<f64>,
     /// Longest delay searched \[s\].
     longest_delay_s: f64,
-    /// Whole and reduced records, prepared when first needed.
-    prepared: Arc<[Mutex<Option<Prepared>>; 2]>,
+    /// Records of each rate, prepared when first needed.
+    prepared: Arc<[Mutex<Option<Prepared>>; 3]>,
     /// Computed when first needed.
     resonances: Arc<OnceLock<Vec<Resonance>>>,
     /// After a stop, starts are no longer compared.
@@ -141,26 +141,23 @@ impl<'a> JointSetup<'a> {
         JointSetup { form, options, ..self.clone() }
     }
 
-    /// The problem of this polynomial degree, on reduced or on whole records.
-    pub(in super::super) fn problem(
-        &self,
-        degree: usize,
-        reduced: bool,
-    ) -> Result<JointProblem, IdentifyError> {
+    /// The problem of this polynomial degree, on records of this rate.
+    pub(in super::super) fn problem(&self, degree: usize, rate: Rate) -> Result<JointProblem, IdentifyError> {
         let (layout, bounds) = self.layout(degree);
-        let Prepared { records, fingerprint, .. } = self.prepared(degree, reduced)?;
+        let Prepared { records, fingerprint, .. } = self.prepared(degree, rate)?;
         let identity = format!(
-            "joint {degree} {reduced} {:?} {:?} {layout:?} {:?} {fingerprint:x}",
+            "joint {degree} {rate:?} {:?} {:?} {layout:?} {:?} {fingerprint:x}",
             self.hysteresis,
             self.form,
             self.options.scheme(),
         );
         let problem = JointProblem::new(records, (self.hysteresis, self.form), layout, bounds, identity);
-        Ok(problem.normalised_at(NORMALISATION * self.fastest_hz).stopped_by(&self.stop))
+        let problem = problem.normalised_at(NORMALISATION * self.fastest_hz).stopped_by(&self.stop);
+        Ok(problem.keeping_memory(rate == Rate::Coarse))
     }
 
-    fn prepared(&self, degree: usize, reduced: bool) -> Result<Prepared, IdentifyError> {
-        let mut kept = self.prepared[usize::from(reduced)].lock().unwrap_or_else(PoisonError::into_inner);
+    fn prepared(&self, degree: usize, rate: Rate) -> Result<Prepared, IdentifyError> {
+        let mut kept = self.prepared[rate as usize].lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(prepared) = kept.as_ref().filter(|prepared| prepared.degree >= degree) {
             return Ok(prepared.clone());
         }
@@ -172,13 +169,13 @@ impl<'a> JointSetup<'a> {
         let (mut information, mut samples) = (0.0, 0);
         for member in self.members {
             information += member.facts.scored(0).len() as f64 / (member.noise * member.noise);
-            samples += member.facts.data.u.len().div_ceil(if reduced { member.factor } else { 1 });
+            samples += member.facts.data.u.len().div_ceil(member.factor_at(rate));
         }
         let scale = (samples as f64 / information).sqrt();
         let records = self
             .members
             .par_iter()
-            .map(|member| member.prepare(reduced, scale, degree, self.options))
+            .map(|member| member.prepare(rate, scale, degree, self.options))
             .collect::<Result<Vec<_>, _>>()?;
         let values = self
             .members

@@ -9,9 +9,10 @@ use super::super::IdentifyError;
 use super::super::engine::{Engine, Search};
 use super::super::layout::pick;
 use super::super::options::Options;
+use super::campaign::Rate;
 use super::normalised::rough_fit;
 use super::parameter_layout::DELAY;
-use super::problem::JointProblem;
+use super::problem::{JointProblem, JointWorkspace};
 use super::setup::{JointSetup, memory_name};
 use hysteron_model::dynamics::{DynamicForm, Dynamics, Modes, ParameterKind};
 use hysteron_model::hammerstein::Model;
@@ -26,6 +27,8 @@ const CENTRE: f64 = PLACES[2];
 const DAMPINGS: [f64; 3] = [0.03, 0.2, 1.0];
 /// Orders of the damping term.
 const ORDERS: [f64; 3] = [1.0, 0.6, 0.3];
+/// Dynamics of each order that are compared with everything linear eliminated: the best for the loop as it is.
+const COMPARED: usize = 3;
 /// Costs that differ by more than this share belong to different optima.
 const ANOTHER: f64 = 1e-3;
 /// First samples that differ by less than this share of the range are the same voltage.
@@ -59,6 +62,8 @@ struct Loop {
     shape: Vec<f64>,
     /// Memory of the slowest record.
     memory: f64,
+    /// Coefficients of u, u², … and weights.
+    coefficients: Vec<f64>,
 }
 
 /// Starts of a search, and the evaluations spent on them.
@@ -89,10 +94,11 @@ impl JointSetup<'_> {
     pub(in super::super) fn guesses(&self, problem: &JointProblem) -> Result<Vec<Vec<f64>>, IdentifyError> {
         let mut guesses: Vec<Vec<f64>> =
             self.options.start.iter().map(|model| of_model(model, problem.bounds())).collect();
-        let (_, shapes) = self.slow(&self.fast(problem.bounds()), problem.degree())?;
-        let Some((best, _)) = shapes.first() else { return Ok(guesses) };
+        let (slow, shapes) = self.slow(&self.fast(problem.bounds()), problem.degree())?;
+        let Some((best, start)) = shapes.first() else { return Ok(guesses) };
         let other = shapes.iter().find(|(shape, _)| shape.settled != best.settled).map_or(best, |(s, _)| s);
-        let motions = self.motions(problem, |motion| self.point(problem.bounds(), best, motion));
+        let point = |motion| self.point(problem.bounds(), best, motion);
+        let motions = self.motions(problem, point, slow.linear_coefficients(start).as_deref());
         for (motion, shape) in motions.iter().zip([best, other].iter().cycle()) {
             guesses.push(self.point(problem.bounds(), shape, *motion));
         }
@@ -113,7 +119,10 @@ impl JointSetup<'_> {
         }
         let loops = self.loops(problem, engine, &mut evaluations)?;
         let motions = match loops.first() {
-            Some(first) => self.motions(problem, |motion| self.looping(problem.bounds(), first, motion)),
+            Some(first) => {
+                let point = |motion| self.looping(problem.bounds(), first, motion);
+                self.motions(problem, point, Some(&first.coefficients))
+            }
             None => Vec::new(),
         };
         Ok(Places { loops, motions, evaluations })
@@ -134,7 +143,7 @@ impl JointSetup<'_> {
                 break;
             }
             let options = self.holding(found);
-            let held = self.with(self.form, &options).problem(problem.degree(), true)?;
+            let held = self.with(self.form, &options).problem(problem.degree(), Rate::Coarse)?;
             let mut point = self.looping(problem.bounds(), found, *motion);
             if held.bounds().dimension() > 0 {
                 let start = self.looping(held.bounds(), found, *motion);
@@ -184,14 +193,15 @@ impl JointSetup<'_> {
         let index = self.slowest();
         let members = self.members.get(index..=index).unwrap_or_default();
         let setup = JointSetup::new(members, self.form, options).stopped_by(&self.stop);
-        let problem = setup.problem(degree, true)?;
+        let problem = setup.problem(degree, Rate::Reduced)?;
         let lattice = self
             .shapes()
             .into_iter()
             .flat_map(|numbers| [false, true].map(|settled| Shape { numbers: numbers.clone(), settled }));
         let lattice: Vec<Shape> = lattice.collect();
         let point = |shape: &Shape| setup.point(problem.bounds(), shape, FAST);
-        let ordered = by_cost(&problem, &lattice, point, &self.stop);
+        let cost = |shape: &Shape, ws: &mut _| problem.cost(&point(shape), ws);
+        let ordered = by_cost(&problem, &lattice, cost, &self.stop);
         let starts = ordered.into_iter().map(|shape| (shape.clone(), point(&shape))).collect();
         Ok((problem, starts))
     }
@@ -208,7 +218,8 @@ impl JointSetup<'_> {
         let (problem, shapes) = self.slow(&options, whole.degree())?;
         let found = |x: &[f64]| -> Option<Loop> {
             let candidate = problem.candidate(x)?;
-            Some(Loop { shape: candidate.shape, memory: *candidate.memory.first()? })
+            let coefficients = problem.linear_coefficients(x)?;
+            Some(Loop { shape: candidate.shape, memory: *candidate.memory.first()?, coefficients })
         };
         if problem.bounds().dimension() == 0 {
             return Ok(found(&[]).into_iter().collect());
@@ -252,8 +263,13 @@ impl JointSetup<'_> {
     }
 
     /// The best dynamics for a loop, then others of different order (of different frequency for integer
-    /// orders).
-    fn motions(&self, problem: &JointProblem, point: impl Fn(Motion) -> Vec<f64> + Sync) -> Vec<Motion> {
+    /// orders). Where the `coefficients` of the loop are known, those with which it fits best are compared.
+    fn motions(
+        &self,
+        problem: &JointProblem,
+        point: impl Fn(Motion) -> Vec<f64> + Sync,
+        coefficients: Option<&[f64]>,
+    ) -> Vec<Motion> {
         if self.form.modes == Modes::None {
             return vec![FAST, FAST];
         }
@@ -273,22 +289,17 @@ impl JointSetup<'_> {
             };
             PLACES.iter().flat_map(of)
         });
-        let ordered = by_cost(problem, &lattice.collect::<Vec<_>>(), |motion| point(*motion), &self.stop);
-        let mut picked: Vec<Motion> = Vec::new();
-        for motion in ordered {
-            let alike = |other: &Motion| {
-                let same = if orders.len() > 1 {
-                    other.order1 == motion.order1
-                } else {
-                    other.place == motion.place
-                };
-                same && other.measured == motion.measured
-            };
-            if !picked.iter().any(alike) {
-                picked.push(motion);
-            }
+        let mut motions: Vec<Motion> = lattice.collect();
+        let alike = |one: &Motion, other: &Motion| {
+            let same = if orders.len() > 1 { other.order1 == one.order1 } else { other.place == one.place };
+            same && other.measured == one.measured
+        };
+        if let Some(coefficients) = coefficients {
+            let cost = |motion: &Motion, ws: &mut _| problem.cost_of_loop(&point(*motion), coefficients, ws);
+            motions = first_of_each(by_cost(problem, &motions, cost, &self.stop), alike, COMPARED);
         }
-        picked
+        let cost = |motion: &Motion, ws: &mut _| problem.cost(&point(*motion), ws);
+        first_of_each(by_cost(problem, &motions, cost, &self.stop), alike, 1)
     }
 
     /// The start with this loop and these dynamics.
@@ -371,22 +382,32 @@ impl JointSetup<'_> {
 fn by_cost<T: Clone + Send + Sync>(
     problem: &JointProblem,
     candidates: &[T],
-    point: impl Fn(&T) -> Vec<f64> + Sync,
+    cost: impl Fn(&T, &mut JointWorkspace) -> f64 + Sync,
     stop: &Stop,
 ) -> Vec<T> {
     let share = candidates.len().div_ceil(rayon::current_num_threads()).max(1);
     let shares = candidates.par_chunks(share).flat_map_iter(|share| {
         let mut ws = problem.workspace();
-        let point = &point;
+        let cost = &cost;
         share.iter().map(move |candidate| {
-            let tried = !stop.is_requested();
-            let cost = if tried { problem.cost(&point(candidate), &mut ws) } else { f64::INFINITY };
+            let cost = if stop.is_requested() { f64::INFINITY } else { cost(candidate, &mut ws) };
             (cost, candidate.clone())
         })
     });
     let mut costs: Vec<(f64, T)> = shares.collect();
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
     costs.into_iter().map(|(_, candidate)| candidate).collect()
+}
+
+/// The first `count` of those that are alike, in the order given.
+fn first_of_each<T: Copy>(ordered: Vec<T>, alike: impl Fn(&T, &T) -> bool, count: usize) -> Vec<T> {
+    let mut picked: Vec<T> = Vec::new();
+    for candidate in ordered {
+        if picked.iter().filter(|other| alike(&candidate, other)).count() < count {
+            picked.push(candidate);
+        }
+    }
+    picked
 }
 
 /// A start from a model's parameters.

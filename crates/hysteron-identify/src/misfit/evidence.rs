@@ -10,6 +10,7 @@
 //!
 //! Some columns have a least scale: the posterior is then that of the larger of both, column by column.
 
+use hysteron_numeric::gram;
 use nalgebra::{DMatrix, DVector};
 
 /// ln s of the grid: from and to, and its step.
@@ -83,7 +84,8 @@ impl Sums {
 
     /// Adds rows, each of which counts as `weight` of an independent one.
     pub(super) fn add(&mut self, columns: &DMatrix<f64>, residual: &DVector<f64>, weight: f64) {
-        self.gram.gemm_tr(weight, columns, columns, 1.0);
+        let slices: Vec<&[f64]> = columns.as_slice().chunks_exact(columns.nrows().max(1)).collect();
+        self.gram += weight * gram(&slices);
         self.product.gemv_tr(weight, columns, residual, 1.0);
         self.power += weight * residual.norm_squared();
         self.count += weight * residual.len() as f64;

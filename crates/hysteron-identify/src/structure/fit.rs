@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::super::engine::{Engine, rough};
 use super::super::joint::{
-    JointMember, JointProblem, JointSetup, assemble, fit_with_its_memory, form, local_fits, memory_name,
-    scheme,
+    JointMember, JointProblem, JointSetup, Rate, assemble, fit_with_its_memory, form, local_fits,
+    memory_name, scheme,
 };
 use super::super::layout::Role;
 use super::super::options::{CampaignRecord, Choice, Options};
@@ -97,18 +97,19 @@ impl Campaign<'_> {
             return self.fit_in_two_steps(&options);
         }
         let setup = JointSetup::new(self.members, form(&options), &options).stopped_by(self.stop);
-        let problem = setup.problem(candidate.degree, true)?;
-        let guesses = setup.guesses(&problem)?;
+        let problem = setup.problem(candidate.degree, Rate::Reduced)?;
+        let coarse = setup.problem(candidate.degree, Rate::Coarse)?;
+        let guesses = setup.guesses(&coarse)?;
         let base = guesses.first().cloned().unwrap_or_default();
         let mut starts: Vec<Vec<f64>> = others.iter().map(|named| overlay(&problem, &base, named)).collect();
         starts.extend(guesses);
-        let mut ws = problem.workspace();
+        let mut ws = coarse.workspace();
         let mut ordered: Vec<(f64, Vec<f64>)> =
-            starts.into_iter().map(|x| (problem.cost(&x, &mut ws), x)).collect();
+            starts.into_iter().map(|x| (coarse.cost(&x, &mut ws), x)).collect();
         ordered.sort_by(|a, b| a.0.total_cmp(&b.0));
         ordered.dedup_by(|a, b| a.1 == b.1);
         let starts = ordered.into_iter().take(POLISHED).map(|(_, x)| x).collect();
-        let x = self.minimise(&problem, starts)?;
+        let x = self.minimise((&problem, &coarse), starts)?;
         let (model, starts) = self.solved(&problem, &x, &setup, self.members)?;
         let parameters = parameter_count(&problem, candidate.degree);
         let named = names(&problem).zip(x).collect();
@@ -178,7 +179,8 @@ impl Campaign<'_> {
     #[cfg(test)]
     pub(super) fn problem(&self, candidate: Candidate) -> Result<JointProblem, NoFit> {
         let options = self.candidate_options(candidate, self.members);
-        Ok(JointSetup::new(self.members, form(&options), &options).problem(candidate.degree, true)?)
+        Ok(JointSetup::new(self.members, form(&options), &options)
+            .problem(candidate.degree, Rate::Reduced)?)
     }
 
     fn candidate_options(&self, candidate: Candidate, members: &[JointMember<'_>]) -> Options {
@@ -186,12 +188,16 @@ impl Campaign<'_> {
         Options { scheme: Choice::Given(scheme(&options, members)), ..options }
     }
 
-    /// Rough fits from the starts until two agree; the best is continued.
-    fn minimise(&self, problem: &JointProblem, starts: Vec<Vec<f64>>) -> Result<Vec<f64>, NoFit> {
+    /// Rough fits of the coarse records from the starts until two agree; the best is continued.
+    fn minimise(
+        &self,
+        (problem, coarse): (&JointProblem, &JointProblem),
+        starts: Vec<Vec<f64>>,
+    ) -> Result<Vec<f64>, NoFit> {
         let mut found: Vec<Rough> = Vec::new();
         let mut failed = None;
         for start in starts {
-            match self.rough_fit(problem, start) {
+            match self.rough_fit(coarse, start) {
                 Ok(fit) => found.push(fit),
                 Err(NoFit::Stopped) => return Err(NoFit::Stopped),
                 // It cannot be simulated; others can.
@@ -199,7 +205,7 @@ impl Campaign<'_> {
             }
             found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
             if let [best, others @ ..] = &found[..]
-                && others.iter().any(|other| other.agrees_with(best, problem))
+                && others.iter().any(|other| other.agrees_with(best, coarse))
             {
                 break;
             }
@@ -214,7 +220,7 @@ impl Campaign<'_> {
     fn rough_fit(&self, problem: &JointProblem, start: Vec<f64>) -> Result<Rough, NoFit> {
         let watch = Watch::silent().stopped_by(self.stop);
         let mut engine = self.engine(&watch);
-        let fit = fit_with_its_memory(&mut engine, "rough", problem, start.clone(), rough());
+        let fit = fit_with_its_memory(&mut engine, "rough", problem, start.clone(), rough(), None);
         match engine.unless_stopped(fit)? {
             Some(fit) if !engine.is_stopped() => {
                 Ok(Rough { start, x: fit.outcome.best, cost: fit.outcome.cost })
@@ -228,6 +234,14 @@ impl Campaign<'_> {
         let mut engine = self.engine(&watch);
         let options =
             LeastSquaresOptions { iterations, cost_tolerance: COST_TOLERANCE, ..Default::default() };
+        // Another memory of the records costs as much as all else.
+        let x = if problem.holding_memory(&x).is_some() {
+            let options = options.clone();
+            let held = fit_with_its_memory(&mut engine, "continued", problem, x.clone(), options, None);
+            engine.where_feasible(held)?.map_or(x, |fit| fit.outcome.best)
+        } else {
+            x
+        };
         let fit = local_fits(&mut engine, "continued", problem, vec![x], options, None);
         match engine.unless_stopped(fit)? {
             Some(fit) if !engine.is_stopped() => Ok(fit.outcome.best),
@@ -271,7 +285,7 @@ impl Campaign<'_> {
             .collect();
         let options = self.candidate_options(candidate, &members);
         let setup = JointSetup::new(&members, form(&options), &options).stopped_by(self.stop);
-        let problem = setup.problem(candidate.degree, true)?;
+        let problem = setup.problem(candidate.degree, Rate::Reduced)?;
         // The memory of a record is named by its index in the campaign.
         let renamed: Named = whole
             .named

@@ -5,8 +5,13 @@ use rayon::prelude::*;
 use super::super::super::layout::Role;
 use super::super::record::{Derivatives, RecordWorkspace};
 use super::{JointProblem, JointWorkspace};
-use hysteron_numeric::non_negative_least_squares;
+use hysteron_numeric::{dot, non_negative_least_squares, subtract};
 use hysteron_optimize::{LeastSquaresProblem, Problem};
+
+/// Sign-constrained columns shorter than this share of the longest have no weight: operators that the drive does
+/// not move respond to the unknown memory alone, and a memory near 0 with a weight without bound would stand for
+/// a transient.
+const NOTHING: f64 = 1e-6;
 
 impl JointProblem {
     /// Column `index` of the linear part over all records.
@@ -18,15 +23,16 @@ impl JointProblem {
     }
 
     /// Residual after elimination of the linear parameters, into `ws.target`; the columns stay in
-    /// `ws.projection`.
+    /// `ws.projection`, the sign-constrained ones in `ws.signed`.
     pub(super) fn eliminate(&self, x: &[f64], derivatives: Derivatives<'_>, ws: &mut JointWorkspace) -> bool {
+        ws.coefficients.clear();
         if !self.respond(x, derivatives, ws) {
             return false;
         }
         self.gather_targets(ws);
         ws.projection.clear();
         ws.eliminated.clear();
-        let JointWorkspace { records, column, target, projection, eliminated, .. } = ws;
+        let JointWorkspace { records, column, target, projection, absolute, eliminated, .. } = ws;
         let mut signed = Vec::new();
         for (index, role) in self.layout.linear().enumerate() {
             match role {
@@ -43,11 +49,12 @@ impl JointProblem {
             }
         }
         projection.project(target);
+        absolute.clear();
         signed.is_empty() || self.eliminate_signed(&signed, ws)
     }
 
     /// Eliminates the sign-constrained `signed` columns from the target by non-negative least squares, after
-    /// those eliminated so far; columns with nonzero coefficients are added to these. `false` where the
+    /// those of the projection; columns with nonzero coefficients count as eliminated. `false` where the
     /// coefficients are not finite, and after a stop.
     fn eliminate_signed(&self, signed: &[(usize, f64)], ws: &mut JointWorkspace) -> bool {
         let JointWorkspace { records, target, projection, signed: columns, absolute, eliminated, .. } = ws;
@@ -58,6 +65,11 @@ impl JointProblem {
             column.iter_mut().for_each(|c| *c *= sign);
             projection.project(column);
         });
+        let norms: Vec<f64> = columns.par_chunks_exact(count.max(1)).map(|c| dot(c, c).sqrt()).collect();
+        let longest = norms.iter().copied().fold(0.0, f64::max);
+        let short =
+            columns.chunks_exact_mut(count.max(1)).zip(norms).filter(|(_, norm)| *norm < NOTHING * longest);
+        short.for_each(|(column, _)| column.fill(0.0));
         let columns: Vec<&[f64]> = columns.chunks_exact(count.max(1)).collect();
         if self.stop.is_requested() {
             return false;
@@ -67,14 +79,11 @@ impl JointProblem {
             return false;
         }
         *absolute = used;
-        for (&(index, _), _) in signed.iter().zip(&*absolute).filter(|(_, c)| **c > 0.0) {
-            if self.stop.is_requested() {
-                return false;
-            }
-            projection.push(|q| self.gather(index, records, q));
+        let used = signed.iter().zip(&*absolute).zip(columns).filter(|((_, c), _)| **c > 0.0);
+        for ((&(index, _), &c), column) in used {
+            subtract(target, c, column);
             eliminated.push(index);
         }
-        projection.project(target);
         true
     }
 
@@ -94,22 +103,35 @@ impl JointProblem {
         Some((columns, target))
     }
 
+    /// Coefficients of u, u², … and weights at `x`; `None` where it cannot be simulated.
+    pub(in super::super) fn linear_coefficients(&self, x: &[f64]) -> Option<Vec<f64>> {
+        let mut ws = self.workspace();
+        self.evaluate(x, None, &mut ws).then(|| self.coefficients(x, &mut ws))
+    }
+
     /// Coefficients of u, u², … and weights at `x`, after [`Self::eliminate`].
     pub(super) fn coefficients(&self, x: &[f64], ws: &mut JointWorkspace) -> Vec<f64> {
-        let JointWorkspace { records, column, projection, eliminated, .. } = ws;
+        if !ws.coefficients.is_empty() {
+            return ws.coefficients.clone();
+        }
+        let JointWorkspace { records, column, projection, absolute, eliminated, .. } = ws;
         let mut measured: Vec<f64> =
             records.iter().flat_map(|record| record.target.iter().copied()).collect();
         let mut coefficients: Vec<f64> =
             self.layout.linear().map(|role| role.value(x).unwrap_or(0.0)).collect();
-        for (index, role) in self.layout.linear().enumerate() {
-            if role.value(x).is_some() {
-                self.gather(index, records, column);
-                measured.iter_mut().zip(column.iter()).for_each(|(t, c)| *t -= coefficients[index] * c);
-            }
+        let signs = self.layout.linear().enumerate().filter_map(|(index, role)| match role {
+            Role::OneSided(sign) => Some((index, sign)),
+            _ => None,
+        });
+        signs.zip(&*absolute).for_each(|((index, sign), c)| coefficients[index] = sign * c);
+        for (index, &value) in coefficients.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+            self.gather(index, records, column);
+            subtract(&mut measured, value, column);
         }
         for (&index, value) in eliminated.iter().zip(projection.coefficients(&measured)) {
             coefficients[index] = value;
         }
+        ws.coefficients.clone_from(&coefficients);
         coefficients
     }
 }

@@ -10,7 +10,7 @@ use super::JointProblem;
 impl JointProblem {
     /// This problem with the memory of every record held at its value in `x`; `None` where no memory is
     /// searched, or where searched shape numbers require rerunning the operators anyway.
-    pub(in super::super) fn holding_memory(&self, x: &[f64]) -> Option<Self> {
+    pub(in super::super::super) fn holding_memory(&self, x: &[f64]) -> Option<Self> {
         let mut layout = self.layout.clone();
         // The memories come last in the search vector.
         let rest = layout.memory.iter().filter_map(|role| role.index()).min()?;

@@ -77,6 +77,32 @@ impl JointProblem {
         &ws.target
     }
 
+    /// Cost at `x` with the best-fitting multiple of these coefficients of u, u², … and weights; +∞ where it
+    /// cannot be simulated, or does not respond.
+    pub(in super::super) fn cost_of_loop(
+        &self,
+        x: &[f64],
+        coefficients: &[f64],
+        ws: &mut JointWorkspace,
+    ) -> f64 {
+        if self.residuals_at(x, coefficients, ws).is_empty() {
+            return f64::INFINITY;
+        }
+        // The response is what the residual lacks of the measured output.
+        let measured = self.records.iter().flat_map(|record| &record.target);
+        let (mut of_both, mut of_response) = (0.0, 0.0);
+        for (measured, residual) in measured.zip(&ws.target) {
+            let response = measured - residual;
+            of_both += response * measured;
+            of_response += response * response;
+        }
+        let (factor, count) = (of_both / of_response, ws.target.len() as f64);
+        let squares = self.records.iter().flat_map(|record| &record.target).zip(&ws.target);
+        let square: f64 = squares.map(|(m, r)| (m - factor * (m - r)).powi(2)).sum();
+        let cost = (square / count).sqrt();
+        if cost.is_finite() { cost } else { f64::INFINITY }
+    }
+
     /// The records' targets into `ws.target`.
     pub(super) fn gather_targets(&self, ws: &mut JointWorkspace) {
         for (r, record) in ws.records.iter().enumerate() {

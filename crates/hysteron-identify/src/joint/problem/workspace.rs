@@ -21,12 +21,14 @@ pub(in super::super::super) struct JointWorkspace {
     pub(super) column: Vec<f64>,
     pub(super) target: Vec<f64>,
     pub(super) projection: Projection,
-    /// Columns of the sign-constrained weights times their signs, orthogonal to those eliminated before, and
+    /// Columns of the sign-constrained weights times their signs, orthogonal to those of the projection, and
     /// the absolute weights.
     pub(super) signed: Vec<f64>,
     pub(super) absolute: Vec<f64>,
-    /// Which coefficients the columns of `projection` belong to.
+    /// Coefficients that are eliminated: those of the columns of `projection`, then positive weights.
     pub(super) eliminated: Vec<usize>,
+    /// Coefficients of u, u², … and weights; empty: not yet computed.
+    pub(super) coefficients: Vec<f64>,
     /// Point of the columns, sensitivities and residual in this workspace; empty: none.
     pub(super) at: Vec<f64>,
     /// Where it goes when it is dropped.
@@ -55,6 +57,7 @@ impl JointWorkspace {
             signed: Vec::new(),
             absolute: Vec::new(),
             eliminated: Vec::with_capacity(degree + weights),
+            coefficients: Vec::new(),
             at: Vec::with_capacity(problem.bounds.dimension()),
             home: Arc::downgrade(&problem.spare),
         }
