@@ -267,6 +267,16 @@ def print_rich_families(quick):
     print(f"\nLoad average {before:.1f} before and {os.getloadavg()[0]:.1f} after the run.")
 
 
+def print_joint_fits(quick):
+    """The two sections of joint fits alone."""
+    rust, before = RustSide(), os.getloadavg()[0]
+    for short in (False, True):
+        with tempfile.TemporaryDirectory() as folder:
+            result = joint.bench(rust, pathlib.Path(folder), quick, short)
+        print(tables.joint_heading(result), tables.joint(result), sep="\n\n", end="\n\n")
+    print(f"Load average {before:.1f} before and {os.getloadavg()[0]:.1f} after the run.")
+
+
 def main():
     arguments = argparse.ArgumentParser(description=__doc__)
     arguments.add_argument(
@@ -275,10 +285,16 @@ def main():
     arguments.add_argument(
         "--rich-families", action="store_true", help="that section alone: printed, written nowhere"
     )
+    arguments.add_argument(
+        "--joint-fits", action="store_true", help="these sections alone: printed, written nowhere"
+    )
     asked = arguments.parse_args()
     quick = asked.quick
     if asked.rich_families:
         print_rich_families(quick)
+        return
+    if asked.joint_fits:
+        print_joint_fits(quick)
         return
 
     def say(what):
@@ -305,6 +321,9 @@ def main():
         say("joint fit, from CSV files to a model file")
         (folder / "joint").mkdir()
         result["joint"] = joint.bench(rust, folder / "joint", quick)
+        say("joint fit of short records")
+        (folder / "short").mkdir()
+        result["joint_short"] = joint.bench(rust, folder / "short", quick, short=True)
         say("plays, from CSV files to a model file")
         (folder / "rich").mkdir()
         result["rich_families"] = rich_families.bench(folder / "rich", quick)

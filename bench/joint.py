@@ -62,10 +62,10 @@ def read_columns(file):
     return np.ascontiguousarray(table.T)
 
 
-def make_records(folder, quick, truth):
+def make_records(folder, short, truth):
     """Measures on the simulated bench; the arrays of the CSV files beside them, as raw doubles."""
     plan = {"sample_rate_hz": RATE_HZ, "validation_hz": []}
-    if quick:
+    if short:
         plan |= {"loop_periods": 1.0, "sweep_s": 2.0}
     (folder / "truth.json").write_text(json.dumps(truth))
     (folder / "plan.json").write_text(json.dumps(plan))
@@ -107,8 +107,8 @@ def searched(parameters, names):
     return [float(own.get(name, parameters.get(name))) for name in names]
 
 
-def bench(rust, folder, quick):
-    files, arrays = make_records(folder, quick, TRUTH)
+def bench(rust, folder, quick, short=False):
+    files, arrays = make_records(folder, quick or short, TRUTH)
     result = {"samples": [len(u) for u, _ in arrays]}
     runs = 1 if quick else 5
     result["hysteron, fractional"] = found = ours(files, folder, ["--dynamics", "fractional"], runs)
@@ -167,7 +167,7 @@ def bench(rust, folder, quick):
         )
     result["agreement"] = difference
 
-    seconds = 3.0 if quick else 60.0
+    seconds = 3.0 if quick or short else 60.0
     u, y = arrays[0]
     plain = joint.Plain(all_samples, np.ptp(y) / np.ptp(u), np.abs(u).max(), np.ptp(y))
     unit = [(0.0, 1.0)] * len(names)

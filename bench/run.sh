@@ -4,6 +4,7 @@
 #   bench/run.sh          everything (about ten minutes on two idle cores)
 #   bench/run.sh --quick  fewer repetitions and shorter records, to see that it works
 #   bench/run.sh --rich-families  that section alone, printed
+#   bench/run.sh --joint-fits     those of joint fits alone, printed
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -231,6 +231,11 @@ def joint_scaling(rows):
     return table(head, [row(r) for r in rows])
 
 
+def joint_heading(result):
+    lengths = "{:g} s loop and {:g} s sweep".format(*(n / 10_000 for n in result["samples"]))
+    return f"### Joint fit: {lengths} at 10 kHz, truth of the model's class, 5 nm of noise"
+
+
 def rich_families_heading(result):
     lengths = "{:g} s loop and {:g} s sweep".format(*(n / 10_000 for n in result["samples"]))
     return f"### Rich families: {lengths} at 10 kHz, truth outside the class, 5 nm of noise"
@@ -254,11 +259,10 @@ def markdown(result):
         columns(result["columns"]),
         "### Bouc–Wen simulation",
         bouc_wen(result["bouc_wen"]),
-        "### Joint fit: {:g} s loop and {:g} s sweep at 10 kHz, truth of the model's class, "
-        "5 nm of noise".format(
-            *(n / 10_000 for n in result["joint"]["samples"])
-        ),
+        joint_heading(result["joint"]),
         joint(result["joint"]),
+        joint_heading(result["joint_short"]),
+        joint(result["joint_short"]),
         rich_families_heading(result["rich_families"]),
         rich_families(result["rich_families"]),
         "### Growth of the joint fit",

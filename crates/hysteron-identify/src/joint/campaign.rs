@@ -9,7 +9,7 @@ use super::weighting::{Weighting, by_swing, thinned};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Sampling, Scheme};
 use hysteron_model::hysteresis::{Hysteresis, RecordEnds};
-use hysteron_model::record::{Dependence, Timing, noise_floor, quantisation_step};
+use hysteron_model::record::{Dependence, InterSample, Timing, noise_floor, quantisation_step};
 use hysteron_model::validate::{first_cycle, unfollowed_start};
 
 /// Least samples kept by reduction, per swing of the drive and per record: while the start is searched, which
@@ -52,6 +52,9 @@ pub(in super::super) struct JointMember<'a> {
     /// Decimation factor of the reduced record, and of the coarse one.
     pub(in super::super) factor: usize,
     coarse_factor: usize,
+    /// Samples of which the coarse record takes one before it is reduced, so that its drive, of which every
+    /// operator takes every sample, is as long as a reduced record.
+    picked: usize,
     pub(in super::super) rate_hz: f64,
 }
 
@@ -114,7 +117,11 @@ impl<'a> JointMember<'a> {
         };
         let [factor, coarse_factor] = [factor(&FINE), factor(&COARSE)];
         let coarse_factor = if factor > 1 { coarse_factor } else { 1 };
-        Ok(Self { facts, before, transients, noise, factor, coarse_factor, rate_hz })
+        // A staircase of fewer steps would be another drive.
+        let is_picked = !uneven && options.inter_sample() != InterSample::Hold;
+        let divides = |every: &usize| is_picked && coarse_factor.is_multiple_of(*every);
+        let picked = (1..=factor.min(coarse_factor)).rev().find(divides).unwrap_or(1);
+        Ok(Self { facts, before, transients, noise, factor, coarse_factor, picked, rate_hz })
     }
 
     /// Number of initial samples that a model without dynamics cannot follow.
@@ -154,26 +161,32 @@ impl<'a> JointMember<'a> {
         }
         // A reduced record is band-limited, independently of the scheme.
         let scheme = if factor > 1 { Scheme::BandLimited } else { options.scheme() };
+        let picked = if rate == Rate::Coarse { self.picked } else { 1 };
+        let (factor, timing) = (factor / picked, Timing::Rate(self.rate_hz / picked as f64));
+        let every = |x: &[f64]| x.iter().step_by(picked).copied().collect::<Vec<f64>>();
         let data = &self.facts.data;
-        let samples = data.y.len();
+        let drive = every(&data.u);
+        let samples = drive.len();
         let held = options.demands.fixed(OFFSET);
-        let output: Vec<f64> = data.y.iter().map(|y| y - held.unwrap_or(0.0)).collect();
+        let output: Vec<f64> = every(&data.y).into_iter().map(|y| y - held.unwrap_or(0.0)).collect();
         let mut weighting = Weighting::from(vec![scale / self.noise; samples]);
-        weighting.mask(data.valid.as_deref());
+        let valid: Option<Vec<bool>> =
+            data.valid.as_ref().map(|valid| valid.iter().step_by(picked).copied().collect());
+        weighting.mask(valid.as_deref());
         let mut nuisance = Vec::new();
         if options.drift {
             nuisance.push((0..samples).map(|k| k as f64 / samples as f64 - 0.5).collect());
         }
         let ends = if self.before == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
         let TimedDrive { fine, thinning, clock } = TimedDrive::new(
-            (&data.u, ends),
+            (&drive, ends),
             timing,
             (scheme, is_averaged(options)),
             options.inter_sample(),
             Dependence::Order,
         )?;
         Ok(JointRecord::new(Ingredients {
-            drive: fine.as_ref().unwrap_or(&data.u),
+            drive: fine.as_ref().unwrap_or(&drive),
             thinning,
             factor,
             output,

@@ -3,6 +3,7 @@
 mod band;
 mod between;
 mod campaign;
+mod creep_gain;
 mod degree;
 mod drive;
 mod family;
@@ -10,6 +11,7 @@ mod fit;
 mod fitted;
 mod intervals;
 mod knowledge;
+mod many_starts;
 mod model;
 mod normalised;
 mod objective;

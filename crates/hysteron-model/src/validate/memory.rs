@@ -50,33 +50,53 @@ fn error_of(record: &InputOutput, simulated: &[f64], scored: &[bool], offset: Of
 fn minimum(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     let step = (high - low) / (COARSE - 1) as f64;
     let at = |k: usize| low + step * k as f64;
-    let (mut best, mut least) = (0, f64::INFINITY);
-    for k in 0..COARSE {
-        let value = f(at(k));
-        if value < least {
-            (best, least) = (k, value);
-        }
-    }
-    golden_section(&f, at(best.saturating_sub(1)), at((best + 1).min(COARSE - 1)), PRECISION * (high - low))
+    let values: Vec<f64> = (0..COARSE).map(|k| f(at(k))).collect();
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let best = values.iter().position(|value| *value == least).unwrap_or(0);
+    let ends = [at(best.saturating_sub(1)), at((best + 1).min(COARSE - 1))];
+    parabolic(&f, ends, (at(best), least), PRECISION * (high - low))
 }
 
-/// Golden-section search (J. Kiefer, Proc. AMS 4 (1953) 502, doi:10.1090/S0002-9939-1953-0055639-3).
-fn golden_section(f: &impl Fn(f64) -> f64, mut low: f64, mut high: f64, width: f64) -> f64 {
-    let shrink = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let (mut left, mut right) = (high - shrink * (high - low), low + shrink * (high - low));
-    let (mut at_left, mut at_right) = (f(left), f(right));
-    while high - low > width {
-        if at_left <= at_right {
-            (high, right, at_right) = (right, left, at_left);
-            left = high - shrink * (high - low);
-            at_left = f(left);
+/// A golden section of 1.
+const GOLDEN: f64 = 0.381_966_011_250_105_1;
+
+/// Minimum of `f` between two `ends` from a point there and its value, to a width: by parabolas through the three
+/// lowest points, by golden section where these do not close in (R. P. Brent, *Algorithms for Minimization Without
+/// Derivatives* (1973), ch. 5).
+fn parabolic(f: &impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], best: (f64, f64), width: f64) -> f64 {
+    let (mut best, mut second, mut third) = (best, best, best);
+    // The last two steps.
+    let (mut last, mut before) = (0.0_f64, 0.0_f64);
+    while best.0 - low > width || high - best.0 > width {
+        let x = best.0;
+        let [a, b] = [(x - second.0) * (best.1 - third.1), (x - third.0) * (best.1 - second.1)];
+        let parabola = ((x - third.0) * b - (x - second.0) * a) / (2.0 * (a - b));
+        let closes_in = parabola.abs() < 0.5 * before.abs() && (low..=high).contains(&(x + parabola));
+        let to_farther = if x < 0.5 * (low + high) { high - x } else { low - x };
+        let step = if closes_in { parabola } else { GOLDEN * to_farther };
+        before = if closes_in { last } else { to_farther };
+        // Never nearer to the point, or to an end, than half of the width.
+        let least = 0.5 * width;
+        let step = if step.abs() < least { least.copysign(to_farther) } else { step };
+        let inside = least.min(0.4 * (high - low));
+        let next = (x + step).clamp(low + inside, high - inside);
+        last = next - x;
+        let next = (next, f(next));
+        let is_better = next.1 <= best.1;
+        if is_better == (next.0 > best.0) {
+            low = if is_better { best.0 } else { next.0 };
         } else {
-            (low, left, at_left) = (left, right, at_right);
-            right = low + shrink * (high - low);
-            at_right = f(right);
+            high = if is_better { best.0 } else { next.0 };
+        }
+        if is_better {
+            (best, second, third) = (next, best, second);
+        } else if next.1 <= second.1 || second.0 == best.0 {
+            (second, third) = (next, second);
+        } else if next.1 <= third.1 || third.0 == best.0 || third.0 == second.0 {
+            third = next;
         }
     }
-    0.5 * (low + high)
+    best.0
 }
 
 #[cfg(test)]
@@ -87,6 +107,16 @@ mod tests {
     fn the_minimum_of_a_parabola_and_of_two_valleys_is_found_inside_and_on_the_edge() {
         assert!((minimum(|z| (z - 0.37).powi(2), -2.0, 3.0) - 0.37).abs() < 1e-4);
         assert!((minimum(|z| z, -2.0, 3.0) + 2.0).abs() < 1e-4);
+        // Steps of parabolas: as few evaluations as that takes.
+        let evaluations = std::cell::Cell::new(0);
+        let hyperbola = |z: f64| {
+            evaluations.set(evaluations.get() + 1);
+            (1.0 + (z - 0.37).powi(2)).sqrt()
+        };
+        assert!((minimum(hyperbola, -2.0, 3.0) - 0.37).abs() < 1e-4);
+        assert!(evaluations.get() < COARSE + 12, "{}", evaluations.get());
+        assert!(minimum(|_| f64::INFINITY, -2.0, 3.0).is_finite());
+        assert_eq!(minimum(|z| z, 1.0, 1.0), 1.0);
         let valleys = |z: f64| ((z - 2.0).powi(2)).min((z + 1.5).powi(2) + 0.1);
         assert!((minimum(valleys, -3.0, 3.0) - 2.0).abs() < 1e-4);
     }
