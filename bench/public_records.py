@@ -2,7 +2,10 @@
 
 Each row names the data that a model is identified from, then the data that it is scored on (`hysteron validate`,
 offset and initial memory estimated): RMSE in per cent of the stroke. No option but columns and the family, and no
-demand on the fit, so that a model that describes nothing is scored, too. The records are read from the folder that
+demand on the fit, so that a model that describes nothing is scored, too. In band: share of the scored samples
+within the 95 % band of a new measurement of the default, in per cent; "outside" where the model file holds a
+model of the misfit; none for a run in parts and for kinds of models without a band. Before: the default of a
+force over a displacement until that kind of model was there. The records are read from the folder that
 HYSTERON_DATA names (../shared/data by default); their licences are in its README.
 
     python bench/public_records.py [--hysteron PROGRAM] [--only TEXT]
@@ -16,7 +19,7 @@ import subprocess
 import sys
 import tempfile
 
-FAMILIES = (None, "prandtl-ishlinskii", "dead-zone-plays", "auto")
+FAMILIES = ("prandtl-ishlinskii", "dead-zone-plays", "auto")
 DATA = pathlib.Path(os.environ.get("HYSTERON_DATA", "../shared/data"))
 
 
@@ -64,7 +67,8 @@ OTHER_STAGE, SCANNER = "piezo-afm-cellhesion-100um/jpk01466_2021-06-30_", "piezo
 SOFT, FRICTION, FLUID = "hasel-multifreq/sine_", "friction-damper-brfd/", "mr-damper-utfsm/25mm0x"
 VOLTS = columns("u_V", "y_um")
 FERRITE = columns("B_T", "H_A_per_m")
-SWITCH = columns("x_mm", "F_kN")
+SWITCH, DAMPER = columns("x_mm", "F_kN"), columns("x_mm", "F_N")
+FORCES = (SWITCH, DAMPER)
 
 
 def scanner(name, numbers):
@@ -96,30 +100,51 @@ CASES = [
     ("friction damper, 1 in → 1.5 in", [FRICTION + "0.25Hz_1in.csv", FRICTION + "0.5Hz_1in.csv"],
      [FRICTION + "0.25Hz_1.5in.csv"], SWITCH),
     ("MR damper at 1 A, 0.1, 0.5 → 0.25 Hz", [FLUID + "1Hz1A.csv", FLUID + "5Hz1A.csv"], [FLUID + "25Hz1A.csv"],
-     columns("x_mm", "F_N")),
+     DAMPER),
     ("ferrite 3C90, 50 kHz, 4 sequences → fifth", [Sequence(n) for n in (0, 21, 42, 63)], [Sequence(84)], FERRITE),
     ("ferrite 3C90, 200 kHz, 4 sequences → fifth", [Sequence(n) for n in (9, 30, 51, 72)], [Sequence(93)], FERRITE),
 ]
 
 
-def held_out(hysteron, folder, case, family):
-    """RMSE of the scored records [% of the stroke]; None where no model was identified."""
+def held_out(hysteron, folder, case, choice=()):
+    """RMSE of the scored records [% of the stroke], and their share in the band [%]; None where no model was
+    identified."""
     _, fitted, scored, flags = case
     paths = [
         [record.write(folder) if not isinstance(record, str) else str(DATA / record) for record in records]
         for records in (fitted, scored)
     ]
     model = str(folder / "model.json")
-    choice = ["--hysteresis", family] if family else []
     fit = [hysteron, "identify", *paths[0], *flags, "-o", model, "--least-fit", "0", *choice]
     if subprocess.run(fit, capture_output=True).returncode != 0:
         return None
-    told = subprocess.run([hysteron, "validate", model, *paths[1], *flags, "--json"], capture_output=True, text=True)
+    validate = [hysteron, "validate", model, *paths[1], *flags, "--json"]
+    told = subprocess.run(validate, capture_output=True, text=True)
     if not told.stdout:
         sys.exit(f"error: {case[0]}: {told.stderr}")
     found = json.loads(told.stdout)
     scores = [found["whole"]] if found.get("whole") else found["records"]
-    return sum(score["rmse_percent_of_stroke"] for score in scores) / len(scores)
+    error = sum(score["rmse_percent_of_stroke"] for score in scores) / len(scores)
+    if choice or "--continued" in flags:
+        return error, None
+    told = subprocess.run([*validate, "--band"], capture_output=True, text=True)
+    if not told.stdout:
+        return error, None
+    scores = json.loads(told.stdout)["records"]
+    inside = sum(score["within_band_percent"] * score["samples"] for score in scores)
+    outside = " (outside)" if "misfit" in json.loads(pathlib.Path(model).read_text()) else ""
+    return error, f"{inside / sum(score['samples'] for score in scores):.1f}{outside}"
+
+
+def row(hysteron, folder, case):
+    """Cells of a row: the default before, the default with its share in the band, the other families."""
+    default = held_out(hysteron, folder, case)
+    forced = case[3] in FORCES
+    before = held_out(hysteron, folder, case, ["--structure", "hammerstein"]) if forced else default
+    others = [held_out(hysteron, folder, case, ["--hysteresis", family]) for family in FAMILIES]
+    cells = ["none" if one is None else f"{one[0]:.3g}" for one in (before, default, *others)]
+    cells.insert(2, (default and default[1]) or "–")
+    return cells
 
 
 def main():
@@ -129,14 +154,13 @@ def main():
     asked = parser.parse_args()
     if not DATA.is_dir():
         sys.exit(f"error: no records in {DATA}\n  try: HYSTERON_DATA=FOLDER, the folder of the public records")
-    print("| identified from → scored on | default | plays | plays with dead zones | `auto` |")
-    print("| --- | --- | --- | --- | --- |")
+    print("| identified from → scored on | before | default | in band | plays | plays with dead zones | `auto` |")
+    print("| --- | --- | --- | --- | --- | --- | --- |")
     for case in CASES:
         if asked.only not in case[0]:
             continue
         with tempfile.TemporaryDirectory() as folder:
-            errors = [held_out(asked.hysteron, pathlib.Path(folder), case, family) for family in FAMILIES]
-        cells = ["none" if error is None else f"{error:.3g}" for error in errors]
+            cells = row(asked.hysteron, pathlib.Path(folder), case)
         print(f"| {case[0]} | {' | '.join(cells)} |", flush=True)
 
 

@@ -38,6 +38,8 @@ def in_arguments(advice: dict[str, Any]) -> str:
         return f'choose the column with {advice.get("role", "input").replace("-", "_")}="{example or "…"}"'
     if do == "scale-column":
         return f'say what it means: scale=["{advice["column"]}=2.5um/V"]'
+    if do == "several-axes":
+        return f"identify all actuators together: inputs={advice['inputs']}, outputs={advice['outputs']}"
     if do == "widen":
         return f'widen its range: bounds={{"{advice["parameter"]}": (low, high)}}'
     if do == "hold":

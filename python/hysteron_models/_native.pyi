@@ -68,6 +68,7 @@ class Record:
     def samples(self, channel: int) -> _Array: ...
     def times(self) -> _Array | None: ...
     def valid(self) -> NDArray[np.bool_] | None: ...
+    def with_rate(self, column: str) -> Record: ...
     def select(self, input: str | None = None, output: str | None = None) -> tuple[int, int]: ...
 
 @final
@@ -112,6 +113,7 @@ class Model:
         input: str | None = None,
         from_start: str | None = None,
         band: float | None = None,
+        correct: bool = False,
     ) -> _Simulated: ...
     def predict(
         self,
@@ -120,6 +122,7 @@ class Model:
         output: str | None = None,
         from_start: str | None = None,
         band: float | None = None,
+        correct: bool = False,
     ) -> tuple[_Simulated, list[float], _Array | None]: ...
     def score(
         self,
@@ -128,6 +131,7 @@ class Model:
         input: str | None = None,
         output: str | None = None,
         from_start: str | None = None,
+        correct: bool = False,
     ) -> _Scored: ...
     def score_continued(
         self,

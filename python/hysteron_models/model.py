@@ -168,6 +168,7 @@ class Model:
         band_of: Literal["measurement", "output"] = "measurement",
         rest: float | None = None,
         settled: int | None = None,
+        correct: bool = False,
     ) -> Prediction:
         """Predict the measurement: free run from the start that fits the record best, with the offset of its
         sensor.
@@ -182,11 +183,15 @@ class Model:
                 other devices rather than on the records of the identification, the remarks say so.
             rest: the device rested at this drive before the record.
             settled: the record is in steady state from the first sample, with this period in samples.
+            correct: add the predicted misfit of a device outside the model class; refused where that gains
+                nothing on left-out parts of the records of the identification.
         """
         if not self._is_measured(record):
-            return self.simulate(record, band=band, band_of=band_of, rest=rest, settled=settled)
+            return self.simulate(
+                record, band=band, band_of=band_of, rest=rest, settled=settled, correct=correct
+            )
         (outputs, widths, start, remarks), offsets, measured = self._native.predict(
-            record._native, record._input, record._output, _start(rest, settled), band
+            record._native, record._input, record._output, _start(rest, settled), band, correct
         )
         return self._prediction(record, outputs, widths, start, remarks, band, band_of, offsets, measured)
 
@@ -198,11 +203,12 @@ class Model:
         band_of: Literal["measurement", "output"] = "output",
         rest: float | None = None,
         settled: int | None = None,
+        correct: bool = False,
     ) -> Prediction:
         """Simulate the output for a drive, from the start that the model assumes, as ``hysteron simulate``
-        does."""
+        does; arguments as of :meth:`predict`."""
         outputs, widths, start, remarks = self._native.simulate(
-            drive._native, drive._input, _start(rest, settled), band
+            drive._native, drive._input, _start(rest, settled), band, correct
         )
         return self._prediction(
             drive, outputs, widths, start, remarks, band, band_of, [0.0] * len(outputs), None
@@ -258,6 +264,7 @@ class Model:
         fixed_offset: bool = False,
         rest: float | None = None,
         settled: int | None = None,
+        correct: bool = False,
     ) -> Score | list[Score]:
         """Score the model on records as ``hysteron validate`` does: free run, from the start that fits each
         best.
@@ -269,7 +276,12 @@ class Model:
             fixed_offset: use the model's own offset instead of one estimated for each sensor.
             rest: the device rested at this drive before the record, or before the run.
             settled: the record is in steady state, with this period in samples.
+            correct: score the model corrected by the predicted misfit of a device outside the model class;
+                ``details`` of the score has that of the model alone as ``without_correction``. Refused where it
+                gains nothing on left-out parts of the records of the identification, and of a run.
         """
+        if continued and correct:
+            raise OptionError("the score of a run in parts is not corrected", code="correct")
         scoring = {"skip_s": skip, "offset": "fixed" if fixed_offset else "estimated"}
         before = _start(rest, settled)
         if continued:
@@ -285,7 +297,7 @@ class Model:
         scores = []
         for one in as_records(record):
             text, figures, start, series = self._native.score(
-                one._native, json.dumps(scoring), one._input, one._output, before
+                one._native, json.dumps(scoring), one._input, one._output, before, correct
             )
             scores.append(
                 Score._of(one.name, figures, start, Record._of(series, "u", "y"), json.loads(text), skip)

@@ -49,6 +49,7 @@ class Record:
         start: time of the first sample [s], with ``fs``.
         input: which channel is the input, where that is not clear from the names.
         output: which channel is the output.
+        rate: which channel is the measured rate of the input, for a model of the kind ``force``.
 
     Raises:
         ModelError: samples that are not finite, arrays of different lengths, decreasing times.
@@ -68,6 +69,7 @@ class Record:
         start: float = 0.0,
         input: str | None = None,
         output: str | None = None,
+        rate: str | None = None,
     ) -> None:
         if isinstance(u, Mapping):
             if y is not None:
@@ -81,13 +83,21 @@ class Record:
                 channels.append(("y", units[1], as_samples(y, "y")))
         times = None if t is None else as_samples(t, "t")
         mask = None if valid is None else np.ascontiguousarray(valid, dtype=np.bool_)
-        self._native = _native.Record(name, channels, fs, start, times, mask)
-        self._input, self._output = input, output
+        native = _native.Record(name, channels, fs, start, times, mask)
+        self._native = native if rate is None else native.with_rate(rate)
+        self._input, self._output, self._rate = input, output, rate
 
     @classmethod
-    def _of(cls, native: _native.Record, input: str | None = None, output: str | None = None) -> Record:
+    def _of(
+        cls,
+        native: _native.Record,
+        input: str | None = None,
+        output: str | None = None,
+        rate: str | None = None,
+    ) -> Record:
         made = cls.__new__(cls)
-        made._native, made._input, made._output = native, input, output
+        made._native = native if rate is None else native.with_rate(rate)
+        made._input, made._output, made._rate = input, output, rate
         return made
 
     @property
@@ -179,6 +189,7 @@ class Record:
             "valid": native.valid(),
             "input": self._input,
             "output": self._output,
+            "rate": self._rate,
         }
 
     def to_pandas(self) -> pd.DataFrame:
@@ -230,7 +241,7 @@ def _rebuilt(state: dict[str, Any]) -> Record:
     start = float(times[0]) if uniform else 0.0
     given = None if uniform else times
     native = _native.Record(state["name"], state["channels"], fs, start, given, state["valid"])
-    return Record._of(native, state["input"], state["output"])
+    return Record._of(native, state["input"], state["output"], state["rate"])
 
 
 def _reading(
@@ -273,6 +284,7 @@ def read(
     time: str | None = ...,
     input: str | None = ...,
     output: str | None = ...,
+    rate: str | None = ...,
     fs: float | None = ...,
     start: float | None = ...,
     stop: float | None = ...,
@@ -289,6 +301,7 @@ def read(
     time: str | None = ...,
     input: str | None = ...,
     output: str | None = ...,
+    rate: str | None = ...,
     fs: float | None = ...,
     start: float | None = ...,
     stop: float | None = ...,
@@ -304,6 +317,7 @@ def read(
     time: str | None = None,
     input: str | None = None,
     output: str | None = None,
+    rate: str | None = None,
     fs: float | None = None,
     start: float | None = None,
     stop: float | None = None,
@@ -320,6 +334,7 @@ def read(
         time: the time column, if it is not called ``t`` or ``time``.
         input: the input column, where that is not clear from the names.
         output: the output column.
+        rate: the column of the measured rate of the input, for a model of the kind ``force``.
         fs: sample rate [Hz], where the file has no times or coarsely rounded ones.
         start: first time that is kept [s].
         stop: last time that is kept [s].
@@ -334,8 +349,8 @@ def read(
     """
     options = _reading(time, input, output, fs, start, stop, where, turns, rename or {}, drop, max_bytes)
     if isinstance(path, str | os.PathLike):
-        return Record._of(*_native.read([path], options)[0])
-    return [Record._of(*found) for found in _native.read(list(path), options)]
+        return Record._of(*_native.read([path], options)[0], rate)
+    return [Record._of(*found, rate) for found in _native.read(list(path), options)]
 
 
 @dataclass(frozen=True)
@@ -389,7 +404,7 @@ def prepare(
         "sample_rate_hz": fs,
     }
     native, _ = _native.prepare(natives(given), json.dumps(options))
-    return Record._of(native, given[0]._input, given[0]._output)
+    return Record._of(native, given[0]._input, given[0]._output, given[0]._rate)
 
 
 class Inspection:

@@ -12,7 +12,7 @@ import threading
 import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
 import hysteron_models as hy
 import numpy as np
@@ -57,6 +57,31 @@ def test_unseen_records_are_predicted_within_the_band(
     assert alone.measured is None and len(alone.y) == len(unseen)
     with pytest.raises(hy.IdentifyError, match="level between 0 and 1"):
         stage.predict(unseen, band=95)
+
+
+def test_a_model_is_corrected_by_its_misfit_where_that_pays(
+    loops: hy.Record, unseen: hy.Record, tmp_path: Path
+) -> None:
+    file = hy.Hammerstein("bouc-wen", "none").fit(loops).model_.data
+
+    def of(misfit: dict[str, Any] | None) -> hy.Model:
+        path = tmp_path / "model.json"
+        path.write_text(json.dumps({**file, "misfit": misfit}))
+        return hy.load(path)
+
+    with pytest.raises(hy.ModelError, match="no device outside the model class"):
+        of(None).scores(unseen, correct=True)
+    with pytest.raises(hy.ModelError, match="gains nothing"):
+        of({**file["misfit"], "left_out": 0.95}).predict(unseen, correct=True)
+    model = of({**file["misfit"], "left_out": 0.5})
+    plain, corrected = model.scores(unseen), model.scores(unseen, correct=True)
+    assert isinstance(plain, hy.Score) and isinstance(corrected, hy.Score)
+    assert corrected.rmse < plain.rmse and corrected.details["left_out"] == 0.5
+    assert corrected.details["without_correction"]["rmse_um"] == plain.rmse
+    prediction = model.predict(unseen, band=0.95, correct=True)
+    assert corrected.series is not None and np.allclose(corrected.series["y_model"], prediction.y)
+    with pytest.raises(hy.OptionError, match="run in parts"):
+        model.scores([unseen], continued=True, correct=True)
 
 
 def test_the_next_drive_is_better_than_a_loop_and_a_sweep(stage: hy.Hammerstein) -> None:

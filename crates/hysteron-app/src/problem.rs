@@ -121,6 +121,11 @@ pub(crate) fn remedy(advice: &Advice) -> String {
         Advice::NarrowBand => "Restrict the range of frequencies.".to_owned(),
         Advice::OtherHysteresis => "Choose another family of hysteresis.".to_owned(),
         Advice::OtherKind { kind } => format!("Identify a model of the kind {kind}."),
+        Advice::SeveralAxes { inputs, outputs } => format!(
+            "Identify all actuators together: the inputs {}, the outputs {}.",
+            inputs.join(", "),
+            outputs.join(", ")
+        ),
         Advice::FitJointly => "Take the joint fit, without sampled dynamics.".to_owned(),
         Advice::NoDynamics => "Identify without dynamics, or resample the record to an even rate.".to_owned(),
         Advice::Widen { parameter } => format!("Widen the range of {parameter}."),

@@ -147,7 +147,8 @@ impl Adapt {
                 .advised(Some(Advice::Resample)));
         }
         let signals = data.clone().into();
-        let start = old.score(&self.record, &signals, &self.start, &Scoring::default())?.simulation.start;
+        let start =
+            old.score(&self.record, &signals, &self.start, &Scoring::default(), false)?.simulation.start;
         let noise = self.noise.or_else(|| known_noise(old.body().data(), &data)).ok_or_else(|| {
             Failure::new("the standard deviation of the residual is not known")
                 .because("the model file holds no scores and the record shows no noise")

@@ -47,6 +47,9 @@ pub fn in_flags_of_columns(advice: &Advice, choose_columns: &str) -> String {
         Advice::NarrowBand => "--band LOW:HIGH".to_owned(),
         Advice::OtherHysteresis => "--hysteresis FAMILY".to_owned(),
         Advice::OtherKind { kind } => format!("--structure {kind}"),
+        Advice::SeveralAxes { inputs, outputs } => {
+            format!("--inputs {} --outputs {}", inputs.join(","), outputs.join(","))
+        }
         Advice::FitJointly => "leave --method and --dynamics arx (oe, bj, srivc) out".to_owned(),
         Advice::NoDynamics => {
             "--dynamics none, hysteron prepare RECORD --rate HZ -o OUT.csv, or --sample-rate HZ".to_owned()

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use hysteron_io::{IoError, ReadOptions, read_drive, read_input_output, read_record, read_reference};
-use hysteron_model::force;
 use hysteron_model::record::{
     ChannelChoice, Driven, InputOutput, Record, RecordError, Scale, Signal, beyond_dead_band, inspect,
 };
@@ -93,6 +92,11 @@ impl TimeFlags {
 }
 
 impl InputFlags {
+    /// The input that was chosen.
+    pub fn input(&self) -> Option<&str> {
+        self.input.as_deref()
+    }
+
     /// Reads the input channel, and the output if it was measured too. Prints the choices made automatically.
     ///
     /// # Errors
@@ -220,19 +224,6 @@ impl ColumnFlags {
             data
         };
         paths.iter().zip(records).map(print).collect()
-    }
-
-    /// The record with the rate of its input, from the column of this name.
-    ///
-    /// # Errors
-    /// If the file is not a readable record, or the column is not such a rate.
-    pub fn with_rate(&self, path: &Path, data: InputOutput, column: &str) -> Result<InputOutput, Failure> {
-        let record = self.drive.read_record(path)?;
-        force::with_rate(data, &record, column).map_err(|e| {
-            Failure::new(format!("cannot take the rate from {}", path.display()))
-                .because(e)
-                .hint("name a column with --rate, or leave it out: the rate is then that of the displacement")
-        })
     }
 
     fn read_inspected(&self, path: &Path, told: &mut Vec<String>) -> Result<InputOutput, Failure> {

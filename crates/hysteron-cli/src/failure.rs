@@ -44,6 +44,18 @@ impl Failure {
         self
     }
 
+    /// Puts a remedy before those there are.
+    pub fn hint_first(self, hint: impl Into<String>) -> Self {
+        let hint = hint.into();
+        match &self.hint {
+            Some(others) => {
+                let all = format!("{hint}; {others}");
+                self.hint(all)
+            }
+            None => self.hint(hint),
+        }
+    }
+
     /// Adds the library's remedy, if any, expressed in flags.
     pub fn advised(self, advice: Option<Advice>) -> Self {
         match advice {

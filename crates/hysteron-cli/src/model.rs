@@ -170,7 +170,8 @@ impl Loaded {
         }
     }
 
-    /// The output for the drive in `signals`, from the start the flags give, else the model file's.
+    /// The output for the drive in `signals`, from the start the flags give, else the model file's; corrected
+    /// by the predicted misfit where that is asked for.
     ///
     /// # Errors
     /// If the model cannot be run on this drive, e.g. dynamics without a sample rate.
@@ -179,15 +180,20 @@ impl Loaded {
         path: &Path,
         signals: &Signals,
         start: &StartFlags,
+        correct: bool,
     ) -> Result<Simulation, Failure> {
         let start = start.start(path, signals.time())?;
-        let found = during("simulating", || self.model.simulate(signals, start))
-            .map_err(|e| self.cannot_run(path, e))?;
+        let simulated = || match correct {
+            true => self.model.simulate_corrected(signals, start),
+            false => self.model.simulate(signals, start),
+        };
+        let found = during("simulating", simulated).map_err(|e| self.cannot_run(path, e))?;
         remarks::tell(path, &self.model, &found.remarks);
         Ok(found)
     }
 
-    /// Scores on a record, simulated from the start the flags give, else from the best-fitting one.
+    /// Scores on a record, simulated from the start the flags give, else from the best-fitting one; corrected
+    /// by the predicted misfit where that is asked for.
     ///
     /// # Errors
     /// Those of [`Self::simulate`], and one for a record that cannot be scored.
@@ -197,23 +203,14 @@ impl Loaded {
         signals: &Signals,
         start: &StartFlags,
         scoring: &Scoring,
+        correct: bool,
     ) -> Result<Score, Failure> {
-        self.score_from(path, signals, start.start(path, signals.time())?, scoring)
-    }
-
-    /// [`Self::score`] from a start.
-    ///
-    /// # Errors
-    /// Those of [`Self::score`].
-    pub fn score_from(
-        &self,
-        path: &Path,
-        signals: &Signals,
-        start: Start,
-        scoring: &Scoring,
-    ) -> Result<Score, Failure> {
-        let score = during("scoring", || self.model.score(signals, start, scoring))
-            .map_err(|e| self.cannot_run(path, e))?;
+        let start = start.start(path, signals.time())?;
+        let scored = || match correct {
+            true => self.model.score_corrected(signals, start, scoring),
+            false => self.model.score(signals, start, scoring),
+        };
+        let score = during("scoring", scored).map_err(|e| self.cannot_run(path, e))?;
         remarks::tell(path, &self.model, &score.simulation.remarks);
         Ok(score)
     }
@@ -273,6 +270,9 @@ impl Loaded {
 
     fn unsupported(&self, error: &Unsupported) -> Failure {
         match error.wanted {
+            Capability::Correction => {
+                Failure::usage("--correct does not go with this kind of model").because(error)
+            }
             Capability::Bands => Failure::usage("--band does not go with this kind of model").because(error),
             _ => Failure::new(format!("cannot use {}", self.path.display())).because(error),
         }
@@ -337,6 +337,7 @@ impl Loaded {
                 Failure::usage("--rest-voltage does not go with this kind of model").because(error)
             }
             RunError::Unsupported(e) => self.unsupported(&e),
+            RunError::NotCorrected(e) => self.cannot_correct(e),
             RunError::Simulation(e) => {
                 let failure = simulating().because(&e);
                 match e {

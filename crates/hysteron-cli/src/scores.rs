@@ -41,6 +41,11 @@ pub fn within_band(score: &Score) -> Option<String> {
     Some(std::iter::once(held).chain(rests_on).collect::<Vec<_>>().join(" "))
 }
 
+/// What a correction by the predicted misfit gained, in a sentence; `None` without one.
+pub fn correction(score: &Score) -> Option<String> {
+    score.correction_in_words().map(|words| format!("{}: {words}", score.record))
+}
+
 /// Estimated start of the record, in a sentence; `None` where nothing was estimated.
 pub fn estimated_start(score: &Score) -> Option<String> {
     let (voltage_v, memory) = score.estimated_memory()?;

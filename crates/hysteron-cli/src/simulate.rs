@@ -53,6 +53,16 @@ pub struct Simulate {
     #[arg(long, value_enum)]
     band: Option<BandArg>,
 
+    /// Add the predicted misfit of a device outside the model class, where that pays: refused where it gains
+    /// nothing on left-out parts of the training records
+    #[arg(long)]
+    correct: bool,
+
+    /// Column of the rate of the input, for a model of the kind force: its name, with or without unit
+    /// [default: the rate is that of the displacement]
+    #[arg(long, value_name = "COL", conflicts_with = "continued")]
+    rate: Option<String>,
+
     #[command(flatten)]
     start: StartFlags,
 
@@ -78,14 +88,21 @@ impl Simulate {
         if self.band.is_some() {
             loaded.hammerstein(Capability::Bands)?;
         }
+        if self.correct {
+            loaded.check_correction()?;
+        }
+        if self.rate.is_some() {
+            loaded.check_rate()?;
+        }
         let names = loaded.output_names(&self.axes)?;
         let (path, signals) = self.signals(&loaded)?;
-        let found = loaded.simulate(path, &signals, &self.start)?;
+        let found = loaded.simulate(path, &signals, &self.start, self.correct)?;
         let unit = &loaded.model().units().output;
         let failure = || Failure::new(format!("cannot write the simulation to {}", self.out.display()));
         let mut ends = None;
         if let (Some(of), Signals::Single(drive), Some(y)) = (self.band, &signals, found.outputs.first()) {
             let band = loaded.band(path, &drive.u, &drive.time, &found.start)?;
+            let band = if self.correct { band.corrected() } else { band };
             let half = match of {
                 BandArg::Model => band.of_output(),
                 BandArg::Measurement if band.noise > 0.0 => {
@@ -109,7 +126,11 @@ impl Simulate {
             return Err(Failure::usage("no file with a drive is given"));
         };
         if !several {
-            return Ok((path, loaded.read_drive(path, &self.columns, &self.axes)?));
+            let signals = match (loaded.read_drive(path, &self.columns, &self.axes)?, &self.rate) {
+                (Signals::Single(drive), Some(column)) => self.columns.with_rate(path, drive, column)?.into(),
+                (signals, _) => signals,
+            };
+            return Ok((path, signals));
         }
         if !self.continued {
             return Err(Failure::usage("several files are simulated only as parts of one run")

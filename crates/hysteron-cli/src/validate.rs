@@ -6,7 +6,6 @@ use clap::Args;
 use hysteron_identify::IdentifyError;
 use hysteron_io::write_record;
 use hysteron_model::model::{Capability, RunScore, Score, Signals};
-use hysteron_model::model_file::Kind;
 use hysteron_model::record::{InputOutput, MeasurementRun};
 use hysteron_model::validate::{OffsetTreatment, Scoring};
 use hysteron_report::validation::{Validated, page};
@@ -60,6 +59,11 @@ pub struct Validate {
     /// Report the coverage of the 95 % prediction band, from the standard errors in the model file
     #[arg(long)]
     band: bool,
+
+    /// Score the model corrected by the predicted misfit of a device outside the model class, with the score
+    /// of the model alone beside it; refused where it gains nothing on left-out parts of the training records
+    #[arg(long, conflicts_with = "continued")]
+    correct: bool,
 
     /// File for the scored samples: drive, measured output, model, residual (CSV, or NPZ or MAT by
     /// extension); one record, or one run
@@ -202,8 +206,11 @@ impl Validate {
         if self.band {
             loaded.hammerstein(Capability::Bands)?;
         }
-        if self.rate.is_some() && loaded.model().kind() != Kind::Force {
-            return Err(Failure::usage("--rate goes with a model of the kind \"force\""));
+        if self.correct {
+            loaded.check_correction()?;
+        }
+        if self.rate.is_some() {
+            loaded.check_rate()?;
         }
         if self.continued {
             return self.of_runs(loaded, records);
@@ -272,10 +279,12 @@ impl Validate {
 
     fn score(&self, loaded: &Loaded, path: &Path) -> Result<(Signals, Score), Failure> {
         let signals = match (loaded.read_record(path, &self.columns, &self.axes)?, &self.rate) {
-            (Signals::Single(data), Some(column)) => self.columns.with_rate(path, data, column)?.into(),
+            (Signals::Single(data), Some(column)) => {
+                self.columns.of_drive().with_rate(path, data, column)?.into()
+            }
             (signals, _) => signals,
         };
-        let score = loaded.score(path, &signals, &self.start, &self.scoring())?;
+        let score = loaded.score(path, &signals, &self.start, &self.scoring(), self.correct)?;
         let score = match &signals {
             Signals::Single(record) if self.band => self.with_band(loaded, path, record, score)?,
             _ => score,
@@ -292,6 +301,7 @@ impl Validate {
         score: Score,
     ) -> Result<Score, Failure> {
         let band = loaded.band(path, &record.u, &record.time, &score.simulation.start)?;
+        let band = if self.correct { band.corrected() } else { band };
         if band.noise == 0.0 {
             return Err(loaded.no_band(&IdentifyError::NoScores));
         }
@@ -327,7 +337,9 @@ impl Validate {
         let runs =
             scored.iter().flat_map(|s| &s.runs).filter_map(|run| run.whole_without_estimated_start.as_ref());
         let runs: String = runs.map(scores::run_without_estimated_start).collect();
+        let corrections = lines(scores::correction);
         let (bands, residuals) = (lines(scores::within_band), lines(scores::residual_tests));
-        format!("{table}\n\n{verdicts}{offset}\n{starts}{runs}{bands}{residuals}\n{}", scores::explanation())
+        let sentences = [verdicts, offset.to_owned() + "\n", corrections, starts, runs, bands, residuals];
+        format!("{table}\n\n{}\n{}", sentences.concat(), scores::explanation())
     }
 }

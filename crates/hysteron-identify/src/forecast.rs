@@ -23,8 +23,8 @@ pub struct ForecastDrive {
 }
 
 /// The drive for a reference \[output unit\] at a controller's rate \[Hz\], as it is asked for, corrected by
-/// the error of the `last` run where there is one ([`Hammerstein::drive_for`]), and the error to expect when it
-/// is played on the device.
+/// the error of the `last` run where there is one ([`Hammerstein::drive_for`]), and the error to expect when
+/// it is played on the device.
 ///
 /// # Errors
 /// [`InversionError`]; [`InversionError::Stopped`] where the listener ends it.
@@ -67,9 +67,9 @@ fn correction_offered(model: &Hammerstein, request: &InverseRequest, otherwise: 
 }
 
 impl PredictionBand {
-    /// Forecast of the error of the drive `found` for a reference \[output unit\], with whether its prediction
-    /// is corrected by the misfit; `None` for a file without
-    /// correlation, and where the band cannot be computed.
+    /// Forecast of the error of the drive `found` for a reference \[output unit\], with whether its
+    /// prediction is corrected by the misfit; `None` for a file without correlation, and where the band
+    /// cannot be computed.
     ///
     /// # Errors
     /// [`IdentifyError::Stopped`] where the listener ends it.
@@ -82,6 +82,7 @@ impl PredictionBand {
     ) -> Result<Option<ErrorForecast>, IdentifyError> {
         let start = found.rest.unwrap_or(Start::settled(found.drive.len()));
         let band = match Self::of_file_told(file, &found.drive, Some(sample_rate_hz), &start, listener) {
+            Ok(band) if corrected => band.corrected(),
             Ok(band) => band,
             Err(IdentifyError::Stopped) => return Err(IdentifyError::Stopped),
             Err(_) => return Ok(None),
@@ -91,22 +92,20 @@ impl PredictionBand {
         Ok(Some(ErrorForecast {
             band_of_model: largest(band.of_output()),
             band_of_measurement: has_scores.then(|| largest(band.of_measurement())),
-            expected_rms: has_scores.then(|| band.expected_rms(reference, &found.predicted, corrected)),
+            expected_rms: has_scores.then(|| band.expected_rms(reference, &found.predicted)),
             findings: band.findings,
         }))
     }
 
-    /// Root of the expected mean square of `reference` − measurement, where the model's output, `corrected` by
-    /// the discrepancy μ or not, is `predicted`:
-    /// with the discrepancy μ, its variance and that of the noise where the device is outside the class, else
-    /// with the variances of the model's output and of the residual.
-    fn expected_rms(&self, reference: &[f64], predicted: &[f64], corrected: bool) -> f64 {
+    /// Root of the expected mean square of `reference` − measurement, where the model's output is
+    /// `predicted`: with the discrepancy μ, its variance and that of the noise where the device is outside
+    /// the class, else with the variances of the model's output and of the residual.
+    fn expected_rms(&self, reference: &[f64], predicted: &[f64]) -> f64 {
         let errors = reference.iter().zip(predicted).map(|(r, y)| r - y);
         let total: f64 = match &self.misfit {
             Some(misfit) => {
                 let own = misfit.discrepancy.iter().zip(&misfit.std_dev);
-                let left = |mean: &f64| if corrected { 0.0 } else { *mean };
-                errors.zip(own).map(|(e, (mean, sd))| (e - left(mean)).powi(2) + sd * sd).sum::<f64>()
+                errors.zip(own).map(|(e, (mean, sd))| (e - mean).powi(2) + sd * sd).sum::<f64>()
                     + misfit.noise.powi(2) * reference.len() as f64
             }
             None => errors.zip(&self.std_dev).map(|(e, sd)| e * e + sd * sd + self.noise.powi(2)).sum(),
@@ -124,7 +123,7 @@ mod tests {
     fn the_expected_error_adds_the_squares_of_its_parts() {
         let class = PredictionBand { std_dev: vec![0.3, 0.4], noise: 0.5, ..PredictionBand::default() };
         // ((1² + 0.3² + 0.5²) + (0² + 0.4² + 0.5²))/2 = 0.875.
-        let found = class.expected_rms(&[2.0, 3.0], &[1.0, 3.0], false);
+        let found = class.expected_rms(&[2.0, 3.0], &[1.0, 3.0]);
         assert!((found - 0.875_f64.sqrt()).abs() < 1e-15, "{found}");
         let misfit = MisfitPrediction {
             discrepancy: vec![1.0, -1.0],
@@ -136,10 +135,10 @@ mod tests {
         };
         // The first error is what the discrepancy makes up for: ((0 + 0) + (1 + 4))/2 + 0.25.
         let outside = PredictionBand { misfit: Some(misfit), ..class };
-        let found = outside.expected_rms(&[2.0, 3.0], &[1.0, 3.0], false);
+        let found = outside.expected_rms(&[2.0, 3.0], &[1.0, 3.0]);
         assert!((found - 2.75_f64.sqrt()).abs() < 1e-15, "{found}");
         // A corrected prediction has made up for it: ((1 + 0) + (0 + 4))/2 + 0.25.
-        let found = outside.expected_rms(&[2.0, 3.0], &[1.0, 3.0], true);
+        let found = outside.corrected().expected_rms(&[2.0, 3.0], &[1.0, 3.0]);
         assert!((found - 2.75_f64.sqrt()).abs() < 1e-15, "{found}");
     }
 }

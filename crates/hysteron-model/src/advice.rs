@@ -67,6 +67,13 @@ pub enum Advice {
         /// The kind.
         kind: Kind,
     },
+    /// Identify all actuators of the record together.
+    SeveralAxes {
+        /// Headers of their drives.
+        inputs: Vec<String>,
+        /// Headers of the positions.
+        outputs: Vec<String>,
+    },
     /// Take the joint fit.
     FitJointly,
     /// Leave the dynamics out.

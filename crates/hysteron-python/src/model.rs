@@ -8,11 +8,9 @@ use hysteron_identify::online::{FollowMethod, FollowOptions, Followed, Term, kno
 use hysteron_identify::recalibrate::{Prior, Recording, recalibrate};
 use hysteron_io::{load_model, save_model, sha256};
 use hysteron_model::axes::AxesRecord;
-use hysteron_model::model::{Capability, Remark, Score, SignalRole, Signals};
+use hysteron_model::model::{Capability, Remark, RunError, Score, SignalRole, Signals};
 use hysteron_model::model_file::{Maker, timestamp};
-use hysteron_model::record::{
-    ChannelChoice, Driven, InputOutput, MeasurementRun, Record as CoreRecord, Source,
-};
+use hysteron_model::record::{ChannelChoice, Driven, InputOutput, MeasurementRun, Source};
 use hysteron_model::validate::{Scoring, residual_whiteness, scored_samples};
 use hysteron_model::{Model as Core, Start};
 use numpy::PyArray1;
@@ -54,17 +52,21 @@ impl Model {
     }
 
     /// The channels of a record that the model takes, outputs too where they were measured.
-    fn signals(&self, record: &CoreRecord, input: Option<&str>) -> PyResult<Signals> {
+    fn signals(&self, record: &Record, input: Option<&str>) -> PyResult<Signals> {
+        let Record { inner: core, .. } = record;
         let Some((inputs, outputs)) = self.inner.channels() else {
-            let driven = record.driven(input).map_err(raised)?;
+            let driven = core.driven(input).map_err(raised)?;
             let own = |measured: &InputOutput| {
                 let unit = &measured.y_unit;
                 self.inner.agreed_unit(SignalRole::Output, unit, &mut Vec::new()).is_ok()
             };
             let measured = driven.measured.filter(own);
-            return Ok(Driven { drive: driven.drive, measured }.into());
+            return match Signals::from(Driven { drive: driven.drive, measured }) {
+                Signals::Single(data) => Ok(record.rated(data)?.into()),
+                several => Ok(several),
+            };
         };
-        let axes = AxesRecord::new(record, inputs, outputs).or_else(|_| AxesRecord::new(record, inputs, &[]));
+        let axes = AxesRecord::new(core, inputs, outputs).or_else(|_| AxesRecord::new(core, inputs, &[]));
         Ok(axes.map_err(raised)?.into())
     }
 
@@ -77,10 +79,11 @@ impl Model {
         Ok(data)
     }
 
-    fn scored(&self, record: &CoreRecord, choice: &ChannelChoice) -> PyResult<Signals> {
+    fn scored(&self, record: &Record, choice: &ChannelChoice) -> PyResult<Signals> {
+        let Record { inner: core, .. } = record;
         Ok(match self.inner.channels() {
-            Some((inputs, outputs)) => AxesRecord::new(record, inputs, outputs).map_err(raised)?.into(),
-            None => record.input_output(choice).map_err(raised)?.into(),
+            Some((inputs, outputs)) => AxesRecord::new(core, inputs, outputs).map_err(raised)?.into(),
+            None => record.rated(core.input_output(choice).map_err(raised)?)?.into(),
         })
     }
 }
@@ -176,7 +179,7 @@ impl Model {
     }
 
     /// The output for the drive of a record, in free run.
-    #[pyo3(signature = (record, input=None, from_start=None, band=None))]
+    #[pyo3(signature = (record, input=None, from_start=None, band=None, correct=false))]
     fn simulate<'py>(
         &self,
         py: Python<'py>,
@@ -184,17 +187,23 @@ impl Model {
         input: Option<String>,
         from_start: Option<&str>,
         band: Option<f64>,
+        correct: bool,
     ) -> PyResult<Simulated<'py>> {
-        let signals = self.signals(&record.inner, input.as_deref())?;
+        let signals = self.signals(record, input.as_deref())?;
         let from = start(from_start)?;
-        let found = work::run(py, || self.inner.simulate(&signals, from))?.map_err(raised)?;
-        let band = band.map(|level| self.band(py, &signals, &found.start, level)).transpose()?;
+        let simulated = || match correct {
+            true => self.inner.simulate_corrected(&signals, from),
+            false => self.inner.simulate(&signals, from),
+        };
+        let found = work::run(py, simulated)?.map_err(raised)?;
+        let band = band.map(|level| self.band(py, (&signals, &found.start), level, correct)).transpose()?;
         let outputs = found.outputs.iter().map(|y| PyArray1::from_slice(py, y)).collect();
         Ok((outputs, band, self.in_words(&found.start), self.remarks(&found.remarks)?))
     }
 
     /// Score on a record, from the start that fits it best unless one is given.
-    #[pyo3(signature = (record, scoring, input=None, output=None, from_start=None))]
+    #[pyo3(signature = (record, scoring, input=None, output=None, from_start=None, correct=false))]
+    #[allow(clippy::too_many_arguments, reason = "keywords of a call from Python")]
     fn score(
         &self,
         py: Python<'_>,
@@ -203,11 +212,12 @@ impl Model {
         input: Option<String>,
         output: Option<String>,
         from_start: Option<&str>,
+        correct: bool,
     ) -> PyResult<Scored> {
         let scoring: Scoring = from_json(scoring)?;
-        let signals = self.scored(&record.inner, &ChannelChoice { input, output })?;
+        let signals = self.scored(record, &ChannelChoice { input, output })?;
         let from = start(from_start)?;
-        let score = work::run(py, || self.inner.score(&signals, from, &scoring))?.map_err(raised)?;
+        let score = work::run(py, || self.scored_from(&signals, from, &scoring, correct))?.map_err(raised)?;
         Ok((
             to_json(&score)?,
             figures(&score),
@@ -218,7 +228,8 @@ impl Model {
 
     /// Prediction of the measurement from the start of [`Self::score`]: the output with its offset, the band
     /// and the start in words.
-    #[pyo3(signature = (record, input=None, output=None, from_start=None, band=None))]
+    #[pyo3(signature = (record, input=None, output=None, from_start=None, band=None, correct=false))]
+    #[allow(clippy::too_many_arguments, reason = "keywords of a call from Python")]
     fn predict<'py>(
         &self,
         py: Python<'py>,
@@ -227,16 +238,17 @@ impl Model {
         output: Option<String>,
         from_start: Option<&str>,
         band: Option<f64>,
+        correct: bool,
     ) -> PyResult<(Simulated<'py>, Vec<f64>, Option<Samples<'py>>)> {
-        let signals = self.scored(&record.inner, &ChannelChoice { input, output })?;
+        let signals = self.scored(record, &ChannelChoice { input, output })?;
         let from = start(from_start)?;
-        let score: Score =
-            work::run(py, || self.inner.score(&signals, from, &Scoring::default()))?.map_err(raised)?;
+        let scoring = Scoring::default();
+        let score = work::run(py, || self.scored_from(&signals, from, &scoring, correct))?.map_err(raised)?;
         let offsets: Vec<f64> = score.outputs.iter().map(|output| output.offset).collect();
         let found = &score.simulation;
         let with_offset = found.outputs.iter().zip(&offsets);
         let outputs = with_offset.map(|(y, offset)| PyArray1::from_iter(py, y.iter().map(|y| y + offset)));
-        let band = band.map(|level| self.band(py, &signals, &found.start, level)).transpose()?;
+        let band = band.map(|level| self.band(py, (&signals, &found.start), level, correct)).transpose()?;
         let words = self.in_words(&found.start);
         let measured = match &signals {
             Signals::Single(record) => Some(PyArray1::from_slice(py, &record.y)),
@@ -354,12 +366,26 @@ pub fn residual_correlation<'py>(
 }
 
 impl Model {
+    /// The score, of the model alone or `correct`ed by its predicted misfit.
+    fn scored_from(
+        &self,
+        signals: &Signals,
+        from: Start,
+        scoring: &Scoring,
+        correct: bool,
+    ) -> Result<Score, RunError> {
+        match correct {
+            true => self.inner.score_corrected(signals, from, scoring),
+            false => self.inner.score(signals, from, scoring),
+        }
+    }
+
     fn band<'py>(
         &self,
         py: Python<'py>,
-        signals: &Signals,
-        start: &Start,
+        (signals, start): (&Signals, &Start),
         level: f64,
+        correct: bool,
     ) -> PyResult<HalfWidths<'py>> {
         let body = self.inner.hammerstein(Capability::Bands).map_err(raised)?;
         let Signals::Single(drive) = signals else {
@@ -367,6 +393,7 @@ impl Model {
         };
         let band = work::run(py, || PredictionBand::of_file(body.data(), &drive.u, &drive.time, start))?;
         let band = band.map_err(raised)?;
+        let band = if correct { band.corrected() } else { band };
         let [measurement, model] = band.at_level(level).map_err(raised)?;
         let rests_on = band.findings.into_iter().map(|finding| finding.text).collect();
         Ok((PyArray1::from_vec(py, measurement), PyArray1::from_vec(py, model), rests_on))

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use hysteron::{ReadOptions, Rename};
 use hysteron_identify::structure::prospects;
 use hysteron_io::read_part;
+use hysteron_model::force::with_rate;
+use hysteron_model::hammerstein::SimulationError;
 use hysteron_model::record::{Channel, ChannelChoice, Cut, InputOutput, Prepare, TimeBase, Turns};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -19,11 +21,24 @@ use crate::work;
 #[pyclass(frozen, module = "hysteron_models._native")]
 pub struct Record {
     pub inner: hysteron::Record,
+    /// Column of the measured rate of the input.
+    rate: Option<String>,
 }
 
 impl From<hysteron::Record> for Record {
     fn from(inner: hysteron::Record) -> Self {
-        Self { inner }
+        Self { inner, rate: None }
+    }
+}
+
+impl Record {
+    /// The input and output, with the measured rate of the input where its column is named.
+    pub fn rated(&self, data: InputOutput) -> PyResult<InputOutput> {
+        match &self.rate {
+            Some(column) => with_rate(data, &self.inner, column)
+                .map_err(|e| raised(hysteron_model::Error::from(SimulationError::from(e)))),
+            None => Ok(data),
+        }
     }
 }
 
@@ -59,7 +74,12 @@ impl Record {
         let valid = valid.map(|mask| mask.as_slice().map(<[bool]>::to_vec)).transpose()?;
         let inner = hysteron::Record { name: name.to_owned(), time, channels, valid, source: None };
         inner.check().map_err(raised)?;
-        Ok(Self { inner })
+        Ok(inner.into())
+    }
+
+    /// The record with the measured rate of its input in this column.
+    fn with_rate(&self, column: String) -> Self {
+        Self { inner: self.inner.clone(), rate: Some(column) }
     }
 
     #[getter]
@@ -127,7 +147,7 @@ impl Record {
 
 /// Input and output of each record.
 pub fn single(records: &[PyRef<'_, Record>], choice: &ChannelChoice) -> PyResult<Vec<InputOutput>> {
-    records.iter().map(|record| record.inner.input_output(choice).map_err(raised)).collect()
+    records.iter().map(|record| record.rated(record.inner.input_output(choice).map_err(raised)?)).collect()
 }
 
 /// Name and unit of the header of a column.

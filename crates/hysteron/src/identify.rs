@@ -11,6 +11,8 @@ use hysteron_identify::{
 };
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::dynamics::Creep;
+use hysteron_model::force::with_rate;
+use hysteron_model::hammerstein::SimulationError;
 use hysteron_model::model::Score;
 use hysteron_model::model_file::{Kind, Maker, timestamp};
 use hysteron_model::record::{ChannelChoice, InputOutput, Record};
@@ -24,6 +26,7 @@ pub struct Identify<'a> {
     kind: Option<Kind>,
     inputs: Vec<String>,
     outputs: Vec<String>,
+    rate: Option<String>,
     options: Options,
     task: Option<Task>,
     start: Option<hysteron_model::Model>,
@@ -40,6 +43,7 @@ impl<'a> Identify<'a> {
             kind: None,
             inputs: Vec::new(),
             outputs: Vec::new(),
+            rate: None,
             options: Options::default(),
             task: None,
             start: None,
@@ -88,6 +92,14 @@ impl<'a> Identify<'a> {
     ) -> Self {
         self.inputs = inputs.into_iter().map(Into::into).collect();
         self.outputs = outputs.into_iter().map(Into::into).collect();
+        self
+    }
+
+    /// Name of the column of the measured rate of the input, for a model of the kind force; default: the rate
+    /// is that of the displacement.
+    #[must_use]
+    pub fn rate(mut self, column: impl Into<String>) -> Self {
+        self.rate = Some(column.into());
         self
     }
 
@@ -180,11 +192,25 @@ impl<'a> Identify<'a> {
     fn single(&self) -> Result<Vec<InputOutput>, Error> {
         let choice =
             ChannelChoice { input: self.inputs.first().cloned(), output: self.outputs.first().cloned() };
-        self.records.iter().map(|record| Ok(record.input_output(&choice)?)).collect()
+        let read = |record: &Record| rated(record, &choice, self.rate.as_deref());
+        self.records.iter().map(read).collect()
     }
 
     fn several(&self) -> Result<Vec<AxesRecord>, Error> {
         self.records.iter().map(|record| Ok(AxesRecord::new(record, &self.inputs, &self.outputs)?)).collect()
+    }
+}
+
+/// Input and output of a record, with the measured rate of the input from a column of this name.
+pub(crate) fn rated(
+    record: &Record,
+    choice: &ChannelChoice,
+    rate: Option<&str>,
+) -> Result<InputOutput, Error> {
+    let data = record.input_output(choice)?;
+    match rate {
+        Some(column) => Ok(with_rate(data, record, column).map_err(SimulationError::from)?),
+        None => Ok(data),
     }
 }
 

@@ -9,7 +9,7 @@ use hysteron_model::axes::AxesRecord;
 use hysteron_model::compensator::{Controller, Limits};
 use hysteron_model::control::{Plant, Stage};
 use hysteron_model::decoupling::{DecouplingController, DecouplingLaw, DecouplingOptions, LawOptions};
-use hysteron_model::model::{Capability, InverseRequest, RunScore, Score, Signals};
+use hysteron_model::model::{Capability, InverseRequest, RunScore, Score, Signals, Simulation};
 use hysteron_model::model_file::Kind;
 use hysteron_model::realise::RealiseOptions;
 use hysteron_model::record::{ChannelChoice, MeasurementRun, Record, Signal, TimeBase, Unit};
@@ -18,6 +18,7 @@ use hysteron_model::validate::Scoring;
 use hysteron_model::{Model as Core, Start};
 
 use crate::Error;
+use crate::identify::rated;
 
 /// An identified model.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,13 +63,35 @@ impl Model {
     /// [`Error::Model`].
     pub fn simulate(&self, drive: &Signal, start: Start) -> Result<Signal, Error> {
         let simulation = self.0.simulate(&drive.clone().into(), start)?;
-        Ok(Signal {
+        Ok(self.output(simulation, &drive.time))
+    }
+
+    fn output(&self, simulation: Simulation, time: &TimeBase) -> Signal {
+        Signal {
             samples: simulation.outputs.into_iter().next().unwrap_or_default(),
             unit: Unit::new(&self.0.units().output),
             name: "y".to_owned(),
-            time: drive.time.clone(),
+            time: time.clone(),
             notes: Vec::new(),
-        })
+        }
+    }
+
+    /// [`Self::simulate`] with the predicted misfit of a device outside the model class, where that pays.
+    ///
+    /// # Errors
+    /// [`Error::Model`].
+    pub fn simulate_corrected(&self, drive: &Signal, start: Start) -> Result<Signal, Error> {
+        let simulation = self.0.simulate_corrected(&drive.clone().into(), start)?;
+        Ok(self.output(simulation, &drive.time))
+    }
+
+    /// [`Self::score`] with the predicted misfit of a device outside the model class, where that pays; the
+    /// score of the model alone is in [`Score::correction`].
+    ///
+    /// # Errors
+    /// [`Error::Model`].
+    pub fn score_corrected(&self, record: &Record, scoring: Scoring) -> Result<Score, Error> {
+        Ok(self.0.score_corrected(&self.signals(record)?, Start::AsIdentified, &scoring)?)
     }
 
     /// Score of the model on a record, simulated from the best-fitting start. Columns are the model's own,
@@ -78,6 +101,27 @@ impl Model {
     /// [`Error::Model`].
     pub fn score(&self, record: &Record, scoring: Scoring) -> Result<Score, Error> {
         Ok(self.0.score(&self.signals(record)?, Start::AsIdentified, &scoring)?)
+    }
+
+    /// The force over a record with a measured rate of the displacement in this column, for a model of the
+    /// kind force.
+    ///
+    /// # Errors
+    /// [`Error::Model`].
+    pub fn simulate_with_rate(&self, record: &Record, column: &str, start: Start) -> Result<Signal, Error> {
+        let data = rated(record, &ChannelChoice::default(), Some(column))?;
+        let time = data.time.clone();
+        Ok(self.output(self.0.simulate(&data.into(), start)?, &time))
+    }
+
+    /// [`Self::score`] with a measured rate of the displacement in this column, for a model of the kind
+    /// force.
+    ///
+    /// # Errors
+    /// [`Error::Model`].
+    pub fn score_with_rate(&self, record: &Record, column: &str, scoring: Scoring) -> Result<Score, Error> {
+        let data = rated(record, &ChannelChoice::default(), Some(column))?;
+        Ok(self.0.score(&data.into(), Start::AsIdentified, &scoring)?)
     }
 
     /// Scores of the model on consecutive records of one run, simulated without interruption from the start

@@ -68,7 +68,7 @@ pub struct ModelDetail {
     pub drive_range: Option<[f64; 2]>,
     /// Sample rate of its records \[Hz\].
     pub sample_rate_hz: Option<f64>,
-    /// Correcting a drive by its predicted misfit pays.
+    /// Correcting the model by its predicted misfit pays.
     pub correctable: bool,
     /// The model file.
     pub file: Value,
@@ -142,6 +142,9 @@ pub struct ScoresRequest {
     /// Use the offset in the model instead of estimating that of each record's sensor.
     #[serde(default)]
     pub fixed_offset: bool,
+    /// Score the model corrected by its predicted misfit, where that pays.
+    #[serde(default)]
+    pub correct: bool,
     /// The records are parts of runs: simulated without interruption from the start of the first, with one
     /// offset. Each run as a whole follows behind its parts, with the name `whole run`.
     #[serde(default)]

@@ -102,6 +102,8 @@ pub enum BandOf {
 pub struct SimulateOptions {
     /// Band to draw and to write.
     pub band: BandOf,
+    /// Add the predicted misfit of a device outside the model class, where that pays.
+    pub correct: bool,
     /// Voltage at rest before the drive; left out: as the model file assumes.
     pub rest_voltage: Option<f64>,
 }

@@ -18,13 +18,15 @@ pub(crate) fn validate(model: &str, records: &[RecordEntry], request: &ScoresReq
         .maybe("--skip", request.skip_s)
         .when("--fixed-offset", request.fixed_offset)
         .when("--continued", request.continued)
+        .when("--correct", request.correct)
         .maybe("--rate", request.rate.as_ref())
         .maybe("-o", request.save.as_ref());
     let arguments = Arguments::default()
         .plain(read(records))
         .value("skip", request.skip_s)
         .when("fixed_offset", request.fixed_offset)
-        .when("continued", request.continued);
+        .when("continued", request.continued)
+        .when("correct", request.correct);
     let python = format!("print(hy.load({}).scores({}))", text(model), arguments.done());
     beside(Command { shell: words.columns(records).done(), python }, records)
 }

@@ -79,6 +79,7 @@ pub(crate) fn simulate(
     let words = words
         .when("--continued", records.len() > 1)
         .maybe("--band", band)
+        .when("--correct", options.correct)
         .maybe("--rest-voltage", options.rest_voltage);
     let first = records.first().map(|record| record.settings.clone()).unwrap_or_default();
     let shell = words.maybe("--time", first.time).maybe("--input", first.input).done();
@@ -90,6 +91,7 @@ pub(crate) fn simulate(
         .plain(format!("{}[0]", read(records)))
         .value("band", band.map(|_| "0.95"))
         .value("band_of", of)
+        .when("correct", options.correct)
         .value("rest", options.rest_voltage);
     let python = format!("print(hy.load({}).simulate({}))", text(model), arguments.done());
     beside(Command { shell, python }, records)

@@ -69,6 +69,7 @@ pub(super) fn band(model: &Model, u: &[f64], time: &TimeBase, start: &Start) -> 
 
 fn in_band(model: &Model, record: &InputOutput, found: &Found, skip_s: f64) -> Option<BandScore> {
     let band = band(model, &record.u, &record.time, &found.simulation.start)?;
+    let band = if found.correction.is_some() { band.corrected() } else { band };
     (band.noise > 0.0).then(|| band.holds(record, found, skip_s))
 }
 
@@ -86,7 +87,11 @@ fn judged(
         }
         (signals, _) => signals,
     };
-    let found = model.score(&signals, Start::AsIdentified, scoring).map_err(Refused::cannot)?;
+    let found = match request.correct {
+        true => model.score_corrected(&signals, Start::AsIdentified, scoring),
+        false => model.score(&signals, Start::AsIdentified, scoring),
+    };
+    let found = found.map_err(Refused::cannot)?;
     if let Some(file) = &request.save {
         if request.records.len() != 1 {
             return Err(Refused::bad("a file of scored samples is of one record, or of one run"));
@@ -118,6 +123,9 @@ pub(crate) fn scores(workspace: &Workspace, id: &str, request: &ScoresRequest) -
     let scoring = Scoring { skip_s: request.skip_s, offset };
     if request.rate.is_some() && model.kind() != ModelKind::Force {
         return Err(Refused::bad("a column of the rate goes with a model of the kind force"));
+    }
+    if request.continued && request.correct {
+        return Err(Refused::bad("the scores of parts of one run are not corrected"));
     }
     if request.continued {
         let records = of_runs(workspace, &model, request, &scoring)?;
@@ -173,7 +181,11 @@ fn described(model: &Model, record: &str, found: &Found, band: Option<&BandScore
         record: record.to_owned(),
         score: Some(score_of(record, found)),
         verdict: found.verdict.as_ref().map(|v| format!("{}: {}", v.judgement.name(), v.why)),
-        remarks: remarks(model, found).into_iter().chain(rests_on).collect(),
+        remarks: remarks(model, found)
+            .into_iter()
+            .chain(found.correction_in_words())
+            .chain(rests_on)
+            .collect(),
         in_band_percent: band.map(|band| band.inside_percent),
         simulated: is_simulated(record),
         error: None,

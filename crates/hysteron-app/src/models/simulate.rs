@@ -6,7 +6,7 @@ use hysteron_model::record::{Driven, InputOutput, MeasurementRun, Unit};
 use hysteron_model::{Model, Start};
 
 use super::score::{band, in_words};
-use crate::api::{BandOf, Figure, Outcome, Series, SimulateRequest};
+use crate::api::{BandOf, Figure, Outcome, Series, SimulateOptions, SimulateRequest};
 use crate::command;
 use crate::draw::{Along, over_time};
 use crate::refused::{Answer, Refused};
@@ -24,8 +24,12 @@ pub(crate) fn simulate(workspace: &Workspace, id: &str, request: &SimulateReques
     let options = &request.options;
     let signals = drive(workspace, &model, &request.records)?;
     let start = options.rest_voltage.map_or(Start::AsIdentified, |voltage_v| Start::Rest { voltage_v });
-    let found = model.simulate(&signals, start).map_err(Refused::cannot)?;
-    let ends = ends(&model, &signals, &found, options.band)?;
+    let found = match options.correct {
+        true => model.simulate_corrected(&signals, start),
+        false => model.simulate(&signals, start),
+    };
+    let found = found.map_err(Refused::cannot)?;
+    let ends = ends(&model, &signals, &found, options)?;
     let names: Vec<String> = match model.channels() {
         Some((_, outputs)) => outputs.to_vec(),
         None => vec!["y".to_owned()],
@@ -83,7 +87,13 @@ fn drive_of(workspace: &Workspace, model: &Model, id: &str) -> Answer<Signals> {
 }
 
 /// Ends of the band about the output.
-fn ends(model: &Model, signals: &Signals, found: &Simulation, of: BandOf) -> Answer<Option<[Vec<f64>; 2]>> {
+fn ends(
+    model: &Model,
+    signals: &Signals,
+    found: &Simulation,
+    options: &SimulateOptions,
+) -> Answer<Option<[Vec<f64>; 2]>> {
+    let of = options.band;
     let (Signals::Single(drive), Some(y)) = (signals, found.outputs.first()) else { return Ok(None) };
     if of == BandOf::None {
         return Ok(None);
@@ -91,6 +101,7 @@ fn ends(model: &Model, signals: &Signals, found: &Simulation, of: BandOf) -> Ans
     model.hammerstein(Capability::Bands).map_err(Refused::cannot)?;
     let unknown = || Refused::bad("the model file does not say how sure its numbers are");
     let band = band(model, &drive.u, &drive.time, &found.start).ok_or_else(unknown)?;
+    let band = if options.correct { band.corrected() } else { band };
     let half = match of {
         BandOf::Measurement if band.noise > 0.0 => band.of_measurement(),
         BandOf::Measurement => return Err(Refused::bad("the model file holds no scores of its records")),

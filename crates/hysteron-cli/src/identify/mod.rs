@@ -7,6 +7,7 @@ mod options;
 mod other_kinds;
 mod outcome;
 mod search;
+mod several_axes;
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -267,7 +268,7 @@ impl Identify {
             (IdentifyError::Stopped, Some(file)) => stop.told(interrupted(file)),
             _ => {
                 kept.forget();
-                stop.told(explain(&e, task.kind()))
+                stop.told(self.naming_axes_of(&e, explain(&e, task.kind())))
             }
         })?;
         let written = if found.interrupted { partial(&self.out) } else { self.out.to_path_buf() };
@@ -348,7 +349,9 @@ impl Identify {
 
     fn fit_records(&self, task: &Task) -> Result<FitRecords, Failure> {
         if !task.takes_several_axes() {
-            return self.campaign().map(FitRecords::Single);
+            return self.campaign().map(FitRecords::Single).map_err(|failure| {
+                if self.columns.of_drive().input().is_none() { self.naming_axes(failure) } else { failure }
+            });
         }
         if self.axes.outputs.is_empty() {
             return Err(Failure::usage("several axes need their outputs")
@@ -409,7 +412,7 @@ impl Identify {
         let records = self.columns.read_all(&paths)?.into_iter().zip(&paths).zip(roles);
         let record = |((data, path), role): ((_, &PathBuf), _)| {
             let data = match &self.rate {
-                Some(column) => self.columns.with_rate(path, data, column)?,
+                Some(column) => self.columns.of_drive().with_rate(path, data, column)?,
                 None => data,
             };
             Ok(CampaignRecord { data, role })

@@ -54,7 +54,30 @@ impl Bench {
         self.run_program(Path::new(env!("CARGO_BIN_EXE_hysteron")), arguments)
     }
 
-    /// Runs another `hysteron` with these arguments, separated by blanks.
+    /// Runs another `hysteron` with these arguments, separated by blanks. A device of the simulated bench
+    /// (`rig`), which is outside the model class, identified from nested loops and a sweep: `stage.json`, its
+    /// truth in `rig/truth.json`.
+    pub fn identify_outside_the_class(&self) {
+        let plan = r#"{"sample_rate_hz": 2500.0, "loop_periods": 2.0, "sweep_s": 2.0, "validation_hz": [],
+            "nested_amplitudes": [1.0, 0.75, 0.5, 0.25]}"#;
+        self.write("plan.json", plan);
+        self.run_well("rig --out-dir rig --plan plan.json --seed 1");
+        let mut records: Vec<String> = std::fs::read_dir(self.path("rig"))
+            .unwrap()
+            .map(|entry| format!("rig/{}", entry.unwrap().file_name().to_str().unwrap()))
+            .filter(|name| name.ends_with(".csv"))
+            .collect();
+        records.sort();
+        self.run_well(&format!("identify {} -o stage.json", records.join(" ")));
+    }
+
+    /// [`Self::run`], which must succeed.
+    pub fn run_well(&self, arguments: &str) -> Run {
+        let run = self.run(arguments);
+        assert_eq!(run.exit_code, 0, "{arguments}: {run:?}");
+        run
+    }
+
     pub fn run_program(&self, program: &Path, arguments: &str) -> Run {
         let output = Command::new(program)
             .args(arguments.split_whitespace())

@@ -118,6 +118,22 @@ fn a_measured_rate_takes_the_place_of_the_computed_one() {
     assert_eq!(run.exit_code, 0, "{}", run.stderr);
     let told: Value = serde_json::from_str(&run.stdout).unwrap();
     assert!(told["records"][0]["fit_percent"].as_f64().unwrap() > 99.0, "{}", run.stdout);
+    // The simulation is the one that was scored.
+    let simulated = |flags: &str| {
+        let run = bench.run(&format!("simulate damper.json fast.csv -o out.csv {flags}"));
+        assert_eq!(run.exit_code, 0, "{}", run.stderr);
+        let text = std::fs::read_to_string(bench.path("out.csv")).unwrap();
+        let cells = |line: &str| line.split(',').map(|cell| cell.parse().unwrap()).collect::<Vec<f64>>();
+        let errors: Vec<f64> = text.lines().skip(1).map(cells).map(|row| row[3] - row[2]).collect();
+        let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+        (errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / errors.len() as f64).sqrt()
+    };
+    let rmse = told["records"][0]["rmse_N"].as_f64().unwrap();
+    assert!((simulated("--rate v") / rmse - 1.0).abs() < 1e-6 && simulated("") != rmse);
+    assert_eq!(
+        bench.run("simulate damper.json fast.csv fast.csv --continued --rate v -o x.csv").exit_code,
+        2
+    );
     for (column, reason) in [("y", "expected a unit like um/s"), ("w", "there is no column `w`")] {
         let run = bench.run(&format!("{IDENTIFY} --rate {column}"));
         assert_eq!(run.exit_code, 1, "{column}: {}", run.stderr);

@@ -238,22 +238,8 @@ fn what_cannot_be_followed_is_refused_without_a_file() {
 #[test]
 fn the_error_expected_of_a_drive_is_that_of_the_device() {
     let bench = Bench::new();
-    let run = |arguments: &str| {
-        let run = bench.run(arguments);
-        assert_eq!(run.exit_code, 0, "{arguments}: {run:?}");
-        run
-    };
-    let plan = r#"{"sample_rate_hz": 2500.0, "loop_periods": 2.0, "sweep_s": 2.0, "validation_hz": [],
-        "nested_amplitudes": [1.0, 0.75, 0.5, 0.25]}"#;
-    bench.write("plan.json", plan);
-    run("rig --out-dir rig --plan plan.json --seed 1");
-    let mut records: Vec<String> = std::fs::read_dir(bench.path("rig"))
-        .unwrap()
-        .map(|entry| format!("rig/{}", entry.unwrap().file_name().to_str().unwrap()))
-        .filter(|name| name.ends_with(".csv"))
-        .collect();
-    records.sort();
-    run(&format!("identify {} -o stage.json", records.join(" ")));
+    bench.identify_outside_the_class();
+    let run = |arguments: &str| bench.run_well(arguments);
     run(
         "excite random --to 50 --duration 1 --sample-rate 2500 --low 2 --high 8 --soft-start 0.2 --seed 5 --out a.csv",
     );

@@ -11,6 +11,7 @@ mod article_is_reproduced;
 mod bad_models_are_refused;
 mod bad_records_are_refused;
 mod bench;
+mod corrected_models_err_less;
 mod every_command;
 mod excite_writes_drives;
 mod forces_are_identified;

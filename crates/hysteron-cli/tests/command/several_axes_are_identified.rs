@@ -337,3 +337,23 @@ fn structures_are_compared_by_what_was_held_out() {
         assert!(run.exit_code == code && run.stderr.contains(words), "{command}: {}", run.stderr);
     }
 }
+
+#[test]
+fn a_record_of_several_actuators_given_as_one_of_one_names_the_flags() {
+    let bench = Bench::new();
+    let mut rows = String::from("t_s,u1_V,u2_V,y1_um,y2_um\n");
+    for k in 0..400 {
+        let t = 5e-3 * f64::from(k);
+        let [u, v] = [1.0, 1.7].map(|hz: f64| 5.0 - 5.0 * (TAU * hz * t).cos());
+        writeln!(rows, "{t},{u},{v},{},{}", 2.0 * u + 1.5 * v, 2.0 * v).unwrap();
+    }
+    bench.write("two.csv", rows);
+    let flags = "several drives move on their own; all actuators together are --inputs u1_V,u2_V --outputs y1_um,y2_um";
+    // Without columns, and where one of the drives does not explain the motion.
+    for columns in ["", "--input u1 --output y1"] {
+        let run = bench.run(&format!("identify two.csv -o model.json {columns}"));
+        assert!(run.exit_code == 1 && run.stderr.contains(flags), "{columns}: {}", run.stderr);
+    }
+    let run = bench.run("identify two.csv -o model.json --input nothing");
+    assert!(run.exit_code == 1 && !run.stderr.contains(flags), "{}", run.stderr);
+}

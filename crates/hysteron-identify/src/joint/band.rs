@@ -56,6 +56,13 @@ impl PredictionBand {
         Self { std_dev, noise: self.noise, misfit, findings: self.findings.clone() }
     }
 
+    /// The band of a model that is corrected by the predicted misfit
+    /// ([`hysteron_model::Model::simulate_corrected`]).
+    #[must_use]
+    pub fn corrected(self) -> Self {
+        Self { misfit: self.misfit.map(MisfitPrediction::remaining), ..self }
+    }
+
     /// Half the width of the band that holds the model's true output with 95 % at each sample \[output
     /// unit\].
     pub fn of_output(&self) -> Vec<f64> {

@@ -3,6 +3,7 @@
 use crate::dynamics::DynamicsError;
 use crate::hammerstein::SimulationError;
 use crate::hysteresis::{HysteresisError, Invertibility};
+use crate::misfit::NotCorrected;
 use crate::realise::RealiseError;
 use crate::record::Unit;
 use hysteron_numeric::Stopped;
@@ -66,11 +67,8 @@ pub enum InversionError {
         to: f64,
     },
     /// The drive was to be corrected by the model's misfit.
-    #[error("the drive is not corrected by the predicted misfit of the model: {because}")]
-    NotCorrected {
-        /// Why not.
-        because: &'static str,
-    },
+    #[error("the drive is not corrected by the predicted misfit of the model: {0}")]
+    NotCorrected(#[from] NotCorrected),
     /// The computation was stopped by its listener.
     #[error("it was stopped")]
     Stopped,

@@ -8,6 +8,7 @@
 //! training did not excite. `docs/theory/uncertainty.md`, "Bands outside the class".
 
 mod basis;
+mod correction;
 mod finding;
 mod prediction;
 mod response;
@@ -15,6 +16,7 @@ mod steps;
 
 use basis::OWN_MEMORY;
 pub use basis::{Basis, COLUMNS, ColumnGroup, GROUPS, POLYNOMIALS, TimedRun};
+pub use correction::NotCorrected;
 pub use prediction::{MisfitPrediction, half_width};
 
 use crate::dynamics::DynamicsError;

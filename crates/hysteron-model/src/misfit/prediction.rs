@@ -82,6 +82,14 @@ impl MisfitPrediction {
         Self { discrepancy: of(&self.discrepancy), std_dev: of(&self.std_dev), ..self.clone() }
     }
 
+    /// What remains of the misfit beside a model that is corrected by the predicted discrepancy: its spread
+    /// alone.
+    #[must_use]
+    pub fn remaining(mut self) -> Self {
+        self.discrepancy.fill(0.0);
+        self
+    }
+
     /// Half the width of the band around the model that holds a measurement with a probability of `level`,
     /// 0 < `level` < 1, at each sample \[output unit\].
     pub fn half_width(&self, level: f64) -> Vec<f64> {
@@ -91,8 +99,8 @@ impl MisfitPrediction {
     }
 }
 
-/// g with P(|N(`mean`, `sd`²)| ≤ g) = `level`: `sd` z + |`mean`|, z between the quantiles `ends` at `level` and
-/// at ½ + ½ `level`, by Newton's method.
+/// g with P(|N(`mean`, `sd`²)| ≤ g) = `level`: `sd` z + |`mean`|, z between the quantiles `ends` at `level`
+/// and at ½ + ½ `level`, by Newton's method.
 pub fn half_width(mean: f64, sd: f64, level: f64, (one_sided, two_sided): (f64, f64)) -> f64 {
     let mean = mean.abs();
     if sd <= 0.0 {

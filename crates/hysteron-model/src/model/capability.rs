@@ -15,6 +15,8 @@ pub enum Capability {
     Runs,
     /// A band around the output, from the standard errors of the parameters.
     Bands,
+    /// Correction by the predicted misfit.
+    Correction,
     /// Running sample by sample at a controller's rate.
     Realisation,
     /// The drive that tracks a reference.
@@ -35,11 +37,12 @@ pub enum Capability {
 
 impl Capability {
     /// Every one.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Simulation,
         Self::Scores,
         Self::Runs,
         Self::Bands,
+        Self::Correction,
         Self::Realisation,
         Self::Inversion,
         Self::Tracking,
@@ -57,6 +60,7 @@ impl Capability {
             Self::Scores => "scoring",
             Self::Runs => "scoring of a run in parts",
             Self::Bands => "a band around the output",
+            Self::Correction => "correction by the predicted misfit",
             Self::Realisation => "realisation",
             Self::Inversion => "inversion",
             Self::Tracking => "closed-loop control",

@@ -6,7 +6,7 @@
 
 use super::Hammerstein;
 use crate::invert::{InverseDrive, InverseOptions, InversionError};
-use crate::misfit::{MisfitError, MisfitModel};
+use crate::misfit::MisfitError;
 use crate::record::Timing;
 use crate::start::Start;
 use hysteron_numeric::Listener;
@@ -14,26 +14,8 @@ use hysteron_numeric::Listener;
 /// Most repetitions, and the change of the drive in units of the first at which they end.
 const MOST: usize = 8;
 const SETTLED: f64 = 0.01;
-/// Left-out parts of the training records must be predicted with less than this share of the model's error.
-const GAIN: f64 = 0.9;
 
 impl Hammerstein {
-    /// The model of the misfit, where correcting by it pays: the device is outside the model class, and on
-    /// left-out parts of the training records the corrected model errs less.
-    ///
-    /// # Errors
-    /// [`InversionError::NotCorrected`].
-    pub fn correction(&self) -> Result<MisfitModel, InversionError> {
-        let refused = |because| InversionError::NotCorrected { because };
-        let misfit = self.data().misfit_model();
-        let misfit = misfit.ok_or(refused("the records show no device outside the model class"))?;
-        match misfit.left_out {
-            Some(left) if left <= GAIN => Ok(misfit),
-            Some(_) => Err(refused("on left-out parts of the training records it gains nothing")),
-            None => Err(refused("its file does not say whether that pays; identify the model again")),
-        }
-    }
-
     /// The drive for a reference by model and misfit together; `predicted` is the output of both.
     ///
     /// # Errors
@@ -76,30 +58,27 @@ impl Hammerstein {
 }
 
 fn failed(error: MisfitError) -> InversionError {
-    match error {
-        MisfitError::Simulation(error) => InversionError::Simulation(error),
-        MisfitError::Dynamics(error) => InversionError::Dynamics(error),
-        MisfitError::NoTimes | MisfitError::OneRate => {
-            InversionError::NotCorrected { because: "its dynamics belong to one sample rate" }
-        }
+    match error.not_corrected() {
+        Ok(because) => because.into(),
+        Err(error) => error.into(),
     }
 }
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::Model;
     use crate::dynamics::{Dynamics, Scheme};
     use crate::hammerstein;
     use crate::hysteresis::Hysteresis;
-    use crate::misfit::{Basis, COLUMNS};
+    use crate::misfit::{Basis, COLUMNS, MisfitModel};
     use crate::model::{Capability, InverseRequest};
     use crate::model_file::{MisfitEntry, ModelFile, SignalUnits};
     use crate::record::InterSample;
 
     /// 2 µm/V, beside which the device has a square and a play.
-    fn model(left_out: Option<f64>) -> Model {
+    pub(in crate::model) fn model(left_out: Option<f64>) -> Model {
         let law = hammerstein::Model {
             hysteresis: Hysteresis::without_memory(vec![2.0]).unwrap(),
             dynamics: Dynamics::None,

@@ -3,6 +3,7 @@
 use crate::axes::AxesError;
 use crate::decoupling::DecouplingError;
 use crate::hammerstein::SimulationError;
+use crate::misfit::NotCorrected;
 use crate::model::Unsupported;
 use crate::model_file::Kind;
 use crate::record::Unit;
@@ -85,6 +86,9 @@ pub enum RunError {
     /// The references of several axes cannot be followed.
     #[error(transparent)]
     Decoupling(#[from] DecouplingError),
+    /// The model was to be corrected by its misfit.
+    #[error("the model is not corrected by its predicted misfit: {0}")]
+    NotCorrected(#[from] NotCorrected),
     /// The record cannot be scored.
     #[error(transparent)]
     Score(#[from] ScoreError),

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::Hammerstein;
 use crate::compensator::{Compensation, CompensatorOptions, Limits, Prediction};
 use crate::invert::{InverseDrive, InverseOptions, InversionError, LastRun};
+use crate::misfit::NotCorrected;
 use crate::realise::RealiseOptions;
 use crate::{Finding, FindingKind, Start};
 use hysteron_numeric::Listener;
@@ -105,8 +106,7 @@ impl InverseRequest {
         preview: Option<usize>,
     ) -> Result<Compensation, InversionError> {
         if self.correct {
-            let because = "a controller's law has no corrected form";
-            return Err(InversionError::NotCorrected { because });
+            return Err(NotCorrected::Controller.into());
         }
         let options = CompensatorOptions {
             bandwidth_hz: self.bandwidth_hz,
@@ -151,9 +151,7 @@ impl Hammerstein {
         let options = request.options(request.limits(self)?);
         let by_sample = request.preview.is_some() || request.predict_to_hz.is_some();
         match last {
-            Some(_) if request.correct => Err(InversionError::NotCorrected {
-                because: "a drive that learns from its last run is corrected by that",
-            }),
+            Some(_) if request.correct => Err(NotCorrected::Learnt.into()),
             Some(_) if by_sample => Err(InversionError::LearnedBySample),
             Some(last) => Ok((self.law().learn(reference, last, sample_rate_hz, &options)?, None)),
             None if by_sample => {

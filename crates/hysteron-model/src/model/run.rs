@@ -195,7 +195,7 @@ impl Model {
         }
     }
 
-    fn takes_others(&self) -> RunError {
+    pub(super) fn takes_others(&self) -> RunError {
         let expected = match self {
             Self::Hammerstein(_) | Self::Oscillator(_) | Self::Force(_) => "one input and one output",
             Self::Modes(_) | Self::Branches(_) => "several named inputs and outputs",
@@ -339,6 +339,7 @@ impl Model {
                 mean_period_rmse: scores.mean_period_rmse,
             }),
             band: None,
+            correction: None,
             without_estimated_start: None,
             verdict: None,
             simulation,

@@ -4,7 +4,7 @@ use serde::de::{Deserializer, Error};
 use serde::ser::Serializer;
 use serde::{Deserialize, Serialize};
 
-use super::{Signals, Simulation, Verdict};
+use super::{CorrectionScore, Signals, Simulation, Verdict};
 use crate::Finding;
 use crate::record::{Channel, InputOutput, Keyed, Record, RecordError, Unit};
 use crate::start::Memory;
@@ -15,8 +15,9 @@ use crate::validate::Scores;
 ///
 /// As JSON, quantities in the unit of the outputs have keys that end in it (`rmse_um`), and `unit` names it
 /// where it is not µm; `start` is there where a hysteresis memory was estimated, with the score from the
-/// model file's own start in `without_estimated_start`, `verdict` where the file holds scores of its
-/// training. Several outputs: the figures are pooled over them, then `outputs` has each of them.
+/// model file's own start in `without_estimated_start`; `left_out` and `without_correction` (the score of the
+/// model alone) of a corrected one; `verdict` where the file holds scores of its training. Several outputs:
+/// the figures are pooled over them, then `outputs` has each of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Score {
     /// Name of the record: the path of its file, where it has one.
@@ -35,6 +36,8 @@ pub struct Score {
     pub axes: Option<AxesScore>,
     /// Coverage of the record by the 95 % band of a new measurement, where it was requested.
     pub band: Option<BandScore>,
+    /// What a correction by the predicted misfit gained, where it was requested.
+    pub correction: Option<CorrectionScore>,
     /// Scores from the start that the model file assumes, where a hysteresis memory was estimated from the
     /// record.
     pub without_estimated_start: Option<Box<Scores>>,
@@ -93,6 +96,7 @@ impl Score {
             outputs: vec![scores],
             axes: None,
             band: None,
+            correction: None,
             without_estimated_start: None,
             verdict: None,
             simulation,
@@ -163,6 +167,9 @@ pub struct ScoreSummary {
     pub errors: ErrorSummary,
     /// Band of a new measurement, where it was requested.
     pub band: Option<BandScore>,
+    /// Share of the error that a correction leaves on left-out parts of the training records, and the errors
+    /// of the model alone, where it was requested.
+    pub correction: Option<(f64, ErrorSummary)>,
     /// Start with an estimated memory.
     pub start: Option<RememberingStart>,
     /// Errors from the start that the model file assumes, where a memory was estimated from the record.
@@ -223,6 +230,10 @@ impl Score {
             unit: self.unit.symbol().to_owned(),
             errors: single.map_or(pooled, ErrorSummary::from),
             band: self.band.clone(),
+            correction: self
+                .correction
+                .as_ref()
+                .map(|correction| (correction.left_out, ErrorSummary::from(&*correction.without))),
             start: self.estimated_memory().map(|(voltage, memory)| RememberingStart::new(voltage, memory)),
             without_estimated_start: self.without_estimated_start.as_deref().map(ErrorSummary::from),
             verdict: self.verdict.clone(),
@@ -275,6 +286,11 @@ impl Serialize for ScoreSummary {
                     told = told.with("band_findings", &band.findings);
                 }
             }
+            if let Some((left_out, without)) = &self.correction {
+                told = told
+                    .with("left_out", left_out)
+                    .with("without_correction", without.told(Keyed::default(), unit));
+            }
             if let Some(start) = &self.start {
                 told = told.with("start", start);
             }
@@ -310,6 +326,9 @@ impl<'de> Deserialize<'de> for ScoreSummary {
             let model = keyed.get_in_unit("band_of_model", &unit)?;
             Ok(BandScore { inside_percent, measurement, model, findings })
         });
+        let correction = keyed
+            .get::<Option<Keyed>, _>("without_correction")?
+            .map(|without| Ok((keyed.get("left_out")?, ErrorSummary::read(&without, &unit)?)));
         let without = keyed.get::<Option<Keyed>, _>("without_estimated_start")?;
         let without = without.map(|errors| ErrorSummary::read(&errors, &unit));
         let axes = keyed.get::<Option<Vec<Keyed>>, _>("outputs")?.map(|outputs| {
@@ -328,6 +347,7 @@ impl<'de> Deserialize<'de> for ScoreSummary {
             skipped_samples: keyed.get("skipped_samples")?,
             errors: ErrorSummary::read(&keyed, &unit)?,
             band: band.transpose()?,
+            correction: correction.transpose()?,
             start: keyed.get("start")?,
             without_estimated_start: without.transpose()?,
             verdict: keyed.get("verdict")?,
@@ -415,6 +435,9 @@ mod tests {
         let findings = vec![Finding::new(crate::FindingKind::Advice, "band", "A sweep would change that.")];
         let band = BandScore { findings, ..band };
         comes_back(&Score { band: Some(band), ..one.clone() });
+        let without = Box::new(one.outputs[0].clone());
+        let correction = Some(CorrectionScore { left_out: 0.3, without });
+        comes_back(&Score { correction, ..one.clone() });
         let axes = AxesScore { outputs: vec!["y".into()], level: None, mean_period_rmse: Some(0.25) };
         comes_back(&Score { axes: Some(axes), ..one });
         let missing = serde_json::from_str::<ScoreSummary>(r#"{"record":"r"}"#).unwrap_err().to_string();

@@ -20,6 +20,7 @@ mod detrend;
 mod error;
 mod excitation_kind;
 mod frequency_response;
+mod further_drives;
 mod gaps;
 mod inspect;
 mod inspection_summary;

@@ -11,6 +11,9 @@ use super::sorts::Sort;
 use crate::Outcome;
 use crate::table;
 
+/// Probability of the band.
+const LEVEL: f64 = 0.95;
+
 /// Bands of a record.
 #[derive(Clone, Copy)]
 pub struct Bands {
@@ -19,8 +22,17 @@ pub struct Bands {
     pub misfit: Band,
     /// The device was told to be outside the class.
     pub outside: bool,
-    /// Error with the predicted misfit over that without it, where correcting by it is said to pay.
-    pub corrected: Option<f64>,
+    /// With the predicted misfit, where correcting by it is said to pay.
+    pub corrected: Option<Corrected>,
+}
+
+/// The model corrected by the predicted misfit.
+#[derive(Clone, Copy)]
+pub struct Corrected {
+    /// Its error over that of the model alone.
+    pub error: f64,
+    /// Its band.
+    pub band: Band,
 }
 
 /// Coverage, and mean half-width over the smallest constant one that holds 95 %.
@@ -64,9 +76,12 @@ pub fn scored(
         let of_misfit = band(&file)?;
         let pays = model.correction().is_ok();
         let corrected = of_misfit.misfit.as_ref().filter(|_| pays).map(|misfit| {
-            let model = misfit.discrepancy.iter().zip(&simulated).map(|(d, m)| m + d);
-            rms_about_mean(data.y.iter().zip(model).map(|(y, m)| y - m))
-                / rms_about_mean(data.y.iter().zip(&simulated).map(|(y, m)| y - m))
+            let plain: Vec<f64> = data.y.iter().zip(&simulated).map(|(y, m)| y - m).collect();
+            let left = about_mean(plain.iter().zip(&misfit.discrepancy).map(|(e, d)| e - d).collect());
+            let half = misfit.clone().remaining().half_width(LEVEL);
+            let error = rms(&left) / rms(&about_mean(plain));
+            let errors: Vec<f64> = left.into_iter().map(f64::abs).collect();
+            Corrected { error, band: Band::of(&errors, &half) }
         });
         let bands = Bands {
             class: Band::of(&errors, &band(&class_alone)?.of_measurement()),
@@ -79,10 +94,14 @@ pub fn scored(
     each.collect()
 }
 
-fn rms_about_mean(errors: impl Iterator<Item = f64>) -> f64 {
-    let errors: Vec<f64> = errors.collect();
+fn about_mean(mut errors: Vec<f64>) -> Vec<f64> {
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
-    (errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / errors.len() as f64).sqrt()
+    errors.iter_mut().for_each(|e| *e -= mean);
+    errors
+}
+
+fn rms(errors: &[f64]) -> f64 {
+    (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt()
 }
 
 impl Band {
@@ -127,7 +146,7 @@ fn gate(bands: &[Band], campaign: Campaign) -> String {
 
 /// Prints the table of campaigns and kinds of record with the gates, and those of sorts and families.
 pub fn tables(all: &[Scored], sorts: &[Sort]) -> Outcome<()> {
-    const MEASURES: [&str; 12] = [
+    const MEASURES: [&str; 14] = [
         "outside",
         "class: pooled",
         "10th",
@@ -140,16 +159,18 @@ pub fn tables(all: &[Scored], sorts: &[Sort]) -> Outcome<()> {
         "corrected",
         "error",
         "90th",
+        "pooled",
+        "width",
     ];
     let misfit = |of: &[&Scored]| of.iter().map(|s| s.bands.misfit).collect::<Vec<Band>>();
     let measured = |of: &[&Scored]| -> Vec<String> {
         let outside = of.iter().filter(|s| s.bands.outside).count();
         let class: Vec<Band> = of.iter().map(|s| s.bands.class).collect();
         let share = format!("{outside} of {}", of.len());
-        let ratios: Vec<f64> = of.iter().filter_map(|s| s.bands.corrected).collect();
-        let corrected = format!("{} of {}", ratios.len(), of.len());
-        let ratio = |p| format!("{:.2}", quantile(ratios.clone(), p));
-        let corrected = [corrected, ratio(0.5), ratio(0.9)];
+        let found: Vec<Corrected> = of.iter().filter_map(|s| s.bands.corrected).collect();
+        let ratio = |p| format!("{:.2}", quantile(found.iter().map(|c| c.error).collect(), p));
+        let [pooled, _, width, _] = summary(&found.iter().map(|c| c.band).collect::<Vec<_>>());
+        let corrected = [format!("{} of {}", found.len(), of.len()), ratio(0.5), ratio(0.9), pooled, width];
         std::iter::once(share).chain(summary(&class)).chain(summary(&misfit(of))).chain(corrected).collect()
     };
     let mut rows = Vec::new();

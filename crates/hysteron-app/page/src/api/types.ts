@@ -394,7 +394,7 @@ export interface ModelDetail extends ModelEntry {
   treatment: string[];
   valid_range: string | null;
   drive_range: [number, number] | null;
-  /** Correcting a drive by its predicted misfit pays. */
+  /** Correcting the model by its predicted misfit pays. */
   correctable: boolean;
   sample_rate_hz: number | null;
   file: unknown;

@@ -7,6 +7,7 @@ import type {
   GainPhase,
   Judged,
   ModelCurves,
+  ModelDetail,
   ModelEntry,
   RecordEntry,
   Responses,
@@ -61,6 +62,8 @@ function Judgement({
   records: RecordEntry[];
 }) {
   const { query: asked } = useSignal(route);
+  const detail = useLatest<ModelDetail>(path('models', model.id)).value;
+  const correctable = detail?.correctable ?? false;
   const fitted = recordsOf(model, records);
   const usable = records.filter((record) => record.device === model.device && !record.error);
   const held = usable.filter((record) => record.settings.role === 'validate' && !fitted.includes(record));
@@ -76,6 +79,7 @@ function Judgement({
     skip_s: asked.get('skip') ? Number(asked.get('skip')) : null,
     fixed_offset: asked.get('fixed') !== null,
     continued: asked.get('run') !== null,
+    correct: asked.get('correct') !== null && asked.get('run') === null && correctable,
     rate: (model.kind === 'force' && asked.get('ratecol')) || null,
   };
   const at = `${path('models', model.id)}/scores`;
@@ -113,7 +117,7 @@ function Judgement({
         </Lacking>
       ) : (
         <div class="stack">
-          <Scoring model={model}>
+          <Scoring model={model} correctable={correctable}>
             {chosen && (
               <SaveAs
                 stem="scored"
@@ -153,7 +157,15 @@ function Judgement({
 }
 
 /** How records are scored, and the samples as a file. */
-function Scoring({ model, children }: { model: ModelEntry; children: ComponentChildren }) {
+function Scoring({
+  model,
+  correctable,
+  children,
+}: {
+  model: ModelEntry;
+  correctable: boolean;
+  children: ComponentChildren;
+}) {
   const { query: asked } = useSignal(route);
   const check = (key: string, label: string) => (
     <label class="row">
@@ -184,6 +196,9 @@ function Scoring({ model, children }: { model: ModelEntry; children: ComponentCh
         </label>
         {check('fixed', 'the sensor’s offset is the model’s')}
         {check('run', 'parts of one run')}
+        {correctable &&
+          asked.get('run') === null &&
+          check('correct', 'corrected by what the device does beside the model')}
         {model.kind === 'force' && (
           <label class="row">
             <span class="soft">Column of the rate</span>
