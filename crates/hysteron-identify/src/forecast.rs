@@ -2,6 +2,7 @@
 
 use hysteron_model::Start;
 use hysteron_model::invert::{InverseDrive, InversionError, LastRun};
+use hysteron_model::misfit::MisfitPrediction;
 use hysteron_model::model::{ErrorForecast, Hammerstein, InverseRequest, InverseSummary};
 use hysteron_model::model_file::ModelFile;
 use hysteron_model::{Advice, Finding, FindingKind};
@@ -82,7 +83,7 @@ impl PredictionBand {
     ) -> Result<Option<ErrorForecast>, IdentifyError> {
         let start = found.rest.unwrap_or(Start::settled(found.drive.len()));
         let band = match Self::of_file_told(file, &found.drive, Some(sample_rate_hz), &start, listener) {
-            Ok(band) if corrected => band.corrected(),
+            Ok(band) if corrected => remaining(band),
             Ok(band) => band,
             Err(IdentifyError::Stopped) => return Err(IdentifyError::Stopped),
             Err(_) => return Ok(None),
@@ -114,10 +115,15 @@ impl PredictionBand {
     }
 }
 
+/// The band of a prediction that is corrected by the misfit.
+fn remaining(band: PredictionBand) -> PredictionBand {
+    PredictionBand { misfit: band.misfit.map(MisfitPrediction::remaining), ..band }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use hysteron_model::misfit::{ColumnGroup, MisfitPrediction};
+    use hysteron_model::misfit::ColumnGroup;
 
     #[test]
     fn the_expected_error_adds_the_squares_of_its_parts() {
@@ -132,13 +138,14 @@ mod tests {
             unexcited: 0.0,
             unexcited_group: ColumnGroup::Memory,
             one_amplitude: false,
+            left_out: 0.5,
         };
         // The first error is what the discrepancy makes up for: ((0 + 0) + (1 + 4))/2 + 0.25.
         let outside = PredictionBand { misfit: Some(misfit), ..class };
         let found = outside.expected_rms(&[2.0, 3.0], &[1.0, 3.0]);
         assert!((found - 2.75_f64.sqrt()).abs() < 1e-15, "{found}");
         // A corrected prediction has made up for it: ((1 + 0) + (0 + 4))/2 + 0.25.
-        let found = outside.corrected().expected_rms(&[2.0, 3.0], &[1.0, 3.0]);
+        let found = remaining(outside).expected_rms(&[2.0, 3.0], &[1.0, 3.0]);
         assert!((found - 2.75_f64.sqrt()).abs() < 1e-15, "{found}");
     }
 }

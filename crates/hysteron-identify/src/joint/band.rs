@@ -60,7 +60,7 @@ impl PredictionBand {
     /// ([`hysteron_model::Model::simulate_corrected`]).
     #[must_use]
     pub fn corrected(self) -> Self {
-        Self { misfit: self.misfit.map(MisfitPrediction::remaining), ..self }
+        Self { misfit: self.misfit.map(MisfitPrediction::possibly_remaining), ..self }
     }
 
     /// Half the width of the band that holds the model's true output with 95 % at each sample \[output

@@ -25,6 +25,12 @@ pub enum NotCorrected {
         /// Error of the corrected model there, over that of the model alone.
         left_out: f64,
     },
+    /// Nothing tells how the misfit depends on the amplitude.
+    #[error(
+        "the training records hold loops of one amplitude, and how the misfit changes with it is unknown; add \
+         nested loops of at least four amplitudes over the whole range"
+    )]
+    OneAmplitude,
     /// The model file is older than the test.
     #[error("its file does not say whether that pays; identify the model again")]
     Unknown,
@@ -47,9 +53,10 @@ impl MisfitModel {
     /// training records, where it is small enough for a correction to pay.
     ///
     /// # Errors
-    /// [`NotCorrected::NoGain`], [`NotCorrected::Unknown`].
+    /// [`NotCorrected::OneAmplitude`], [`NotCorrected::NoGain`], [`NotCorrected::Unknown`].
     pub fn correction_left_out(&self) -> Result<f64, NotCorrected> {
         match self.left_out {
+            _ if self.one_amplitude => Err(NotCorrected::OneAmplitude),
             Some(left_out) if left_out <= GAIN => Ok(left_out),
             Some(left_out) => Err(NotCorrected::NoGain { left_out }),
             None => Err(NotCorrected::Unknown),
@@ -79,7 +86,7 @@ mod tests {
 
     #[test]
     fn a_correction_pays_where_left_out_parts_gain_a_tenth() {
-        let of = |left_out| MisfitModel {
+        let of = |left_out: Option<f64>| MisfitModel {
             basis: Basis { low_v: 0.0, high_v: 1.0, frequency_hz: 1.0 },
             noise: 1.0,
             explained: 0.5,
@@ -92,6 +99,8 @@ mod tests {
         assert_eq!(of(Some(0.4)).correction_left_out(), Ok(0.4));
         assert_eq!(of(Some(0.93)).correction_left_out(), Err(NotCorrected::NoGain { left_out: 0.93 }));
         assert_eq!(of(None).correction_left_out(), Err(NotCorrected::Unknown));
+        let one = MisfitModel { one_amplitude: true, ..of(Some(0.4)) };
+        assert_eq!(one.correction_left_out(), Err(NotCorrected::OneAmplitude));
         assert!(NotCorrected::NoGain { left_out: 0.93 }.to_string().ends_with("leaves 93 % of the error"));
     }
 }

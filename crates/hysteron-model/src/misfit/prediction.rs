@@ -31,6 +31,8 @@ pub struct MisfitPrediction {
     pub unexcited_group: ColumnGroup,
     /// The training records hold loops of one amplitude only.
     pub one_amplitude: bool,
+    /// Share of the error that a correction leaves on left-out parts of the training records; 1 where unknown.
+    pub left_out: f64,
 }
 
 impl MisfitPrediction {
@@ -72,6 +74,7 @@ impl MisfitPrediction {
             unexcited: if expected > 0.0 { total.unexcited / expected } else { 0.0 },
             unexcited_group: largest.unwrap_or(ColumnGroup::Memory),
             one_amplitude: of.one_amplitude,
+            left_out: of.left_out.unwrap_or(1.0),
         }
     }
 
@@ -82,11 +85,19 @@ impl MisfitPrediction {
         Self { discrepancy: of(&self.discrepancy), std_dev: of(&self.std_dev), ..self.clone() }
     }
 
-    /// What remains of the misfit beside a model that is corrected by the predicted discrepancy: its spread
-    /// alone.
+    /// What is expected to remain of the misfit beside a model that is corrected by the predicted discrepancy:
+    /// its spread alone.
     #[must_use]
     pub fn remaining(mut self) -> Self {
         self.discrepancy.fill(0.0);
+        self
+    }
+
+    /// What may remain of the misfit beside a corrected model, for its band: the spread, and the share of the
+    /// predicted discrepancy that a correction leaves on left-out parts of the training records.
+    #[must_use]
+    pub fn possibly_remaining(mut self) -> Self {
+        self.discrepancy.iter_mut().for_each(|d| *d *= self.left_out);
         self
     }
 

@@ -78,7 +78,7 @@ pub fn scored(
         let corrected = of_misfit.misfit.as_ref().filter(|_| pays).map(|misfit| {
             let plain: Vec<f64> = data.y.iter().zip(&simulated).map(|(y, m)| y - m).collect();
             let left = about_mean(plain.iter().zip(&misfit.discrepancy).map(|(e, d)| e - d).collect());
-            let half = misfit.clone().remaining().half_width(LEVEL);
+            let half = misfit.clone().possibly_remaining().half_width(LEVEL);
             let error = rms(&left) / rms(&about_mean(plain));
             let errors: Vec<f64> = left.into_iter().map(f64::abs).collect();
             Corrected { error, band: Band::of(&errors, &half) }
