@@ -172,6 +172,8 @@ struct Ran {
     bench: Bench,
     /// What each printed.
     printed: Vec<String>,
+    /// All files afterwards: the tests, which run side by side, write others.
+    files: BTreeMap<String, Vec<u8>>,
 }
 
 static RAN: LazyLock<[Ran; 2]> = LazyLock::new(|| ["1", "2"].map(all_on));
@@ -191,7 +193,8 @@ fn all_on(threads: &str) -> Ran {
         String::from_utf8(output.stdout).unwrap()
     };
     let printed = lines().iter().map(run).collect();
-    Ran { bench, printed }
+    let files = files(&bench.path("."));
+    Ran { bench, printed, files }
 }
 
 /// Gives all models one time of making: other files hold their hashes.
@@ -255,7 +258,7 @@ fn one_thread_and_two_give_the_same_bits() {
     for ((line, one), two) in all.filter(|((line, _), _)| !line.starts_with("compare")) {
         assert_eq!(lasting(one.as_bytes()), lasting(two.as_bytes()), "{line}");
     }
-    let (one, two) = (files(&one.bench.path(".")), files(&two.bench.path(".")));
+    let (one, two) = (&one.files, &two.files);
     assert!(one.keys().eq(two.keys()));
     // Pages hold times, beside numbers that are in other files.
     for (name, text) in one.iter().filter(|(name, _)| !name.ends_with(".html")) {
@@ -267,9 +270,9 @@ fn one_thread_and_two_give_the_same_bits() {
 fn everything_written_is_read_again() {
     let [ran, _] = &*RAN;
     let mut read = BTreeMap::<&str, usize>::new();
-    for (name, text) in files(&ran.bench.path(".")) {
-        let path = ran.bench.path(&name);
-        let kind = match Path::new(&name).extension().and_then(|e| e.to_str()).unwrap_or("") {
+    for (name, text) in &ran.files {
+        let path = ran.bench.path(name);
+        let kind = match Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or("") {
             // No record: a response is read by its own command.
             "csv" if name == "response.csv" => continue,
             "csv" | "npz" | "mat" => {
@@ -282,8 +285,7 @@ fn everything_written_is_read_again() {
             }
             "json" if name.starts_with("code") => continue,
             "json"
-                if text.starts_with(b"{")
-                    && String::from_utf8_lossy(&text).contains("\"hysteron-model\"") =>
+                if text.starts_with(b"{") && String::from_utf8_lossy(text).contains("\"hysteron-model\"") =>
             {
                 let model = load_model(&path).unwrap_or_else(|e| panic!("{name}: {e}"));
                 let written = model.to_json().unwrap();
@@ -292,11 +294,11 @@ fn everything_written_is_read_again() {
             }
             // Read by the lines of the table.
             "json" => {
-                serde_json::from_slice::<Value>(&text).unwrap_or_else(|e| panic!("{name}: {e}"));
+                serde_json::from_slice::<Value>(text).unwrap_or_else(|e| panic!("{name}: {e}"));
                 "settings"
             }
             "html" | "svg" => {
-                let text = String::from_utf8(text).unwrap_or_else(|e| panic!("{name}: {e}"));
+                let text = std::str::from_utf8(text).unwrap_or_else(|e| panic!("{name}: {e}"));
                 assert!(
                     text.trim_end().ends_with("</html>") || text.trim_end().ends_with("</svg>"),
                     "{name}"

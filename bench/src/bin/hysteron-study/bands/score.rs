@@ -170,8 +170,13 @@ pub fn tables(all: &[Scored], sorts: &[Sort]) -> Outcome<()> {
         let found: Vec<Corrected> = of.iter().filter_map(|s| s.bands.corrected).collect();
         let ratio = |p| format!("{:.2}", quantile(found.iter().map(|c| c.error).collect(), p));
         let [pooled, _, width, _] = summary(&found.iter().map(|c| c.band).collect::<Vec<_>>());
-        let corrected = [format!("{} of {}", found.len(), of.len()), ratio(0.5), ratio(0.9), pooled, width];
-        std::iter::once(share).chain(summary(&class)).chain(summary(&misfit(of))).chain(corrected).collect()
+        let share_corrected = format!("{} of {}", found.len(), of.len());
+        let corrected = match found.len() {
+            0 => ["–"; 4].map(str::to_owned),
+            _ => [ratio(0.5), ratio(0.9), pooled, width],
+        };
+        let of_class_and_misfit = summary(&class).into_iter().chain(summary(&misfit(of)));
+        [share].into_iter().chain(of_class_and_misfit).chain([share_corrected]).chain(corrected).collect()
     };
     let mut rows = Vec::new();
     for campaign in Campaign::ALL {
