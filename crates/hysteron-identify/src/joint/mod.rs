@@ -40,7 +40,7 @@ pub use intervals::{Interval, IntervalMethod};
 pub use knowledge::Covariance;
 pub(super) use knowledge::coloured_square;
 pub(super) use model::assemble;
-pub(super) use normalised::{fit_with_its_memory, local_fits};
+pub(super) use normalised::{fit_with_its_memory, local_fits, nearer_with_its_memory};
 pub use objective::{JointObjective, JointScratch};
 pub(super) use problem::JointProblem;
 pub(super) use resolution::information;

@@ -317,6 +317,23 @@ pub(in super::super) fn fit_with_its_memory(
     Ok(fit)
 }
 
+/// A start nearer to the optimum, by a fit with the memory held where this spares rerunning the operators; else
+/// `start`. The memory hardly moves, and another one costs as much as all else.
+pub(in super::super) fn nearer_with_its_memory(
+    engine: &mut Engine<'_, '_>,
+    step: &str,
+    problem: &JointProblem,
+    start: Vec<f64>,
+    options: LeastSquaresOptions,
+    show: Show<'_>,
+) -> Result<Vec<f64>, OptimizeError> {
+    if problem.holding_memory(&start).is_none() {
+        return Ok(start);
+    }
+    let held = fit_with_its_memory(engine, step, problem, start.clone(), options, show);
+    Ok(engine.where_feasible(held)?.map_or(start, |fit| fit.outcome.best))
+}
+
 /// Local fits from the given starts, in normalised coefficients where these apply. If the best ends outside
 /// the ranges of natural frequency and damping, all are refitted within, from their nearest points there and
 /// from the starts.

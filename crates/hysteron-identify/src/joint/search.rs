@@ -12,7 +12,7 @@ use super::many_starts::{
     search_from_places, search_globally,
 };
 use super::model::shown;
-use super::normalised::{fit_with_its_memory, resolved_fit};
+use super::normalised::{fit_with_its_memory, nearer_with_its_memory, resolved_fit};
 use super::problem::JointProblem;
 use super::resolution::{COARSE, resolved};
 use super::setup::JointSetup;
@@ -132,22 +132,10 @@ fn with_degree<'a>(
     } else {
         let finer_problem = setup.problem(problem.degree(), finer)?;
         let grown = |x: &[f64]| shown(&finer_problem, x, &setup);
-        // The memory of the records hardly moves, and another one costs as much as all else.
         let start = search.outcome.best.clone();
-        let start = if finer_problem.holding_memory(&start).is_some() {
-            let options = resolved(COARSE);
-            let held = fit_with_its_memory(
-                engine,
-                "joint fit",
-                &finer_problem,
-                start.clone(),
-                options,
-                Some(&grown),
-            );
-            engine.where_feasible(held)?.map_or(start, |held| held.outcome.best)
-        } else {
-            start
-        };
+        let options = resolved(COARSE);
+        let start =
+            nearer_with_its_memory(engine, "joint fit", &finer_problem, start, options, Some(&grown))?;
         let fit = resolved_fit(engine, "joint fit", &finer_problem, vec![start], Some(&grown));
         match engine.unless_stopped(fit)? {
             Some(mut fit) => {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::super::engine::{Engine, rough};
 use super::super::joint::{
     JointMember, JointProblem, JointSetup, Rate, assemble, fit_with_its_memory, form, local_fits,
-    memory_name, scheme,
+    memory_name, nearer_with_its_memory, scheme,
 };
 use super::super::layout::Role;
 use super::super::options::{CampaignRecord, Choice, Options};
@@ -234,14 +234,7 @@ impl Campaign<'_> {
         let mut engine = self.engine(&watch);
         let options =
             LeastSquaresOptions { iterations, cost_tolerance: COST_TOLERANCE, ..Default::default() };
-        // Another memory of the records costs as much as all else.
-        let x = if problem.holding_memory(&x).is_some() {
-            let options = options.clone();
-            let held = fit_with_its_memory(&mut engine, "continued", problem, x.clone(), options, None);
-            engine.where_feasible(held)?.map_or(x, |fit| fit.outcome.best)
-        } else {
-            x
-        };
+        let x = nearer_with_its_memory(&mut engine, "continued", problem, x, options.clone(), None)?;
         let fit = local_fits(&mut engine, "continued", problem, vec![x], options, None);
         match engine.unless_stopped(fit)? {
             Some(fit) if !engine.is_stopped() => Ok(fit.outcome.best),
