@@ -41,7 +41,7 @@ use crate::result_flags::ResultFlags;
     the preferred candidate so far in hysteresis family (those quick to fit), dynamic block (none, integer1 \
     to integer4, fractional ones, arx), creep, polynomial degree and free n, until it stays. A candidate \
     that, with all records in its fit, still has more than 1.2 times the smallest held-out error is not \
-    cross-validated. --quick goes once through the commonest of each; --time-limit ends after so many \
+    cross-validated, and what was more than 1.5 times as far off is not tried again. --quick goes once through the commonest of each; --time-limit ends after so many \
     seconds with what is finished by then. A candidate is \
     BLOCK[+CREEP][+degreeN][+n-free][+FAMILY], BLOCK one of none, integer1 to integer12, modes4 to modes12 \
     (resonances in parallel), arx, oe, bj, srivc, fractional, fractional-free-lowest, two-fractional, CREEP \

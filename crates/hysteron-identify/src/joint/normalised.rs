@@ -362,11 +362,16 @@ pub(in super::super) fn local_fits(
     if normalised.is_inside(&search.outcome.best) || engine.is_stopped() {
         return Ok(search);
     }
-    // The nearest points may not be simulable: hence also from the given starts.
-    let ends = search.outcome.starts.iter().map(|start| normalised.nearest(&start.best));
-    let nearest = ends.chain(starts).collect();
-    let mut inside =
-        engine.local_fits(&format!("{step}, within its ranges"), problem, nearest, options, show)?;
+    let nearest = search.outcome.starts.iter().map(|start| normalised.nearest(&start.best)).collect();
+    let within = format!("{step}, within its ranges");
+    let fit = engine.local_fits(&within, problem, nearest, options.clone(), show);
+    let mut inside = match fit {
+        // No nearest point can be simulated.
+        Err(OptimizeError::NoFeasiblePoint { .. }) => {
+            engine.local_fits(&within, problem, starts, options, show)?
+        }
+        fit => fit?,
+    };
     inside.outcome.evaluations += search.outcome.evaluations;
     inside.outcome.generations += search.outcome.generations;
     Ok(Search { step: step.to_owned(), ..inside })

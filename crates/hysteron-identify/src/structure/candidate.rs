@@ -182,6 +182,16 @@ impl Candidate {
         list.into_iter().filter(|c| !c.block.takes_two_steps() || of_its_own(c)).collect()
     }
 
+    /// True if both have this `part` in common.
+    pub(super) fn shares(self, other: Self, part: StructurePart) -> bool {
+        match part {
+            StructurePart::Block => self.block == other.block,
+            StructurePart::Creep => self.creep == other.creep,
+            StructurePart::Family => self.hysteresis == other.hysteresis,
+            StructurePart::Shape => (self.degree, self.n_free) == (other.degree, other.n_free),
+        }
+    }
+
     /// This structure with another block, which has its own hysteresis if it is identified in two steps.
     fn with_block(self, block: Block) -> Self {
         if block.takes_two_steps() {

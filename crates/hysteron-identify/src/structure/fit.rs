@@ -1,9 +1,5 @@
 //! Fits of one candidate: to the whole campaign, and to the training data of a fold.
 
-use std::ops::Range;
-
-use serde::{Deserialize, Serialize};
-
 use super::super::engine::{Engine, rough};
 use super::super::joint::{
     JointMember, JointProblem, JointSetup, Rate, assemble, fit_with_its_memory, form, local_fits,
@@ -11,25 +7,23 @@ use super::super::joint::{
 };
 use super::super::layout::Role;
 use super::super::options::{CampaignRecord, Choice, Options};
-use super::super::uncertainty::correlation_time;
 use super::super::watch::Plan;
 use super::super::{IdentifyError, RecordFacts, Watch, identify};
 use super::candidate::Candidate;
+use super::errors::left;
 use super::folds::Fold;
 use super::loose::without_what_is_loose;
 use hysteron_model::Start;
 use hysteron_model::dynamics::Dynamics;
 use hysteron_model::hammerstein::Model;
-use hysteron_model::record::InputOutput;
-use hysteron_model::validate::{Scoring, choose_start, score};
 use hysteron_optimize::{Algorithm, LeastSquaresOptions, OptimizeError, Problem, Settings, Stop};
 
 /// Starts of rough fits to the whole campaign, and iterations of the best of these from there on; iterations
 /// of a fit to the training data of a fold.
 const POLISHED: usize = 3;
 const ITERATIONS: usize = 30;
-const FOLD_ITERATIONS: usize = 15;
-/// Cost tolerance of these fits: structures differ by far more.
+const FOLD_ITERATIONS: usize = 6;
+/// Cost tolerance of these fits: structures differ by more.
 const COST_TOLERANCE: f64 = 1e-4;
 /// Rough fits agree if their costs are within this many times the lowest, and their starts at least this
 /// share of a range apart.
@@ -116,63 +110,18 @@ impl Campaign<'_> {
         Ok(WholeFit { model, starts, parameters, named })
     }
 
-    /// Held-out rms error on `fold`, by a fit to the rest.
-    pub(super) fn error_on(&self, candidate: Candidate, whole: &WholeFit, fold: &Fold) -> Result<f64, NoFit> {
-        let (model, starts) = if candidate.block.takes_two_steps() {
-            self.two_steps_without(candidate, fold)?
+    /// A fit of the candidate to all but the data of a fold: the model, and the starts of its records.
+    pub(super) fn without(
+        &self,
+        candidate: Candidate,
+        whole: &WholeFit,
+        fold: &Fold,
+    ) -> Result<(Model, Vec<(usize, Start)>), NoFit> {
+        if candidate.block.takes_two_steps() {
+            self.two_steps_without(candidate, fold)
         } else {
-            self.joint_without(candidate, whole, fold)?
-        };
-        self.error_of(&model, &starts, fold)
-    }
-
-    /// Error on `fold` of the fit to all records: a fit without the fold can hardly do better.
-    pub(super) fn error_within(&self, whole: &WholeFit, fold: &Fold) -> Result<f64, NoFit> {
-        let starts: Vec<(usize, Start)> = whole.starts.iter().copied().enumerate().collect();
-        self.error_of(&whole.model, &starts, fold)
-    }
-
-    fn error_of(&self, model: &Model, starts: &[(usize, Start)], fold: &Fold) -> Result<f64, NoFit> {
-        let (mut square, mut samples) = (0.0, 0usize);
-        for (record, ranges) in &fold.held {
-            let facts = &self.facts[*record];
-            let data = left(&facts.data, ranges, false);
-            // The start is chosen on the held-out data: the training data may not determine the memory.
-            let fitted = starts.iter().find(|(r, _)| r == record).map(|(_, start)| *start);
-            let preferred = fitted.unwrap_or_else(|| self.members[*record].fresh_start());
-            let (_, simulated) = choose_start(model, &data, preferred, None, &Scoring::default())
-                .map_err(|e| NoFit::Failed(e.to_string()))?;
-            let scores = score(&data, &simulated, &Scoring::default())?;
-            square += scores.rmse * scores.rmse * scores.samples as f64;
-            samples += scores.samples;
+            self.joint_without(candidate, whole, fold)
         }
-        let error = (square / samples.max(1) as f64).sqrt();
-        if error.is_finite() {
-            Ok(error)
-        } else {
-            Err(NoFit::Failed("the simulation does not stay finite".into()))
-        }
-    }
-
-    /// Weighted residuals of the whole campaign: RMSE in the output's unit, sum of squares of the residuals
-    /// over their noise, and their effective number of independent samples.
-    pub(super) fn training(&self, fit: &WholeFit) -> Result<Training, NoFit> {
-        let (mut square, mut weighted, mut samples, mut information) = (0.0, 0.0, 0usize, 0.0);
-        for (index, facts) in self.facts.iter().enumerate() {
-            let data = &facts.data;
-            let simulated = fit.model.simulate_at_own_rate(&data.u, &data.time, &fit.starts[index])?;
-            let offset = score(data, &simulated, &Scoring::default())?.offset;
-            let residual: Vec<f64> =
-                facts.scored(0).into_iter().map(|k| data.y[k] - simulated[k] - offset).collect();
-            let own = residual.iter().map(|e| e * e).sum::<f64>();
-            let noise = self.members[index].noise;
-            square += own;
-            weighted += own / (noise * noise);
-            samples += residual.len();
-            information += residual.len() as f64 / correlation_time(&residual);
-        }
-        let count = samples.max(1) as f64;
-        Ok(Training { rmse: (square / count).sqrt(), mean_square: weighted / count, information })
     }
 
     /// The joint fit of the candidate as a problem.
@@ -374,40 +323,6 @@ impl Campaign<'_> {
         }
         rest
     }
-}
-
-/// Training error on the whole campaign.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Training {
-    pub(super) rmse: f64,
-    /// Mean square of residual over noise.
-    pub(super) mean_square: f64,
-    /// Effective number of independent samples of the residuals.
-    pub(super) information: f64,
-}
-
-impl Training {
-    /// N ln(Σ(e/σ)²/N) over N independent samples.
-    pub(super) fn fit(&self, independent: f64) -> f64 {
-        independent * self.mean_square.max(f64::MIN_POSITIVE).ln()
-    }
-
-    /// [`super::Entry::bic`].
-    pub(super) fn bic(&self, independent: f64, parameters: usize) -> f64 {
-        self.fit(independent) + parameters as f64 * independent.ln()
-    }
-}
-
-/// The record with `ranges` masked, or with all but them masked.
-fn left(data: &InputOutput, ranges: &[Range<usize>], without: bool) -> InputOutput {
-    let mut mask = vec![without; data.u.len()];
-    for range in ranges {
-        mask[range.clone()].fill(!without);
-    }
-    if let Some(valid) = &data.valid {
-        mask.iter_mut().zip(valid).for_each(|(m, v)| *m &= *v);
-    }
-    InputOutput { valid: Some(mask), ..data.clone() }
 }
 
 fn names(problem: &JointProblem) -> impl Iterator<Item = String> + '_ {

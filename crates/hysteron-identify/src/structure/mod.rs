@@ -9,12 +9,14 @@
 mod candidate;
 mod checkpoint;
 mod content;
+mod errors;
 mod family;
 mod fit;
 mod folds;
 mod loose;
 mod neighbours;
 mod prospect;
+mod racing;
 mod ranking;
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -40,7 +42,8 @@ use super::searches::Searches;
 use super::watch::{Plan, State};
 use super::{Event, IdentifyError, RecordFacts, Watch};
 use checkpoint::FinishedCandidate;
-use fit::{Campaign, Named, NoFit, Training, WholeFit};
+use errors::Training;
+use fit::{Campaign, Named, NoFit, WholeFit};
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hammerstein::Model;
 use hysteron_optimize::Settings;
@@ -49,11 +52,10 @@ use hysteron_optimize::Settings;
 const PASSES: usize = 3;
 /// Expected number of candidates in a second pass.
 const SECOND_PASS: usize = 15;
+/// Candidates fitted at the same time.
+const ABREAST: usize = 3;
 /// Number of other candidates' fits used as starts.
 const LEND: usize = 2;
-/// A search omits the folds of a candidate whose error with all records in its fit is more than this many
-/// times the smallest held-out error, and greater by more than the standard error of the difference.
-const HOPELESS: f64 = 1.2;
 
 /// A comparison of structures.
 #[derive(Clone, Debug)]
@@ -246,7 +248,8 @@ impl RunningComparison<'_, '_> {
         for pass in 1..=passes {
             let before = so_far;
             for (parts_left, part) in (0..StructurePart::ALL.len()).rev().zip(StructurePart::ALL) {
-                let alternatives = alternatives_of(so_far, part);
+                let mut alternatives = alternatives_of(so_far, part);
+                alternatives.retain(|alternative| pass == 1 || !self.is_outclassed(*alternative, part));
                 // Estimate: every remaining part has as many candidates as this one.
                 let of_next_pass = if pass == 1 && passes > 1 { SECOND_PASS } else { 0 };
                 let to_come = parts_left * alternatives.len() + of_next_pass;
@@ -270,37 +273,45 @@ impl RunningComparison<'_, '_> {
     fn add(&mut self, candidates: &[Candidate]) {
         let fits = self.folds.len() + 1;
         self.planned = self.planned.max(self.done.load(Ordering::Relaxed) + candidates.len() * fits);
-        for &candidate in candidates {
-            if self.watch.is_stopped() {
+        // The first fit of all lends its values to the others.
+        let alone = usize::from(self.finished.is_empty()).min(candidates.len());
+        let (alone, others) = candidates.split_at(alone);
+        for abreast in [alone].into_iter().filter(|first| !first.is_empty()).chain(others.chunks(ABREAST)) {
+            if self.watch.is_stopped() || !self.add_abreast(abreast) {
                 self.cut_short = true;
                 return;
             }
-            if self.finished.iter().any(|f| f.entry.candidate == candidate)
-                || self.is_within_hopeless(candidate)
-            {
-                self.step(fits, candidate);
-                continue;
-            }
-            match self.restored(candidate).or_else(|| self.fitted(candidate)) {
-                Some(finished) => {
-                    self.finished.push(finished);
-                    let ranking = self.ranking();
-                    let error = |ranking: &Ranking, index: usize| ranking.standings[index].map(|s| s.mean);
-                    let best = ranking.as_ref().map(|ranking| &self.finished[ranking.best].entry);
-                    self.of_best = best.and_then(Entry::complete);
-                    self.preferred = ranking.map(|ranking| {
-                        let error = error(&ranking, ranking.preferred).unwrap_or(f64::NAN);
-                        (self.finished[ranking.preferred].entry.candidate, error)
-                    });
-                    self.has_news.store(true, Ordering::Relaxed);
-                    self.step(0, candidate);
-                }
-                None => {
-                    self.cut_short = true;
-                    return;
-                }
-            }
         }
+    }
+
+    /// Fits candidates at the same time, with what was known before them, so that the result does not depend on
+    /// the threads; false after a stop.
+    fn add_abreast(&mut self, candidates: &[Candidate]) -> bool {
+        let fits = self.folds.len() + 1;
+        let is_known = |candidate: &Candidate| {
+            self.finished.iter().any(|f| f.entry.candidate == *candidate)
+                || self.is_within_hopeless(*candidate)
+        };
+        let (known, new): (Vec<_>, Vec<_>) = candidates.iter().copied().partition(is_known);
+        known.into_iter().for_each(|candidate| self.step(fits, candidate));
+        let fitted = |&candidate: &Candidate| self.restored(candidate).or_else(|| self.fitted(candidate));
+        let fitted: Vec<Option<Finished>> = new.par_iter().map(fitted).collect();
+        let is_complete = fitted.iter().all(Option::is_some);
+        self.resumed.retain(|finished| !new.iter().any(|candidate| finished.is(*candidate)));
+        for finished in fitted.into_iter().flatten() {
+            let candidate = finished.entry.candidate;
+            self.finished.push(finished);
+            let ranking = self.ranking();
+            let best = ranking.as_ref().map(|ranking| &self.finished[ranking.best].entry);
+            self.of_best = best.and_then(Entry::complete);
+            self.preferred = ranking.map(|ranking| {
+                let error = ranking.standings[ranking.preferred].map_or(f64::NAN, |standing| standing.mean);
+                (self.finished[ranking.preferred].entry.candidate, error)
+            });
+            self.has_news.store(true, Ordering::Relaxed);
+            self.step(0, candidate);
+        }
+        is_complete
     }
 
     fn step(&self, fits: usize, candidate: Candidate) {
@@ -322,9 +333,9 @@ impl RunningComparison<'_, '_> {
     }
 
     /// The candidate as an interrupted comparison finished it; `None` where it did not.
-    fn restored(&mut self, candidate: Candidate) -> Option<Finished> {
-        let index = self.resumed.iter().position(|finished| finished.is(candidate))?;
-        let finished = self.resumed.remove(index).restored(candidate, self.folds.len())?;
+    fn restored(&self, candidate: Candidate) -> Option<Finished> {
+        let finished = self.resumed.iter().find(|finished| finished.is(candidate))?;
+        let finished = finished.clone().restored(candidate, self.folds.len())?;
         self.step(self.folds.len() + 1, candidate);
         Some(finished)
     }
@@ -377,7 +388,8 @@ impl RunningComparison<'_, '_> {
             }
         };
         self.step(1, candidate);
-        entry.is_hopeless = self.is_hopeless(&whole);
+        let simulations = self.campaign.simulations(&whole);
+        entry.is_hopeless = simulations.as_ref().is_ok_and(|simulations| self.is_hopeless(simulations));
         if entry.is_hopeless {
             self.step(self.folds.len(), candidate);
         } else {
@@ -395,31 +407,11 @@ impl RunningComparison<'_, '_> {
                 }
             }
         }
-        let training = self.campaign.training(&whole).ok();
+        let training = simulations.and_then(|simulations| self.campaign.training(&simulations)).ok();
         entry.parameters = whole.parameters;
         entry.training_rmse = training.map(|t| t.rmse);
         entry.model = Some(whole.model);
         Some(Finished { entry, named: whole.named, training })
-    }
-
-    /// True if the same structure of a higher degree was hopeless, which is fitted no worse than this one.
-    fn is_within_hopeless(&self, candidate: Candidate) -> bool {
-        let hopeless = self.finished.iter().map(|finished| &finished.entry).filter(|entry| entry.is_hopeless);
-        let mut degrees = hopeless.map(|entry| (entry.candidate.degree, entry.candidate));
-        degrees.any(|(degree, of)| degree > candidate.degree && Candidate { degree, ..candidate } == of)
-    }
-
-    /// True if the folds of a search are omitted for this fit.
-    fn is_hopeless(&self, whole: &WholeFit) -> bool {
-        let Some(of_best) = self.of_best.as_ref().filter(|_| self.is_search) else { return false };
-        let errors = self.folds.par_iter().map(|fold| self.campaign.error_within(whole, fold));
-        // In order, independently of the threads.
-        let errors: Result<Vec<f64>, NoFit> = errors.collect::<Vec<_>>().into_iter().collect();
-        let Ok(errors) = errors else { return false };
-        let standing = |ranking: Ranking| ranking.standings.into_iter().flatten().next();
-        rank(&[Some(errors), Some(of_best.clone())], &[0, 0])
-            .and_then(standing)
-            .is_some_and(|own| own.mean > HOPELESS * (own.mean - own.difference) && !own.as_good_as_best)
     }
 
     fn on_fold(&self, candidate: Candidate, whole: &WholeFit, fold: &Fold) -> Result<f64, NoFit> {

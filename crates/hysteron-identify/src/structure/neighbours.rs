@@ -15,7 +15,8 @@ use super::super::joint::JointMember;
 use super::super::options::{CampaignRecord, Choice, DynamicsChoice, Options};
 use super::candidate::{Block, Candidate};
 use super::content::Content;
-use super::fit::{Campaign, Named, NoFit, Training};
+use super::errors::Training;
+use super::fit::{Campaign, Named, NoFit};
 use super::folds;
 use crate::IdentifyError;
 use crate::watch::{Event, Plan, Watch};
@@ -88,7 +89,7 @@ pub fn neighbours(
         .map(|candidate| {
             let of = || -> Result<_, NoFit> {
                 let fit = campaign.fit(candidate, &[&near])?;
-                Ok((candidate, fit.parameters, campaign.training(&fit)?))
+                Ok((candidate, fit.parameters, campaign.training(&campaign.simulations(&fit)?)?))
             };
             let fit = of().ok();
             let fraction = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / count;

@@ -21,6 +21,15 @@ impl Timing<'_> {
             Self::Unknown | Self::Stamps(_) => None,
         }
     }
+
+    /// Those of the first so many samples.
+    #[must_use]
+    pub fn of_first(self, samples: usize) -> Self {
+        match self {
+            Self::Stamps(times_s) => Self::Stamps(times_s.get(..samples).unwrap_or(times_s)),
+            other => other,
+        }
+    }
 }
 
 impl From<Option<f64>> for Timing<'_> {

@@ -2,7 +2,7 @@
 
 use super::{OffsetTreatment, ScoreError, Scoring, mean, root_mean_square, scored_samples};
 use crate::hammerstein::Model;
-use crate::record::{InputOutput, range_of};
+use crate::record::{InputOutput, Timing, range_of};
 use crate::start::Start;
 use rayon::prelude::*;
 
@@ -10,6 +10,9 @@ use rayon::prelude::*;
 const COARSE: usize = 9;
 /// Precision of the memory, as a share of its range.
 const PRECISION: f64 = 1e-5;
+
+/// A difference below this share of the largest is that of a memory forgotten.
+const FORGOTTEN: f64 = 1e-3;
 
 /// The start at rest at u(0) with the memory from which `model` explains the record best (smallest RMSE), its
 /// RMSE and the simulation from it. The memory is searched over
@@ -28,14 +31,62 @@ pub(super) fn best_memory(
     let Some((least, most)) = model.hysteresis.memory_range(low, high) else { return Ok(None) };
     let scored = scored_samples(record, scoring.skip_s.unwrap_or(0.0))?;
     let remembering = |value: f64| Start::Remembering { voltage_v, memory: model.hysteresis.memory(value) };
-    let rmse = |value: f64| match model.simulate(&record.u, &record.time, &remembering(value)) {
-        Ok(simulated) => error_of(record, &simulated, &scored, scoring.offset),
-        Err(_) => f64::INFINITY,
+    let simulated = |value: f64| model.simulate(&record.u, &record.time, &remembering(value));
+    let forgotten = match [simulated(least), simulated(most)] {
+        [Ok(a), Ok(b)] => Forgotten::new([(least, a), (most, b)]),
+        _ => None,
     };
-    let start = remembering(minimum(rmse, least, most));
+    let error = |simulated: &[f64]| error_of(record, simulated, &scored, scoring.offset);
+    let rmse = |value: f64| {
+        let simulated = match &forgotten {
+            Some(forgotten) => forgotten.simulated(value, |samples| {
+                let timing = Timing::from(&record.time).of_first(samples);
+                model.simulate(&record.u[..samples], timing, &remembering(value))
+            }),
+            None => simulated(value),
+        };
+        simulated.map_or(f64::INFINITY, |simulated| error(&simulated))
+    };
+    let value = minimum(rmse, least, most);
     // A memory that cannot be simulated is discarded.
-    let Ok(simulated) = model.simulate(&record.u, &record.time, &start) else { return Ok(None) };
-    Ok(Some((error_of(record, &simulated, &scored, scoring.offset), start, simulated)))
+    let Ok(simulated) = simulated(value) else { return Ok(None) };
+    Ok(Some((error(&simulated), remembering(value), simulated)))
+}
+
+/// A record of which only the first part depends on the memory from before it: what a memory left behind is
+/// lost at the first larger swing (wiping-out).
+struct Forgotten {
+    /// The least and the greatest memory, and the simulation from each.
+    ends: [(f64, Vec<f64>); 2],
+    /// Samples of the first part.
+    samples: usize,
+}
+
+impl Forgotten {
+    /// `None` where the first part is most of the record.
+    fn new(ends: [(f64, Vec<f64>); 2]) -> Option<Self> {
+        let [(_, a), (_, b)] = &ends;
+        let apart = |(a, b): (&f64, &f64)| (a - b).abs();
+        let largest = a.iter().zip(b).map(apart).fold(0.0, f64::max);
+        let last = a.iter().zip(b).rposition(|two| apart(two) > FORGOTTEN * largest);
+        let samples = last.map_or(1, |last| last + 1);
+        (2 * samples < a.len()).then_some(Self { ends, samples })
+    }
+
+    /// The simulation from the memory `value`, by that of the first part. Afterwards, where dynamics let a small
+    /// rest of the difference fade, it is interpolated between the ends.
+    fn simulated<E>(
+        &self,
+        value: f64,
+        first_part: impl FnOnce(usize) -> Result<Vec<f64>, E>,
+    ) -> Result<Vec<f64>, E> {
+        let mut simulated = first_part(self.samples)?;
+        let [(least, a), (most, b)] = &self.ends;
+        let share = (value - least) / (most - least);
+        let rest = a.iter().zip(b).skip(self.samples);
+        simulated.extend(rest.map(|(a, b)| a + share * (b - a)));
+        Ok(simulated)
+    }
 }
 
 /// RMSE over the scored samples, as in the scores.
@@ -103,6 +154,10 @@ fn parabolic(f: &impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], best: (f64,
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dynamics::{Dynamics, Scheme};
+    use crate::hysteresis::{ArticleOperator, Hysteresis};
+    use crate::record::{InterSample, TimeBase};
+    use std::f64::consts::TAU;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     #[test]
@@ -121,5 +176,39 @@ mod tests {
         assert_eq!(minimum(|z| z, 1.0, 1.0), 1.0);
         let valleys = |z: f64| ((z - 2.0).powi(2)).min((z + 1.5).powi(2) + 0.1);
         assert!((minimum(valleys, -3.0, 3.0) - 2.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_forgotten_memory_needs_the_first_part_of_the_record() {
+        let hysteresis = ArticleOperator::new(vec![3.0], 1.0, 0.4, 0.1, 1.0).unwrap();
+        let model = Model {
+            hysteresis: Hysteresis::from(hysteresis),
+            dynamics: Dynamics::None,
+            offset: 0.0,
+            delay_s: 0.0,
+            scheme: Scheme::Tustin,
+            inter_sample: InterSample::Linear,
+            sample_rate_hz: None,
+        };
+        let u: Vec<f64> = (0..2000).map(|k| 5.0 * (TAU * f64::from(k) / 200.0).sin()).collect();
+        let time = TimeBase::uniform(1000.0);
+        let from = |value: f64, samples: usize| {
+            let start = Start::Remembering { voltage_v: u[0], memory: model.hysteresis.memory(value) };
+            model.simulate(&u[..samples], Timing::from(&time).of_first(samples), &start).unwrap()
+        };
+        let (least, most) = model.hysteresis.memory_range(-5.0, 5.0).unwrap();
+        let forgotten = Forgotten::new([least, most].map(|value| (value, from(value, u.len())))).unwrap();
+        assert!(forgotten.samples < 400, "{}", forgotten.samples);
+        for share in [0.0, 0.2, 0.5, 0.9, 1.0] {
+            let value = least + share * (most - least);
+            let whole = from(value, u.len());
+            let parts = forgotten.simulated::<()>(value, |samples| Ok(from(value, samples))).unwrap();
+            let apart = whole.iter().zip(&parts).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart <= 0.1 * FORGOTTEN * (most - least), "{share}: {apart}");
+        }
+        // A memory that is kept to the end leaves no other part.
+        let small: Vec<f64> = u.iter().map(|u| 0.01 * u).collect();
+        let kept = |value: f64| small.iter().map(|u| value + u).collect();
+        assert!(Forgotten::new([(0.0, kept(0.0)), (1.0, kept(1.0))]).is_none());
     }
 }

@@ -196,6 +196,35 @@ pub fn score(record: &InputOutput, simulated: &[f64], scoring: &Scoring) -> Resu
     .checked(&y, simulated)
 }
 
+/// Size of the error of a simulation: what [`Scores`] says of it first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SimulationRmse {
+    /// [`Scores::rmse`].
+    pub rmse: f64,
+    /// [`Scores::offset`].
+    pub offset: f64,
+    /// [`Scores::samples`].
+    pub samples: usize,
+}
+
+/// The RMSE of [`score`] alone, which takes a small part of its time.
+///
+/// # Errors
+/// Those of [`score`].
+pub fn rmse(
+    record: &InputOutput,
+    simulated: &[f64],
+    scoring: &Scoring,
+) -> Result<SimulationRmse, ScoreError> {
+    let Compared { y, e, .. } = compared(record, simulated, scoring.skip_s.unwrap_or(0.0))?;
+    let offset = if scoring.offset == OffsetTreatment::Estimated { mean(&e) } else { 0.0 };
+    let rmse = root_mean_square(e.iter().map(|e| e - offset));
+    if !rmse.is_finite() {
+        return Err(overflow("rmse", &y, simulated));
+    }
+    Ok(SimulationRmse { rmse, offset, samples: e.len() })
+}
+
 /// The mean residual y − ŷ over all valid samples: the offset that [`score`] estimates.
 ///
 /// # Errors
@@ -256,13 +285,14 @@ impl Scores {
         ];
         match metrics.iter().find(|(_, value)| value.is_some_and(|v| !v.is_finite())) {
             None => Ok(self),
-            Some((metric, _)) => {
-                let largest =
-                    y.iter().chain(simulated).filter(|x| x.is_finite()).fold(0.0_f64, |m, x| m.max(x.abs()));
-                Err(ScoreError::Overflow { metric, largest })
-            }
+            Some((metric, _)) => Err(overflow(metric, y, simulated)),
         }
     }
+}
+
+fn overflow(metric: &'static str, y: &[f64], simulated: &[f64]) -> ScoreError {
+    let largest = y.iter().chain(simulated).filter(|x| x.is_finite()).fold(0.0_f64, |m, x| m.max(x.abs()));
+    ScoreError::Overflow { metric, largest }
 }
 
 /// Meaning of one score, for reports.

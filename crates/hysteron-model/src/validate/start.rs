@@ -1,7 +1,7 @@
 //! Start of a record, estimated from the record itself.
 
 use super::memory::best_memory;
-use super::{ScoreError, Scoring, score};
+use super::{ScoreError, Scoring, rmse};
 use crate::hammerstein::Model;
 use crate::record::{GAP_PERIODS, InputOutput, Periods, TimeBase, find_periods, range_of, shortest_swing};
 use crate::start::Start;
@@ -119,18 +119,18 @@ pub fn choose_start(
 ) -> Result<(Start, Vec<f64>), ScoreError> {
     const BETTER: f64 = 0.99;
     let simulated = model.simulate(&record.u, &record.time, &preferred)?;
-    let mut best = (score(record, &simulated, scoring)?.rmse, preferred, simulated);
+    let mut best = (rmse(record, &simulated, scoring)?.rmse, preferred, simulated);
     let given = best.0;
     for start in possible_starts(record, range_v).into_iter().filter(|s| *s != preferred) {
         // A start that cannot be simulated is discarded.
         let Ok(simulated) = model.simulate(&record.u, &record.time, &start) else { continue };
-        let rmse = score(record, &simulated, scoring)?.rmse;
-        if rmse < best.0.min(BETTER * given) {
-            best = (rmse, start, simulated);
+        let own = rmse(record, &simulated, scoring)?.rmse;
+        if own < best.0.min(BETTER * given) {
+            best = (own, start, simulated);
         }
     }
-    if let Some((rmse, start, simulated)) = best_memory(model, record, scoring)?
-        && rmse < BETTER * best.0
+    if let Some((own, start, simulated)) = best_memory(model, record, scoring)?
+        && own < BETTER * best.0
     {
         return Ok((start, simulated));
     }
@@ -144,6 +144,7 @@ mod tests {
     use crate::hysteresis::{ArticleOperator, Hysteresis};
     use crate::record::{InterSample, TimeBase};
     use crate::start::Memory;
+    use crate::validate::score;
     use std::f64::consts::TAU;
 
     fn model() -> Model {

@@ -25,6 +25,24 @@ fn record(u: &[f64], y: &[f64], rate: Option<f64>) -> InputOutput {
 const FIXED: Scoring = Scoring { skip_s: Some(0.0), offset: OffsetTreatment::Fixed };
 
 #[test]
+fn the_rmse_alone_is_that_of_the_scores() {
+    let y: Vec<f64> = (0..300).map(|k| (0.1 * f64::from(k)).sin()).collect();
+    let simulated: Vec<f64> = y.iter().enumerate().map(|(k, y)| 0.97 * y + 1e-4 * k as f64 + 2.0).collect();
+    let record = InputOutput::new("r", TimeBase::uniform(100.0), y.clone(), y).unwrap();
+    for offset in [OffsetTreatment::Estimated, OffsetTreatment::Fixed] {
+        let scoring = Scoring { skip_s: Some(0.25), offset };
+        let scores = score(&record, &simulated, &scoring).unwrap();
+        let own = SimulationRmse { rmse: scores.rmse, offset: scores.offset, samples: scores.samples };
+        assert_eq!(rmse(&record, &simulated, &scoring).unwrap(), own);
+    }
+    let huge = vec![1e200; 300];
+    assert!(matches!(
+        rmse(&record, &huge, &Scoring { skip_s: None, offset: OffsetTreatment::Fixed }),
+        Err(ScoreError::Overflow { metric: "rmse", .. })
+    ));
+}
+
+#[test]
 fn scores_of_four_samples_agree_with_the_sums_done_by_hand() {
     // y − ŷ = (0, 1, 0, −1); stroke 4; mean y = 2; ‖y − ȳ‖² = 4 + 0 + 4 + 0 = 8; Σ(y − min) = 0 + 2 + 4 + 2 =
     // 8.
