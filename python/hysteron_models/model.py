@@ -566,7 +566,7 @@ class Model:
             "name": name,
             "date": date,
         }
-        if self._native.channels() is not None:
+        if self._native.channels is not None:
             for option, given in [
                 ("accuracy", accuracy),
                 ("lowest_frequency", lowest_frequency),

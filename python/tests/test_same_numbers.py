@@ -211,7 +211,11 @@ def test_other_kinds_agree(command: Path, tmp_path: Path, kind: str) -> None:
         for name in names:
             # The hash of the model file is known to the command alone.
             ours, theirs = [
-                [line for line in (tmp_path / folder / name).read_text().splitlines() if "SHA-256" not in line]
+                [
+                    line
+                    for line in (tmp_path / folder / name).read_text().splitlines()
+                    if "SHA-256" not in line
+                ]
                 for folder in ("p", "c")
             ]
             assert [x for x in ours if "0x" not in x] == [x for x in theirs if "0x" not in x], name

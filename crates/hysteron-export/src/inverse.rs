@@ -191,13 +191,8 @@ fn settles(law: &Compensation) -> (usize, f64) {
 
 /// Header and source.
 pub(crate) fn inverse_core(inverse: &Inverse, filling: &Filling) -> Result<Vec<NamedFile>, ExportError> {
-    let Subject { name, precision, origin, .. } = &inverse.subject;
-    let mut filling = filling.clone();
-    saved::fill(&mut filling, *precision, (HEADER, SOURCE), &[&origin.model_sha256])?;
-    Ok(vec![
-        NamedFile::new(format!("{name}.h"), filling.fill(HEADER)?),
-        NamedFile::new(format!("{name}.c"), filling.fill(SOURCE)?),
-    ])
+    let Subject { precision, origin, .. } = &inverse.subject;
+    saved::header_and_source(&mut filling.clone(), *precision, (HEADER, SOURCE), &origin.model_sha256)
 }
 
 pub(crate) fn inverse_filling(inverse: &Inverse, numbers: Numbers) -> Result<Filling, ExportError> {

@@ -45,7 +45,7 @@ pub(crate) fn track_axes(workspace: &Workspace, id: &str, request: &TrackAxesReq
     let file = request.save.as_deref().unwrap_or("track.csv");
     let command = command::track_axes(id, request, file);
     if let Some(save) = &request.save {
-        let record = found.to_record(save, &model, &references).map_err(Refused::failed)?;
+        let record = model.tracked_record(save, &found, &references).map_err(Refused::failed)?;
         workspace.keep_predicted(save, &record)?;
         workspace.history.add_action(&command)?;
         workspace.look();

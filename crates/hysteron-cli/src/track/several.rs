@@ -94,8 +94,9 @@ impl Track {
     ) -> Result<(), Failure> {
         let Some(out) = &self.out else { return Ok(()) };
         let failure = || Failure::new(format!("cannot write the samples to {}", out.display()));
-        let record = found
-            .to_record(&out.display().to_string(), loaded.model(), references)
+        let record = loaded
+            .model()
+            .tracked_record(&out.display().to_string(), found, references)
             .map_err(|e| failure().because(e))?;
         write_record(out, &record).map_err(|e| failure().because(e))?;
         console::message(&format!("wrote {} simulated samples to {}", record.len(), out.display()));

@@ -54,11 +54,9 @@ fn own_files(closed: &ClosedLoop, filling: &Filling) -> Result<Vec<NamedFile>, E
             files.extend(core_files(block, &filling)?);
         }
     }
-    let mut filling = filling.clone();
-    let subject = &closed.inverse.subject;
-    saved::fill(&mut filling, subject.precision, (HEADER, SOURCE), &[&subject.origin.model_sha256])?;
-    files.push(NamedFile::new(format!("{}.h", closed.name), filling.fill(HEADER)?));
-    files.push(NamedFile::new(format!("{}.c", closed.name), filling.fill(SOURCE)?));
+    let Subject { precision, origin, .. } = &closed.inverse.subject;
+    let own = (HEADER, SOURCE);
+    files.extend(saved::header_and_source(&mut filling.clone(), *precision, own, &origin.model_sha256)?);
     Ok(files)
 }
 

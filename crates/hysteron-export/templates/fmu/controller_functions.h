@@ -83,7 +83,8 @@ static int fmu_settle(fmu_instance *fmu)
            || fmu_fail(fmu, "the controller cannot rest at the voltage it is to start at, with this reading");
 }
 
-/* Takes one sample: the reading at its beginning, then the reference for the next, whose voltage it puts out. */
+/* Takes one sample: the reading at its beginning, then the reference for the next, whose voltage it puts
+   out. */
 static void fmu_sample(fmu_instance *fmu)
 {
     const bool read = $name_measured(&fmu->now.model, ($name_real)fmu->now.reading) >= $NAME_OK;

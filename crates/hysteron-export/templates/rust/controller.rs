@@ -73,8 +73,8 @@ impl Memory {
     }
 
     /// The controller, its stage at rest and virgin at the voltage within its limits that is next to 0
-    /// $INPUT_UNIT: `step` takes a reference \[$OUTPUT_UNIT\], [`PREVIEW`] samples ahead, and gives the voltage
-    /// \[$INPUT_UNIT\]; `measured` takes the displacement \[$OUTPUT_UNIT\] read when it has gone out.
+    /// $INPUT_UNIT: `step` takes a reference \[$OUTPUT_UNIT\], [`PREVIEW`] samples ahead, and gives the
+    /// voltage \[$INPUT_UNIT\]; `measured` takes the displacement \[$OUTPUT_UNIT\] read when it has gone out.
     ///
     /// # Errors
     /// As [`Self::new`].

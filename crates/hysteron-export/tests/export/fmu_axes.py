@@ -1,5 +1,5 @@
-"""FMPy's judgement of a unit of two axes: fmu_axes.py UNIT.fmu RECORD.csv RATE TOLERANCE (columns: two inputs,
-two outputs of the library)."""
+"""FMPy's judgement of a unit of two axes: fmu_axes.py UNIT.fmu RECORD.csv RATE TOLERANCE (columns: two
+inputs, two outputs of the library)."""
 
 import sys
 

@@ -1,6 +1,6 @@
-"""FMPy's judgement of an exported controller: fmu_controller.py UNIT.fmu RECORD.csv RATE TOLERANCE REST MEASURED
-LOW HIGH PREVIEW (columns reference, voltage, reading of the library); loop.csv: reference and voltage of a loop
-with the model of the unit beside it."""
+"""FMPy's judgement of an exported controller: fmu_controller.py UNIT.fmu RECORD.csv RATE TOLERANCE REST
+MEASURED LOW HIGH PREVIEW (columns reference, voltage, reading of the library); loop.csv: reference and
+voltage of a loop with the model of the unit beside it."""
 
 import sys
 
@@ -73,8 +73,8 @@ def period(k, reading, reference):
     return controller.get("voltage")
 
 
-# The reference of a step is one sample more ahead than its voltage looks: the reading is that of its beginning,
-# the voltage that of the period behind it.
+# The reference of a step is one sample more ahead than its voltage looks: the reading is that of its
+# beginning, the voltage that of the period behind it.
 ahead = lambda k: r[min(k + 1 + int(preview), len(r) - 1)]
 replay = lambda first=0, last=len(r): np.array([period(k, y[k], ahead(k)) for k in range(first, last)])
 
@@ -139,7 +139,8 @@ assert np.all((driven >= low) & (driven <= high)), "within the limits"
 period(len(r), np.nan, r[0])
 assert controller.status() == -1
 units = {v.name: v.unit for v in description.modelVariables}
-assert units["reference"] == units["reading"] == units["displacement"] == "um" and units["voltage"] == "V", units
+assert units["voltage"] == "V", units
+assert units["reference"] == units["reading"] == units["displacement"] == "um", units
 controller.end()
 print(f"FMI {description.fmiVersion}: valid; {len(r)} samples, largest difference {worst:.1e} V, in a loop "
       f"{looped:.1e} V, allowed {tolerance:.1e} V")

@@ -9,10 +9,9 @@ use super::linear::{LinearAxes, right_inverse};
 use super::{
     AxesDrive, AxesStage, DecouplingError, DecouplingLaw, DecouplingOptions, LawOptions, decouple, limited,
 };
-use crate::axes::{AxesRecord, ScheduledModes};
+use crate::axes::ScheduledModes;
 use crate::compensator::Limits;
-use crate::model::Model;
-use crate::record::{Channel, Record, RecordError, range_of};
+use crate::record::range_of;
 use hysteron_numeric::Complex64;
 use std::f64::consts::TAU;
 
@@ -91,37 +90,6 @@ pub struct AxesTracking {
     pub integral: (f64, f64),
     /// Every controller.
     pub runs: Vec<AxesControllerRun>,
-}
-
-impl AxesTracking {
-    /// References, and drives and displacements of every controller, as a record called `name`: channels as
-    /// `model` names them, with the controller behind.
-    ///
-    /// # Errors
-    /// [`RecordError`].
-    pub fn to_record(
-        &self,
-        name: &str,
-        model: &Model,
-        references: &AxesRecord,
-    ) -> Result<Record, RecordError> {
-        let units = model.units();
-        let (inputs, outputs) = model.channels().unwrap_or((&[], &[]));
-        let mut channels = Vec::new();
-        let mut add = |names: &[String], suffix: &str, unit: &str, lists: &[Vec<f64>]| {
-            let named = names.iter().zip(lists);
-            channels.extend(
-                named.map(|(name, list)| Channel::new(&format!("{name}{suffix}"), unit, list.clone())),
-            );
-        };
-        add(outputs, "_reference", &units.output, &references.u);
-        for run in &self.runs {
-            let suffix = format!("_{}", run.controller.name());
-            add(inputs, &suffix, &units.input, &run.drive);
-            add(outputs, &suffix, &units.output, &run.displacement);
-        }
-        Record::new(name, references.time.clone(), channels)
-    }
 }
 
 /// One controller's run.
