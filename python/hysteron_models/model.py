@@ -522,12 +522,13 @@ class Model:
         lowest_frequency: float | None = None,
         date: str | None = None,
         inverse: bool = False,
-        limits: tuple[float, float] | None = None,
-        slew: float | None = None,
+        limits: tuple[float, float] | Sequence[tuple[float, float]] | None = None,
+        slew: float | Sequence[float] | None = None,
         bandwidth: float | None = None,
         preview: int | None = None,
         predict_to: float | None = None,
         controller: str | None = None,
+        level: float | None = None,
     ) -> list[str]:
         """Write the model, and its inverse if requested, as source for a controller; return the names of the
         files.
@@ -543,26 +544,49 @@ class Model:
                 model's least error on a record if not given, from 1e-5 to 1e-3.
             lowest_frequency: frequency down to which unbounded creep is realised [Hz].
             date: day in the headers; none if not given, and the source is the same on every day.
-            inverse: write the inverse, too; the other arguments are those of :meth:`invert`.
-            limits: least and largest drive.
-            slew: largest rate of the drive, per second.
+            inverse: write the inverse, too; the other arguments are those of :meth:`invert`, and of
+                :meth:`decouple` for a model of several axes.
+            limits: least and largest drive; of several axes one pair for all actuators or one each.
+            slew: largest rate of the drive, per second; of several axes one for all actuators or one each.
             bandwidth: frequency up to which the inverse follows [Hz].
             preview: samples of the reference known ahead.
             predict_to: highest frequency that is predicted [Hz].
             controller: a controller of :meth:`track` around the inverse, e.g. ``feedforward-pi`` or
-                ``feedforward-observer``: as C99 in double precision.
+                ``feedforward-observer``: as C99, Rust or FMUs.
+            level: rms of the drives at which the modes of a model of several axes are taken; the highest
+                identified if not given.
         """
-        options = {
+        ranges = [] if limits is None else [list(one) for one in np.reshape(limits, (-1, 2)).tolist()]
+        slews = [] if slew is None else np.atleast_1d(slew).tolist()
+        options: dict[str, Any] = {
             "to": to,
             "sample_rate_hz": fs,
             "controller": controller,
             "float": float_type,
             "name": name,
-            "accuracy": accuracy,
-            "lowest_frequency_hz": lowest_frequency,
             "date": date,
-            "inverse": _inverting(limits, slew, bandwidth, preview, predict_to) if inverse else None,
         }
+        if self._native.channels is not None:
+            for option, given in [
+                ("accuracy", accuracy),
+                ("lowest_frequency", lowest_frequency),
+                ("predict_to", predict_to),
+            ]:
+                if given is not None:
+                    raise OptionError(f"{option} does not go with a model of several axes")
+            law = {"bandwidth_hz": bandwidth, "preview": preview, "level": level}
+            options |= {"inverse": inverse, "decoupling": {"ranges": ranges, "slews_per_s": slews, **law}}
+        else:
+            if len(ranges) > 1 or len(slews) > 1 or level is not None:
+                raise OptionError("several limits and level go with models of several axes")
+            one = tuple(ranges[0]) if ranges else None
+            rate = slews[0] if slews else None
+            own = _inverting(one, rate, bandwidth, preview, predict_to)
+            options |= {
+                "accuracy": accuracy,
+                "lowest_frequency_hz": lowest_frequency,
+                "inverse": own if inverse else None,
+            }
         return self._native.export(folder, json.dumps(options))
 
     def adapt(

@@ -159,6 +159,14 @@ def test_models_are_saved_pickled_and_copied(
     pi = "feedforward-pi"
     around = stage.export(tmp_path / "l", name="stage", inverse=True, limits=(0, 10), controller=pi)
     assert "stage_controller.c" in around
+    single = stage.export(
+        tmp_path / "r", "rust", float_type="f32", name="stage", inverse=True, limits=(0, 10), controller=pi
+    )
+    assert {"src/controller.rs", "src/controller/law.rs"} <= set(single)
+    with pytest.raises(hy.HysteronError, match="with the inverse"):
+        stage.export(tmp_path / "y", name="stage", controller=pi)
+    with pytest.raises(hy.OptionError, match="several axes"):
+        stage.export(tmp_path / "y", name="stage", inverse=True, limits=[(0, 10), (0, 10)])
     with pytest.raises(hy.OptionError) as refused:
         stage.export(tmp_path / "x", "punched-cards")  # type: ignore[arg-type]
     offered = str(refused.value).partition("expected one of ")[2]

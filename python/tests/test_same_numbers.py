@@ -202,6 +202,25 @@ def test_other_kinds_agree(command: Path, tmp_path: Path, kind: str) -> None:
         drives = stage.model_.decouple(references, limits=[(-0.2, 0.2)] * 2, periodic=True)
         assert drives.u.shape == drives.predicted.shape == drives.reference.shape == (2, 1024)
         assert np.abs(drives.u).max() <= 0.2 and np.isfinite(drives.predicted).all()
+        written = ["--to", "c", "--name", "stage", "--inverse", "--range=-0.2:0.2,-0.1:0.2", "--level", "0.3"]
+        run = [str(command), "export", str(out), *written, "--date", "none", "-o", str(tmp_path / "c")]
+        subprocess.run(run, check=True)
+        limits = [(-0.2, 0.2), (-0.1, 0.2)]
+        names = stage.model_.export(tmp_path / "p", name="stage", inverse=True, limits=limits, level=0.3)
+        assert "stage_inverse.c" in names
+        for name in names:
+            # The hash of the model file is known to the command alone.
+            ours, theirs = [
+                [
+                    line
+                    for line in (tmp_path / folder / name).read_text().splitlines()
+                    if "SHA-256" not in line
+                ]
+                for folder in ("p", "c")
+            ]
+            assert [x for x in ours if "0x" not in x] == [x for x in theirs if "0x" not in x], name
+        with pytest.raises(hy.HysteronError, match="several axes"):
+            stage.model_.export(tmp_path / "x", inverse=True, controller="feedforward-pi")
     simulated = tmp_path / "y.csv"
     subprocess.run([str(command), "simulate", str(out), str(paths[-1]), "-o", str(simulated)], check=True)
     ours = stage.model_.simulate(hy.read(paths[-1])).y

@@ -1,5 +1,6 @@
 //! What can be asked, from the library's own types and lists.
 
+use hysteron_export::ClosedLoop;
 use hysteron_identify::design::DesignOptions;
 use hysteron_identify::structure::{Block, Candidate};
 use hysteron_identify::{DynamicsChoice, FamilyChoice, Initial, Method, Task};
@@ -16,7 +17,7 @@ use serde_json::Value;
 
 use crate::api::{
     AdaptOptions, Choice, Choices, FormOffered, OperationOffered, OptionsOffered, PrepareOptions,
-    RealiseOptions, RecalibrateOptions, ResponseFitOptions, SimulateOptions,
+    RealiseOptions, RecalibrateOptions, ResponseFitOptions, SimulateOptions, TrackAxesOptions,
 };
 
 /// Options with their schemas, defaults and choices.
@@ -33,6 +34,7 @@ pub(crate) fn offered() -> OptionsOffered {
             choices("scheme", Scheme::ALL, |c| c.name(), |c| c.summary()),
             choices("inter_sample", InterSample::ALL, |c| c.name(), |c| c.summary()),
             choices("controllers", Controller::ALL, |c| c.name(), |c| c.summary()),
+            choices("exported_controllers", ClosedLoop::EXPORTED, |c| c.name(), |c| c.summary()),
         ],
         structures: structures(),
         truth: schema::<Truth>(),
@@ -46,6 +48,7 @@ pub(crate) fn offered() -> OptionsOffered {
             operation::<PrepareOptions>("prepare"),
             operation::<SimulateOptions>("simulate"),
             operation::<DecouplingRequest>("decouple"),
+            operation::<TrackAxesOptions>("track-axes"),
             operation::<DesignOptions>("design"),
             operation::<RecalibrateOptions>("recalibrate"),
             operation::<AdaptOptions>("adapt"),
@@ -97,6 +100,7 @@ fn form(form: hysteron_export::Form) -> FormOffered {
         summary: form.summary().to_owned(),
         contents: form.contents().to_owned(),
         has_single_precision: form.has_single_precision(),
+        has_controllers: form.has_controllers(),
     }
 }
 

@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde_json::Value;
 
 /// Types of the page under another name than the server's.
-const RENAMED: [(&str, &str); 10] = [
+const RENAMED: [(&str, &str); 11] = [
     ("CurveAxis", "Axis"),
     ("Inspection", "InspectionSummary"),
     ("Channel", "ChannelSummary"),
@@ -20,6 +20,7 @@ const RENAMED: [(&str, &str); 10] = [
     ("Together", "ProspectsTogether"),
     ("Candidate", "CandidateSummary"),
     ("Comparison", "ComparisonSummary"),
+    ("AxesComparison", "ModesComparisonSummary"),
     ("Running", "Live"),
     ("Controller", "TrackedController"),
 ];

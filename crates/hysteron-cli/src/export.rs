@@ -109,7 +109,7 @@ pub struct Export {
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true, requires = "inverse")]
     predict_to: Option<f64>,
 
-    /// Controller of `track` around the inverse, with feedback or an observer, as C99 in double precision
+    /// Controller of `track` around the inverse, with feedback or an observer, as C99, Rust or FMUs
     #[arg(
         long, value_name = "NAME", requires = "inverse",
         value_parser = one_of(Controller::ALL, Controller::name, Controller::summary),
@@ -275,8 +275,9 @@ impl Export {
             ExportError::Departs { .. } => failure
                 .hint("export it with --float f64, for a lower --sample-rate, or for another --bandwidth"),
             ExportError::Prediction { .. } => failure.hint("give the frequency with --predict-to HZ"),
-            ExportError::ControllerForm => failure.hint("export it with --to c"),
-            ExportError::ControllerPrecision => failure.hint("export it with --float f64"),
+            ExportError::AxesController { .. } => failure.hint("leave --controller out"),
+            ExportError::ControllerForm { .. } => failure.hint("export it with --to c, rust or fmu"),
+            ExportError::ControllerAlone => failure.hint("add --inverse"),
             ExportError::MatlabName { .. } => failure.hint("name it with --name, e.g. --name stage"),
             _ => failure,
         }

@@ -53,12 +53,12 @@ pub(crate) enum Numbers {
 
 /// Header and source.
 pub(crate) fn core_files(subject: &Subject, filling: &Filling) -> Result<Vec<NamedFile>, ExportError> {
-    let mut filling = filling.clone();
-    saved::fill(&mut filling, subject.precision, (HEADER, SOURCE), &[&subject.origin.model_sha256])?;
-    Ok(vec![
-        NamedFile::new(format!("{}.h", subject.name), filling.fill(HEADER)?),
-        NamedFile::new(format!("{}.c", subject.name), filling.fill(SOURCE)?),
-    ])
+    saved::header_and_source(
+        &mut filling.clone(),
+        subject.precision,
+        (HEADER, SOURCE),
+        &subject.origin.model_sha256,
+    )
 }
 
 /// Sets what a self-test is filled with, in literals of its language.

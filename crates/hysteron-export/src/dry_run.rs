@@ -1,4 +1,5 @@
-//! A dry run of the inverse in the number type of its source, beside double precision, before it is written.
+//! Dry runs of inverses and controllers in the number type of their source, beside double precision, before
+//! they are written.
 
 use hysteron_model::compensator::CompensatorParts;
 use hysteron_rt::Real;
@@ -9,7 +10,7 @@ use crate::inverse::{GoldenInverse, Inverse};
 use crate::number::Precision;
 use crate::subject::significant;
 
-/// Samples that the inverse is thrown from limit to limit.
+/// Samples that a source is thrown from limit to limit.
 const THROWN: usize = 4000;
 /// Longest time at a limit \[samples\].
 const LONGEST: u64 = 12;
@@ -29,7 +30,7 @@ pub struct DryRun {
 const STATED: f64 = 2.0;
 
 impl DryRun {
-    /// Of an inverse in double precision, which departs from nothing.
+    /// Of a source in double precision, which departs from nothing.
     pub(crate) const NONE: Self = Self { along_vectors: 0.0, thrown: 0.0, explained: 0.0 };
 
     /// Runs the inverse along its vectors and from limit to limit.
@@ -41,16 +42,28 @@ impl DryRun {
         if inverse.subject.precision == Precision::F64 {
             return Ok(Self::NONE);
         }
-        let [low, high] = inverse.range_v;
-        let along_vectors = along_vectors::<f32>(inverse, golden)?;
-        let explained = golden.tolerance;
+        let along = along_vectors::<f32>(inverse, golden)?;
+        Self::judged(&inverse.compared(), along, golden.tolerance, || thrown::<f32>(inverse, golden))
+    }
+
+    /// A departure along vectors where rounding explains `explained`; `thrown` runs from limit to limit.
+    ///
+    /// # Errors
+    /// [`ExportError::Departs`] as in [`Self::new`]; those of `thrown`.
+    pub(crate) fn judged(
+        of: &Compared<'_>,
+        along_vectors: f64,
+        explained: f64,
+        thrown: impl FnOnce() -> Result<f64, ExportError>,
+    ) -> Result<Self, ExportError> {
+        let [low, high] = of.range;
         let most = explained.max(Rounding::NOTED * (high - low) / STATED);
         // NaN departs too.
         if along_vectors <= most {
-            return Ok(Self { along_vectors, thrown: thrown::<f32>(inverse, golden)?, explained });
+            return Ok(Self { along_vectors, thrown: thrown()?, explained });
         }
-        let unit = inverse.subject.input_unit.clone();
-        Err(ExportError::Departs { departure: along_vectors, bound: most, unit })
+        let (what, unit) = (of.what, of.unit.to_owned());
+        Err(ExportError::Departs { what, departure: along_vectors, bound: most, unit })
     }
 
     /// The accuracy that is stated: what rounding explains, or twice what was seen where that is more.
@@ -68,15 +81,23 @@ impl DryRun {
         self.thrown > self.stated()
     }
 
+    /// Multiple of its number type's rounding, or of a dry run, that a self-test allows.
+    pub(crate) fn tolerance_in_words(&self, precision: Precision) -> &'static str {
+        match precision {
+            Precision::F64 => "1e-12 of their range",
+            Precision::F32 if self.drifts() => "twice the departure of a dry run",
+            Precision::F32 => "16 units of rounding (2^-23) of the sum of magnitudes for a voltage",
+        }
+    }
+
     /// What is to be said in the source and in messages.
-    pub(crate) fn in_words(&self, inverse: &Inverse) -> Vec<String> {
-        let unit = &inverse.subject.input_unit;
-        let [low, high] = inverse.range_v;
+    pub(crate) fn in_words(&self, compared: &Compared<'_>) -> Vec<String> {
+        let Compared { what, unit, range: [low, high] } = compared;
         let of =
             |x: f64| format!("{} {unit}, {} of the range", significant(x), significant(x / (high - low)));
         let drifts = self.drifts().then(|| {
             format!(
-                "In a dry run rounding errors added up: the single-precision inverse departed from the \
+                "In a dry run rounding errors added up: the single-precision {what} departed from the \
                  double-precision one by {}, where rounding alone explains {} {unit}; double precision does \
                  not.",
                 of(self.along_vectors),
@@ -85,7 +106,7 @@ impl DryRun {
         });
         let departs = self.departs().then(|| {
             format!(
-                "Thrown from limit to limit every few samples, the single-precision inverse departs from the \
+                "Thrown from limit to limit every few samples, the single-precision {what} departs from the \
                  double-precision one by {}, where {} {unit} is stated for other references; double \
                  precision does not.",
                 of(self.thrown),
@@ -93,6 +114,34 @@ impl DryRun {
             )
         });
         drifts.into_iter().chain(departs).collect()
+    }
+}
+
+/// What a dry run compares.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Compared<'a> {
+    /// Name for people.
+    pub what: &'static str,
+    /// Unit of the voltage.
+    pub unit: &'a str,
+    /// Least and largest voltage.
+    pub range: [f64; 2],
+}
+
+/// Calls `step` with the lower or the upper end of the references, from end to end every few samples.
+pub(crate) fn throw(references: &[f64], mut step: impl FnMut(f64)) {
+    let ends = references.iter().fold([f64::MAX, f64::MIN], |[a, b], &r| [a.min(r), b.max(r)]);
+    let mut k = 0;
+    // Knuth's 64-bit congruence: the same on every machine.
+    let mut seed = 1_u64;
+    while k < THROWN {
+        for end in ends {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            for _ in 0..=(seed >> 33) % LONGEST {
+                step(end);
+                k += 1;
+            }
+        }
     }
 }
 
@@ -120,25 +169,16 @@ fn thrown<T: Real + Into<f64>>(inverse: &Inverse, golden: &GoldenInverse) -> Res
     let (mut own, mut double) = (own.compensator()?, double.compensator()?);
     own.rest_at(T::of(golden.rest_v)).map_err(|_| still())?;
     double.rest_at(golden.rest_v).map_err(|_| still())?;
-    let ends = golden.references.iter().fold([f64::MAX, f64::MIN], |[a, b], &r| [a.min(r), b.max(r)]);
-    let (mut worst, mut k) = (0.0_f64, 0);
-    // Knuth's 64-bit congruence: the same on every machine.
-    let mut seed = 1_u64;
-    while k < THROWN {
-        for end in ends {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            for _ in 0..=(seed >> 33) % LONGEST {
-                let voltage: f64 = own.step(T::of(end)).voltage.into();
-                worst = worst.max((voltage - double.step(end).voltage).abs());
-                k += 1;
-            }
-        }
-    }
+    let mut worst = 0.0_f64;
+    throw(&golden.references, |end| {
+        let voltage: f64 = own.step(T::of(end)).voltage.into();
+        worst = worst.max((voltage - double.step(end).voltage).abs());
+    });
     Ok(worst)
 }
 
 /// A rest that the golden vectors were made from, and that this number type does not have.
-fn still() -> ExportError {
+pub(crate) fn still() -> ExportError {
     ExportError::Realise(hysteron_model::realise::RealiseError::Rounded)
 }
 

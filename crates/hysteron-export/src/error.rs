@@ -98,21 +98,35 @@ pub enum ExportError {
         /// Its name.
         controller: &'static str,
     },
-    /// A controller without the inverse, or in another form.
-    #[error("a controller is exported as C99, with the inverse")]
-    ControllerForm,
-    /// A controller in single precision.
-    #[error("a controller with feedback is exported in double precision: its tests compare it with double")]
-    ControllerPrecision,
+    /// A controller in another form.
+    #[error("a controller is exported as C99, Rust or FMUs, with the inverse, not as {form}")]
+    ControllerForm {
+        /// The form asked for.
+        form: &'static str,
+    },
+    /// A controller without its inverse.
+    #[error("a controller is exported with the inverse that it runs: ask for both")]
+    ControllerAlone,
+    /// A controller of several axes.
+    #[error(
+        "controller `{controller}` is not exported for a model of several axes: feedback there corrects drives \
+         that are computed ahead for the whole references; the inverse alone runs sample by sample"
+    )]
+    AxesController {
+        /// Its name.
+        controller: &'static str,
+    },
     /// A controller cannot be designed or played.
     #[error(transparent)]
     Control(#[from] hysteron_model::control::ControlError),
     /// The source would fail its own test.
     #[error(
-        "a dry run of the single-precision inverse departs from the double-precision one by {departure:.2e} \
+        "a dry run of the single-precision {what} departs from the double-precision one by {departure:.2e} \
          {unit} along its own test vectors, where {bound:.2e} {unit} is allowed"
     )]
     Departs {
+        /// Inverse or controller.
+        what: &'static str,
         /// Largest difference.
         departure: f64,
         /// Largest difference allowed.
@@ -144,13 +158,5 @@ pub enum ExportError {
 
 /// Names of the controllers that are exported.
 fn exported() -> String {
-    use hysteron_model::tracking::Controller;
-    let all = [
-        Controller::FeedforwardPi,
-        Controller::FeedforwardFractionalPi,
-        Controller::FeedforwardObserver,
-        Controller::PredictedPi,
-        Controller::PredictedObserver,
-    ];
-    all.map(Controller::name).join(", ")
+    crate::ClosedLoop::EXPORTED.map(hysteron_model::tracking::Controller::name).join(", ")
 }

@@ -7,11 +7,12 @@ use hysteron_numeric::Listener;
 use serde::{Deserialize, Serialize};
 
 use crate::c::c_files;
+use crate::closed_loop::{ClosedLoop, controller_files};
 use crate::error::ExportError;
 use crate::fmu;
 use crate::inverse::{Inverse, inverse_files};
 use crate::matlab::{matlab_files, matlab_inverse_files};
-use crate::rust_crate::rust_files;
+use crate::rust_crate::crate_files;
 use crate::simulink::{simulink_files, simulink_inverse_files};
 use crate::subject::Subject;
 
@@ -38,6 +39,33 @@ pub struct Means<'a> {
     pub compiler: &'a str,
     /// Hears of a compilation, and may stop it.
     pub listener: Listener<'a>,
+}
+
+/// What is exported around a model.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Around<'a> {
+    /// Nothing.
+    Nothing,
+    /// Its inverse.
+    Inverse(&'a Inverse),
+    /// Its inverse, and a controller that runs it.
+    Controller(&'a ClosedLoop),
+}
+
+impl<'a> Around<'a> {
+    /// The inverse.
+    pub fn inverse(self) -> Option<&'a Inverse> {
+        match self {
+            Self::Nothing => None,
+            Self::Inverse(inverse) => Some(inverse),
+            Self::Controller(closed) => Some(&closed.inverse),
+        }
+    }
+
+    /// The controller.
+    pub fn controller(self) -> Option<&'a ClosedLoop> {
+        if let Self::Controller(closed) = self { Some(closed) } else { None }
+    }
 }
 
 impl Form {
@@ -92,36 +120,50 @@ impl Form {
         self != Self::Matlab
     }
 
-    /// The files of a model, and of its inverse where there is one.
+    /// Whether it is there for controllers with feedback.
+    pub fn has_controllers(self) -> bool {
+        matches!(self, Self::C | Self::Rust | Self::Fmu)
+    }
+
+    /// The files of a model, and of what is around it.
     ///
     /// # Errors
-    /// Those of the form: [`c_files`], [`rust_files`], [`matlab_files`]; of a compiler for an FMU;
+    /// Those of the form: [`c_files`], [`crate::rust_files`], [`matlab_files`]; of a compiler for an FMU;
     /// [`ExportError::Stopped`] by the listener.
-    pub fn files(
+    pub(crate) fn files(
         self,
         subject: &Subject,
-        inverse: Option<&Inverse>,
+        around: Around<'_>,
         means: Means<'_>,
     ) -> Result<Vec<NamedFile>, ExportError> {
         let Means { compiler, listener } = means;
-        let of_model = if inverse.is_some() { 0.5 } else { 1.0 };
+        let (inverse, controller) = (around.inverse(), around.controller());
+        let units = 1.0 + [inverse.is_some(), controller.is_some()].map(f64::from).iter().sum::<f64>();
+        let part = |k: f64| (compiler, listener.part(k / units, (k + 1.0) / units));
         listener.tell("sources", 0.0).map_err(|_| ExportError::Stopped)?;
         let mut files = match self {
             Self::C => c_files(subject)?,
-            Self::Rust => rust_files(subject, inverse)?,
-            Self::Fmu => fmu::files(subject, None, (compiler, listener.part(0.0, of_model)))?,
+            Self::Rust => crate_files(subject, inverse, controller)?,
+            Self::Fmu => fmu::files(subject, None, part(0.0))?,
             Self::Matlab => matlab_files(subject)?,
             Self::Simulink => simulink_files(subject)?,
         };
         if let Some(inverse) = inverse {
             files.extend(match self {
+                // The files of a controller contain those of its inverse.
+                Self::C if controller.is_some() => Vec::new(),
                 Self::C => inverse_files(inverse)?,
                 Self::Rust => Vec::new(),
-                Self::Fmu => {
-                    fmu::files(&inverse.subject, Some(inverse), (compiler, listener.part(of_model, 1.0)))?
-                }
+                Self::Fmu => fmu::files(&inverse.subject, Some(inverse), part(1.0))?,
                 Self::Matlab => matlab_inverse_files(inverse)?,
                 Self::Simulink => simulink_inverse_files(inverse)?,
+            });
+        }
+        if let Some(controller) = controller {
+            files.extend(match self {
+                Self::C => controller_files(controller)?,
+                Self::Fmu => fmu::controller_files(controller, part(2.0))?,
+                Self::Rust | Self::Matlab | Self::Simulink => Vec::new(),
             });
         }
         Ok(files)

@@ -5,7 +5,7 @@ use hysteron_model::realise::Realisation;
 use hysteron_rt::Real;
 
 use crate::c::{Numbers, description_comment, filling, rows};
-use crate::dry_run::DryRun;
+use crate::dry_run::{Compared, DryRun, still};
 use crate::error::ExportError;
 use crate::golden::{Rounding, patience, samples_of};
 use crate::number::Precision;
@@ -93,6 +93,35 @@ impl Inverse {
         [precision.at_least(low), precision.at_most(high), precision.at_most(step)]
     }
 
+    /// What a dry run of it compares.
+    pub(crate) fn compared(&self) -> Compared<'_> {
+        Compared { what: "inverse", unit: &self.subject.input_unit, range: self.range_v }
+    }
+
+    /// Displacements at rest at the ends of the range, and half-way.
+    pub(crate) fn displacements(&self) -> Result<[f64; 3], ExportError> {
+        let mut parts = CompensatorParts::<f64>::new(&self.compensation, self.range_v, self.slew_v_per_s)?;
+        let mut compensator = parts.compensator()?;
+        let [low, high] = self.range_v;
+        let half_way = self.subject.precision.round(0.5 * (low + high));
+        match [low, high, half_way].map(|voltage| compensator.rest_at(voltage)) {
+            [Ok(bottom), Ok(top), Ok(middle)] => Ok([bottom, top, middle]),
+            _ => Err(ExportError::Template { place: "the displacement at the ends of the range".into() }),
+        }
+    }
+
+    /// Sum of magnitudes in a voltage, per unit of displacement in the law.
+    pub(crate) fn sensitivity(&self) -> Result<f64, ExportError> {
+        let [bottom, top, _] = self.displacements()?;
+        let law = &self.compensation;
+        let gains = law.recent.iter().chain(law.states.iter().flatten()).map(|k| k.abs()).sum::<f64>()
+            + law.reference.iter().map(|k| k.abs()).sum::<f64>()
+                * law.dynamics.amplification()
+                * law.dynamics.reference_gain;
+        let [low, high] = self.range_v;
+        Ok((1.0 + gains) * (high - low) / (top - bottom).abs())
+    }
+
     /// Description for the heads of the sources, as [`Subject::description`].
     pub(crate) fn description(&self) -> Vec<String> {
         let subject = &self.subject;
@@ -109,7 +138,7 @@ impl Inverse {
         ];
         if subject.precision == Precision::F32 {
             lines.push(self.rounding.in_words("voltage", &subject.input_unit));
-            lines.extend(self.dry_run.in_words(self).iter().map(|line| format!("NOTE: {line}")));
+            lines.extend(self.dry_run.in_words(&self.compared()).iter().map(|line| format!("NOTE: {line}")));
         }
         lines.extend([String::new(), "The model:".into()]);
         lines.extend(subject.description());
@@ -162,13 +191,8 @@ fn settles(law: &Compensation) -> (usize, f64) {
 
 /// Header and source.
 pub(crate) fn inverse_core(inverse: &Inverse, filling: &Filling) -> Result<Vec<NamedFile>, ExportError> {
-    let Subject { name, precision, origin, .. } = &inverse.subject;
-    let mut filling = filling.clone();
-    saved::fill(&mut filling, *precision, (HEADER, SOURCE), &[&origin.model_sha256])?;
-    Ok(vec![
-        NamedFile::new(format!("{name}.h"), filling.fill(HEADER)?),
-        NamedFile::new(format!("{name}.c"), filling.fill(SOURCE)?),
-    ])
+    let Subject { precision, origin, .. } = &inverse.subject;
+    saved::header_and_source(&mut filling.clone(), *precision, (HEADER, SOURCE), &origin.model_sha256)
 }
 
 pub(crate) fn inverse_filling(inverse: &Inverse, numbers: Numbers) -> Result<Filling, ExportError> {
@@ -246,9 +270,9 @@ fn gain<T: Real>(law: &Compensation) -> T {
 }
 
 /// Tolerance in double precision: share of the range of the voltage.
-const DOUBLE: f64 = 1e-12;
+pub(crate) const DOUBLE: f64 = 1e-12;
 /// Tolerance in single precision: units of rounding (2^-23) of the sum of magnitudes for a voltage.
-const SINGLE: f64 = 16.0;
+pub(crate) const SINGLE: f64 = 16.0;
 const SAMPLES: usize = 640;
 /// References from this one on are held, as voltages are in the self-test of a model: the steps alone, as a
 /// staircase sine would drive a fast law from limit to limit, where single and double precision diverge.
@@ -274,14 +298,7 @@ pub(crate) fn golden_inverse_keys(
         .key("REFERENCES", rows(vectors.references.iter().map(|&x| literal(x))))
         .key("VOLTAGES", rows(vectors.voltages.iter().map(|&x| literal(x))))
         .key("TOLERANCE", literal(vectors.tolerance))
-        .key(
-            "TOLERANCE_IN_WORDS",
-            match inverse.subject.precision {
-                Precision::F64 => "1e-12 of their range",
-                Precision::F32 if inverse.dry_run.drifts() => "twice the departure of a dry run",
-                Precision::F32 => "16 units of rounding (2^-23) of the sum of magnitudes for a voltage",
-            },
-        );
+        .key("TOLERANCE_IN_WORDS", inverse.dry_run.tolerance_in_words(inverse.subject.precision));
     Ok(())
 }
 
@@ -317,10 +334,10 @@ impl GoldenInverse {
             CompensatorParts::<f64>::new(&inverse.compensation, inverse.range_v, inverse.slew_v_per_s)?;
         let mut compensator = parts.compensator()?;
         let rest_v = precision.round(0.5 * (low + high));
-        let ends = [compensator.rest_at(low), compensator.rest_at(high), compensator.rest_at(rest_v)];
-        let [Ok(bottom), Ok(top), Ok(middle)] = ends else {
-            return Err(ExportError::Template { place: "the displacement at the ends of the range".into() });
-        };
+        if compensator.rest_at(rest_v).is_err() {
+            return Err(still());
+        }
+        let [bottom, top, middle] = inverse.displacements()?;
         let references: Vec<f64> = (0..SAMPLES)
             .map(|k| {
                 let phase = 4.0 * std::f64::consts::TAU * k as f64 / SAMPLES as f64;
@@ -340,17 +357,11 @@ impl GoldenInverse {
             compensator.step(r).voltage
         };
         let voltages: Vec<f64> = references.iter().enumerate().map(&mut held).collect();
-        let gains = law.recent.iter().chain(law.states.iter().flatten()).map(|k| k.abs()).sum::<f64>()
-            + law.reference.iter().map(|k| k.abs()).sum::<f64>()
-                * law.dynamics.amplification()
-                * law.dynamics.reference_gain;
         let span = references.iter().fold(0.0_f64, |most, r| most.max(r.abs())) + (top - bottom).abs();
-        // Sum of magnitudes in the law, as voltage.
-        let added_up = (1.0 + gains) * span * (high - low) / (top - bottom).abs();
         let tolerance = match precision {
             Precision::F64 => DOUBLE * (high - low),
             Precision::F32 if inverse.dry_run.drifts() => inverse.dry_run.stated(),
-            Precision::F32 => SINGLE * precision.epsilon() * added_up,
+            Precision::F32 => SINGLE * precision.epsilon() * inverse.sensitivity()? * span,
         };
         // Too coarse a precision is reported by [`Rounding::new`]; a voltage below its tolerance would seem
         // constant.

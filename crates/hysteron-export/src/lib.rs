@@ -48,10 +48,10 @@ pub use axes::{
     axes_rust_files, export_axes,
 };
 pub use c::c_files;
-pub use closed_loop::{ClosedLoop, controller_files};
+pub use closed_loop::{ClosedLoop, GoldenLoop, controller_files};
 pub use dry_run::DryRun;
 pub use error::ExportError;
-pub use fmu::{Platform, fmu_files, inverse_fmu_files};
+pub use fmu::{Platform, controller_fmu_files, fmu_files, inverse_fmu_files};
 pub use form::{Form, Means};
 pub use golden::{Golden, Rounding};
 pub use hysteron_io::NamedFile;

@@ -7,10 +7,10 @@ use hysteron_model::tracking::Controller;
 use hysteron_model::{Finding, FindingKind};
 use serde::{Deserialize, Serialize};
 
-use crate::closed_loop::{ClosedLoop, controller_files};
+use crate::closed_loop::ClosedLoop;
 use crate::error::ExportError;
 use crate::fmu::Platform;
-use crate::form::{Form, Means};
+use crate::form::{Around, Form, Means};
 use crate::golden::Rounding;
 use crate::inverse::Inverse;
 use crate::number::Precision;
@@ -41,8 +41,7 @@ pub struct ExportRequest {
     /// The inverse too: reference in, drive out.
     #[serde(default)]
     pub inverse: Option<InverseRequest>,
-    /// A controller of `track` around the inverse: with a feedback law or an observer, as C99 in double
-    /// precision.
+    /// A controller of `track` around the inverse: with a feedback law or an observer, as C99, Rust or FMUs.
     #[serde(default)]
     pub controller: Option<Controller>,
     /// SHA-256 of the model file; left out: of the file as this program writes it.
@@ -113,18 +112,17 @@ pub fn export(
     let along = verify(&subject.realisation, &sweep.drive)?;
     findings.extend(along.finding(accuracy));
     subject.along_sweep = Some((along, sweep.frequencies_hz));
-    if let Some(controller) = request.controller {
-        let (Some(asked), Form::C) = (&request.inverse, form) else {
-            return Err(ExportError::ControllerForm);
-        };
-        let realise = RealiseOptions { accuracy, lowest_frequency_hz: request.lowest_frequency_hz };
-        let closed = ClosedLoop::new(model, &subject, controller, asked, realise)?;
-        findings.extend(Preview::from(&closed.inverse.compensation).finding(asked.preview));
-        let mut files = form.files(&subject, None, means)?;
-        files.extend(controller_files(&closed)?);
-        return Ok(Exported { subject, files, findings });
-    }
+    let closed = match request.controller {
+        Some(controller) => {
+            let (closed, told) = controlled(model, &subject, controller, request)?;
+            findings.extend(told);
+            Some(closed)
+        }
+        None => None,
+    };
     let inverse = match &request.inverse {
+        // The controller's own.
+        Some(_) if closed.is_some() => None,
         Some(asked) => {
             let (inverse, told) = inverted(model, &subject, asked, request.lowest_frequency_hz)?;
             findings.extend(told);
@@ -132,11 +130,48 @@ pub fn export(
         }
         None => None,
     };
-    let files = form.files(&subject, inverse.as_ref(), means)?;
+    let around = match (&inverse, &closed) {
+        (_, Some(closed)) => Around::Controller(closed),
+        (Some(inverse), None) => Around::Inverse(inverse),
+        (None, None) => Around::Nothing,
+    };
+    let files = form.files(&subject, around, means)?;
     if form == Form::Fmu {
         findings.extend(Platform::left_out().into_iter().map(without_binary));
     }
     Ok(Exported { subject, files, findings })
+}
+
+fn controlled(
+    model: &Hammerstein,
+    subject: &Subject,
+    controller: Controller,
+    request: &ExportRequest,
+) -> Result<(ClosedLoop, Vec<Finding>), ExportError> {
+    let Some(asked) = &request.inverse else { return Err(ExportError::ControllerAlone) };
+    if !request.form.has_controllers() {
+        return Err(ExportError::ControllerForm { form: request.form.name() });
+    }
+    let realise =
+        RealiseOptions { accuracy: subject.accuracy, lowest_frequency_hz: request.lowest_frequency_hz };
+    let closed = ClosedLoop::new(model, subject, controller, asked, realise)?;
+    let mut findings: Vec<Finding> =
+        Preview::from(&closed.inverse.compensation).finding(asked.preview).into_iter().collect();
+    findings.extend(told(&closed.inverse));
+    findings.extend(coarse("voltage of the controller", &subject.input_unit, closed.rounding));
+    findings.extend(departures(closed.dry_run.in_words(&closed.compared())));
+    Ok((closed, findings))
+}
+
+/// What is to be said of an inverse.
+fn told(inverse: &Inverse) -> Vec<Finding> {
+    let coarse = coarse("voltage", &inverse.subject.input_unit, inverse.rounding);
+    coarse.into_iter().chain(departures(inverse.dry_run.in_words(&inverse.compared()))).collect()
+}
+
+/// What a dry run says.
+fn departures(said: Vec<String>) -> impl Iterator<Item = Finding> {
+    said.into_iter().map(|text| Finding::new(FindingKind::Verdict, "single precision", text))
 }
 
 fn inverted(
@@ -152,9 +187,7 @@ fn inverted(
     let law = asked.law(model, subject.realisation.sample_rate_hz, realise, preview)?;
     let mut findings: Vec<Finding> = Preview::from(&law).finding(asked.preview).into_iter().collect();
     let inverse = Inverse::new(subject, law, [limits.low, limits.high], limits.slew_v_per_s)?;
-    findings.extend(coarse("voltage", &subject.input_unit, inverse.rounding));
-    let said = inverse.dry_run.in_words(&inverse).into_iter();
-    findings.extend(said.map(|text| Finding::new(FindingKind::Verdict, "single precision", text)));
+    findings.extend(told(&inverse));
     Ok((inverse, findings))
 }
 

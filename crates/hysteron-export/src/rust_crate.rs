@@ -5,6 +5,7 @@ use hysteron_model::realise::RuntimeParts;
 use hysteron_rt::{Branch, LANES, Real, StateLaw};
 
 use crate::c::{Numbers, filling, golden_keys, rows};
+use crate::closed_loop::{ClosedLoop, controller_modules};
 use crate::error::ExportError;
 use crate::escape::{rust_comment, toml_string};
 use crate::golden::Golden;
@@ -30,6 +31,16 @@ pub const RUNTIME: &str = "runtime";
 /// # Errors
 /// Those of [`crate::c_files`].
 pub fn rust_files(subject: &Subject, inverse: Option<&Inverse>) -> Result<Vec<NamedFile>, ExportError> {
+    crate_files(subject, inverse, None)
+}
+
+/// [`rust_files`], with a controller around the inverse: `src/controller.rs`, with its feedback law and the
+/// model of its observer below, and a test.
+pub(crate) fn crate_files(
+    subject: &Subject,
+    inverse: Option<&Inverse>,
+    controller: Option<&ClosedLoop>,
+) -> Result<Vec<NamedFile>, ExportError> {
     let mut files = vec![NamedFile::new("Cargo.toml", manifest(subject))];
     files.push(NamedFile::new(format!("{RUNTIME}/Cargo.toml"), runtime_manifest()));
     let sources = hysteron_rt::rust_source::FILES.iter();
@@ -38,7 +49,10 @@ pub fn rust_files(subject: &Subject, inverse: Option<&Inverse>) -> Result<Vec<Na
     files.extend(sources.map(|(name, text)| NamedFile::new(format!("{RUNTIME}/src/{name}"), copied(text))));
     let literal = |x: f64| subject.precision.rust_literal(x);
     let mut filling = common(subject, subject.description(), numbers(subject)?)?;
-    filling.flag("has_inverse", inverse.is_some());
+    filling
+        .flag("root", true)
+        .flag("has_inverse", inverse.is_some())
+        .flag("has_controller", controller.is_some());
     let bytes = match subject.precision {
         Precision::F32 => model_bytes::<f32>(subject)?,
         Precision::F64 => model_bytes::<f64>(subject)?,
@@ -63,6 +77,9 @@ pub fn rust_files(subject: &Subject, inverse: Option<&Inverse>) -> Result<Vec<Na
         golden_inverse_keys(&mut filling, inverse, &literal)?;
         files.push(NamedFile::new("tests/inverse_selftest.rs", filling.fill(INVERSE_SELFTEST)?));
     }
+    if let Some(controller) = controller {
+        files.extend(controller_modules(controller, &subject.name)?);
+    }
     Ok(files)
 }
 
@@ -77,6 +94,22 @@ fn inverse_bytes<T: Real>(inverse: &Inverse) -> Result<usize, ExportError> {
     Ok(parts?.compensator()?.saved_bytes())
 }
 
+/// Source of a part of a controller, under one of the template's flags.
+pub(crate) fn module(
+    subject: &Subject,
+    flag: &'static str,
+    description: Vec<String>,
+    keys: impl FnOnce(&mut Filling),
+) -> Result<String, ExportError> {
+    let tables = if flag == "law" { linear_numbers(subject)? } else { numbers(subject)? };
+    let mut filling = common(subject, description, tables)?;
+    // A law has no hysteresis.
+    let states = filling.has("states") && flag != "law";
+    filling.flag(flag, true).flag("states", states);
+    keys(&mut filling);
+    filling.fill(SOURCE)
+}
+
 /// Sets what a source says of saved states of so many bytes.
 fn mark_saved(filling: &mut Filling, origin: &Origin, bytes: usize) -> Result<(), ExportError> {
     let (one, streams) =
@@ -89,14 +122,18 @@ fn mark_saved(filling: &mut Filling, origin: &Origin, bytes: usize) -> Result<()
     Ok(())
 }
 
-/// Filling common to both source files.
+/// Comment at the head of a source.
+pub(crate) fn head(description: &[String]) -> String {
+    let line = |line: &String| format!("//! {}", rust_comment(line)).trim_end().to_owned();
+    description.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// Filling common to all source files.
 fn common(subject: &Subject, description: Vec<String>, tables: String) -> Result<Filling, ExportError> {
     let mut filling = filling(subject, Numbers::Constant)?;
     let literal = |x: f64| subject.precision.rust_literal(x);
-    let description: Vec<String> =
-        description.iter().map(|line| format!("//! {}", rust_comment(line)).trim_end().to_owned()).collect();
     filling
-        .key("DESCRIPTION", description.join("\n"))
+        .key("DESCRIPTION", head(&description))
         .key("INPUT_UNIT", rust_comment(&subject.input_unit))
         .key("OUTPUT_UNIT", rust_comment(&subject.output_unit))
         .key("real", subject.precision.name())
@@ -112,6 +149,13 @@ fn numbers(subject: &Subject) -> Result<String, ExportError> {
     match subject.precision {
         Precision::F32 => tables::<f32>(subject),
         Precision::F64 => tables::<f64>(subject),
+    }
+}
+
+fn linear_numbers(subject: &Subject) -> Result<String, ExportError> {
+    match subject.precision {
+        Precision::F32 => linear_tables::<f32>(subject),
+        Precision::F64 => linear_tables::<f64>(subject),
     }
 }
 
@@ -213,7 +257,9 @@ fn tables<T: Real + Into<f64>>(subject: &Subject) -> Result<String, ExportError>
         let comment = format!("{}.", StateLaw::<T>::PARAMETERS.join(", "));
         table(&comment, "STATES", "[Real; 4]", parameters.len(), &rows(parameters.iter().map(own)));
     }
-    if let Some((what, weights)) = &numbers.weights {
+    if let Some((what, weights)) = &numbers.weights
+        && !weights.is_empty()
+    {
         table(&format!("Weights of the {what}s."), "WEIGHT", "Real", weights.len(), &all(weights));
     }
     for Table { comment, name, numbers } in &numbers.tables {
@@ -226,11 +272,23 @@ fn tables<T: Real + Into<f64>>(subject: &Subject) -> Result<String, ExportError>
         let law = law_in_rust(law, &literal);
         out.push_str(&format!("/// The law.\nconst LAW: Branch<Real> = {law};\n"));
     }
+    out.push_str(&linear_tables::<T>(subject)?);
+    let offset = literal(coefficients.offset);
+    out.push_str(&format!("/// Constant of the displacement.\nconst OFFSET: Real = {offset};\n"));
+    Ok(out.replace("static STATES", "const STATES"))
+}
+
+/// Tables of the linear dynamics.
+fn linear_tables<T: Real + Into<f64>>(subject: &Subject) -> Result<String, ExportError> {
+    let parts = RuntimeParts::<T>::new(&subject.realisation)?;
+    let sections = parts.coefficients().sections;
+    let literal = |x: T| subject.precision.rust_literal(x.into());
+    let all = |numbers: &[T]| rows(numbers.iter().map(|&x| literal(x)));
+    let mut out = String::new();
     let mut table = |comment: &str, name: &str, kind: &str, size: usize, content: &str| {
         let content = if size == 0 { "[]".to_owned() } else { format!("[\n{content},\n]") };
         out.push_str(&format!("/// {comment}\nstatic {name}: [{kind}; {size}] = {content};\n"));
     };
-    let sections = coefficients.sections;
     let list = |numbers: &[T]| numbers.iter().map(|&x| literal(x)).collect::<Vec<_>>().join(", ");
     let section = |kind: &str, gain: &[T], weight: &[T]| {
         format!("{kind} {{ gain: [{}], weight: [{}] }}", list(gain), list(weight))
@@ -250,11 +308,7 @@ fn tables<T: Real + Into<f64>>(subject: &Subject) -> Result<String, ExportError>
         let pairs = sections.pairs.iter().map(|p| section("PolePair", &p.gain, &p.weight));
         table("Pole pairs.", "PAIRS", "PolePair<Real>", sections.pairs.len(), &rows(pairs));
     }
-    out.push_str(&format!(
-        "/// Gain of the dynamics at rest.\nconst REST_GAIN: Real = {};\n/// Constant \
-         of the displacement.\nconst OFFSET: Real = {};\n",
-        literal(sections.rest_gain),
-        literal(coefficients.offset)
-    ));
-    Ok(out.replace("static STATES", "const STATES"))
+    let rest_gain = literal(sections.rest_gain);
+    out.push_str(&format!("/// Gain of the dynamics at rest.\nconst REST_GAIN: Real = {rest_gain};\n"));
+    Ok(out)
 }

@@ -5,6 +5,8 @@
 //! number (`int32_t`, `uint32_t`, `bool`). Whole numbers are indices and flags: a comment `/* below N` behind
 //! an index says what a restored one must be below.
 
+use hysteron_io::NamedFile;
+
 use crate::error::ExportError;
 use crate::number::Precision;
 use crate::template::Filling;
@@ -48,7 +50,7 @@ enum Kind {
 ///
 /// # Errors
 /// [`ExportError::Template`] for a declaration of another form.
-pub(crate) fn fill(
+fn fill(
     filling: &mut Filling,
     precision: Precision,
     (header, source): (&str, &str),
@@ -88,6 +90,24 @@ pub(crate) fn fill(
         .key("RESTORE_MEMBERS", lines(restored))
         .flag("saved_rows", others.iter().any(has_rows));
     Ok(())
+}
+
+/// Header and source of an export with saved states, of which `filling` is told: `NAME.h` and `NAME.c`.
+///
+/// # Errors
+/// Those of [`fill`].
+pub(crate) fn header_and_source(
+    filling: &mut Filling,
+    precision: Precision,
+    (header, source): (&str, &str),
+    model_sha256: &str,
+) -> Result<Vec<NamedFile>, ExportError> {
+    fill(filling, precision, (header, source), &[model_sha256])?;
+    let name = filling.text("name").to_owned();
+    Ok(vec![
+        NamedFile::new(format!("{name}.h"), filling.fill(header)?),
+        NamedFile::new(format!("{name}.c"), filling.fill(source)?),
+    ])
 }
 
 /// 64-bit FNV-1a sum of texts and their ends.

@@ -287,3 +287,46 @@ fn what_cannot_be_is_refused() {
         assert!(FeedbackLaw::new(kind, RATE_HZ).is_err(), "{kind:?}");
     }
 }
+
+/// The same voltages from the readings alone, at the limits too, and from a saved state on.
+#[test]
+fn a_controller_away_from_its_plant_is_the_one_that_was_played() {
+    let both = inverse(None);
+    let truth = Truth { dac: Dac::Hold, ..Truth::default() };
+    for strategy in [
+        Strategy::new("PI", both).with_feedback(LawFamily::Pi),
+        Strategy::new("fractional PI", both).with_feedback(LawFamily::FractionalPi),
+        Strategy::new("observer", both).with_observer(),
+        Strategy::new("alone", both),
+    ] {
+        let limited = LoopSettings { slew_v_per_s: 4e3, ..settings() };
+        let made = Loop::new(&model(0.5), &limited, &strategy).unwrap();
+        let reference: Vec<f64> = sine(60.0, 900).iter().map(|r| 9.0 + 2.6 * (r - 9.0)).collect();
+        let stage = RigStage { truth: &truth, seed: 1, stream: 0 };
+        let played = play(&made, &reference, Plant::Stage(&stage), None).unwrap();
+        assert!(played.at_range > 0, "{}", strategy.name);
+        let mut parts = ControllerParts::<f64>::new(&made).unwrap().unwrap();
+        let mut twin = parts.clone();
+        let (mut controller, mut twin) = (parts.controller().unwrap(), twin.controller().unwrap());
+        controller.rest_after(played.rest_v, played.rest_v, reference[0]).unwrap();
+        let preview = made.inverse.as_ref().unwrap().preview;
+        let ahead = |k: usize| reference[k.min(reference.len() - 1)];
+        (0..preview).for_each(|k| assert!(controller.know(ahead(k))));
+        for (k, (voltage, reading)) in played.drive.iter().zip(&played.reading).enumerate() {
+            let drive = controller.step(ahead(k + preview));
+            assert_eq!(drive.voltage.to_bits(), voltage.to_bits(), "{} {k}", strategy.name);
+            controller.measured(*reading);
+            if k > 450 {
+                assert_eq!(twin.step(ahead(k + preview)), drive, "{} {k}", strategy.name);
+                twin.measured(*reading);
+            } else if k == 450 {
+                let mut bytes = vec![0; controller.saved_bytes()];
+                controller.save(1, &mut bytes).unwrap();
+                assert!(twin.restore(2, &bytes).is_err());
+                twin.restore(1, &bytes).unwrap();
+            }
+        }
+        assert!(!controller.measured(f64::NAN));
+        assert!(controller.rest_after(0.0, 0.0, f64::NAN).is_err() && controller.trim(0.0, 1.0).is_err());
+    }
+}

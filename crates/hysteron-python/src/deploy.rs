@@ -1,9 +1,11 @@
 //! A model at a controller's rate: its response, its realisation, its source.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hysteron_export::{ExportRequest, Means, export, write_folder};
+use hysteron_export::{
+    AxesExportRequest, ExportError, ExportRequest, Means, NamedFile, export, export_axes, write_folder,
+};
 use hysteron_identify::Listener;
 use hysteron_model::model::{Capability, CheckedRealisation};
 use hysteron_model::realise::{RealiseOptions, realise};
@@ -63,18 +65,26 @@ impl Model {
         Ok((to_json(&found)?, matrices.collect::<Result<_, _>>()?))
     }
 
-    /// Source for a controller, written into a folder: names of the files.
+    /// Source for a controller, written into a folder: names of the files. The options are those of the kind
+    /// of model.
     fn export(&self, py: Python<'_>, folder: PathBuf, options: &str) -> PyResult<Vec<String>> {
-        let asked: ExportRequest = from_json(options)?;
-        let body = self.core().hammerstein(Capability::Export).map_err(raised)?;
-        let files = work::run(py, || {
-            let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-            let means = Means { compiler: &compiler, listener: Listener::silent() };
-            let files = export(body, &asked, means)?.files;
-            write_folder(&folder, &files)?;
-            Ok::<_, hysteron_export::ExportError>(files)
-        })?;
-        let files = files.map_err(raised)?;
-        Ok(files.into_iter().map(|file| file.name).collect())
+        let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
+        let means = Means { compiler: &compiler, listener: Listener::silent() };
+        let files = if self.core().channels().is_some() {
+            let asked: AxesExportRequest = from_json(options)?;
+            let model = self.core();
+            work::run(py, || written(&folder, export_axes(model, &asked, means)?.files))?
+        } else {
+            let asked: ExportRequest = from_json(options)?;
+            let body = self.core().hammerstein(Capability::Export).map_err(raised)?;
+            work::run(py, || written(&folder, export(body, &asked, means)?.files))?
+        };
+        files.map_err(raised)
     }
+}
+
+/// Writes the files of an export; their names.
+fn written(folder: &Path, files: Vec<NamedFile>) -> Result<Vec<String>, ExportError> {
+    write_folder(folder, &files)?;
+    Ok(files.into_iter().map(|file| file.name).collect())
 }

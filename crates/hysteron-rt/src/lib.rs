@@ -12,7 +12,7 @@
 //!   taps, delay), voltage in, displacement out, in a bounded number of operations a sample.
 //! * [`Compensator`]: the inverse, reference in, voltage out, within the amplifier's range and slew ([`Law`],
 //!   [`Hysteresis::reach`]); [`Observer`]: the disturbance between model and stage; [`Feedback`]: PI, PI^λ
-//!   and integral with notch; [`FilteredLms`]: adaptive feedforward.
+//!   and integral with notch; [`Controller`]: all three together; [`FilteredLms`]: adaptive feedforward.
 //! * [`Rls`], [`Nlms`]: recursive least squares with forgetting and normalised LMS, sample by sample;
 //!   [`FitMonitor`] detects misfit.
 //! * [`Dual`]: a number with its derivatives. Where a step is fed duals it returns the exact derivatives of
@@ -63,9 +63,10 @@ pub use bouc_wen::{BoucWen, BoucWenState, SimulateError, StepError};
 pub use branch::Branch;
 pub use dual::Dual;
 pub use model::{
-    Compensated, Compensator, Drive, Feedback, FilteredLms, HeldBack, Hysteresis, IncrementMemory, LANES,
-    Law, Limited, Limits, Line, Linear, LmsFilter, LmsMemory, LmsSettings, MOST_LOOKS, MOST_TAPS, Means,
-    Model, ModelError, Observed, Observer, Operator, PolePair, Reached, RealPoles, Sections, SectionsMemory,
+    Compensated, Compensator, Controller, Drive, Feedback, FilteredLms, HeldBack, Hysteresis,
+    IncrementMemory, LANES, Law, Limited, Limits, Line, Linear, LmsFilter, LmsMemory, LmsSettings,
+    MOST_LOOKS, MOST_TAPS, Means, Model, ModelError, Observed, Observer, Operator, PolePair, Reached,
+    RealPoles, Sections, SectionsMemory,
 };
 pub use online::{
     FitMonitor, Misfit, MonitorSettings, Nlms, NlmsSettings, Residual, Rls, RlsSettings, SampleError,

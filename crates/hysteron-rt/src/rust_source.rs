@@ -40,6 +40,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("increment.rs", include_str!("increment.rs")),
     ("lib.rs", include_str!("lib.rs")),
     ("model/compensator.rs", include_str!("model/compensator.rs")),
+    ("model/controller.rs", include_str!("model/controller.rs")),
     ("model/error.rs", include_str!("model/error.rs")),
     ("model/feedback.rs", include_str!("model/feedback.rs")),
     ("model/lms.rs", include_str!("model/lms.rs")),

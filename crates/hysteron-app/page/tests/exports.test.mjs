@@ -24,14 +24,17 @@ after(async () => {
 const has = (program, argument) => spawnSync(program, [argument]).status === 0;
 
 /** Downloads a form, unpacks it, and has the command of the dock write the same beside it. */
-async function taken(form, label) {
-  const page = await open(`${server.url}#/home?form=${form}`);
+async function taken(form, label, settings = '') {
+  const page = await open(`${server.url}#/home?form=${form}${settings}`);
   try {
     await page.waitForSelector(`a.primary:has-text("Download ${label}")`);
     const command = 'code[aria-label="The command that does the same"]';
     await page.waitForFunction(
-      ([at, to]) => document.querySelector(at).textContent.includes(`--to ${to}`),
-      [command, form],
+      ([at, to, more]) => {
+        const text = document.querySelector(at).textContent;
+        return text.includes(`--to ${to}`) && (!more || text.includes('--controller'));
+      },
+      [command, form, settings],
     );
     const shell = await page.textContent(command);
     const [download] = await Promise.all([
@@ -89,6 +92,18 @@ test('the S-function comes with C whose self-test passes', async (t) => {
   assert.match(await readFile(join(folder, `${name}_sfun.c`), 'utf8'), /simstruc\.h/);
   if (!has('cc', '--version')) return t.diagnostic('skipped in part: no C compiler is installed');
   const sources = [`${name}.c`, `${name}_selftest.c`];
+  execFileSync('cc', ['-std=c99', '-ffp-contract=off', ...sources, '-o', 'selftest', '-lm'], {
+    cwd: folder,
+  });
+  t.diagnostic(execFileSync(join(folder, 'selftest'), { encoding: 'utf8' }).trim());
+});
+
+test('a controller with an observer is that of the command, and its self-test passes', async (t) => {
+  const { folder, name } = await taken('c', 'C99 source', '&controller=feedforward-observer');
+  const own = (await readdir(folder)).filter((file) => file.endsWith('.c') && !/selftest|loop/.test(file));
+  assert.ok(own.includes(`${name}_controller.c`));
+  if (!has('cc', '--version')) return t.diagnostic('skipped in part: no C compiler is installed');
+  const sources = [...own, `${name}_controller_selftest.c`];
   execFileSync('cc', ['-std=c99', '-ffp-contract=off', ...sources, '-o', 'selftest', '-lm'], {
     cwd: folder,
   });

@@ -1,5 +1,6 @@
 //! Jobs: one computation at a time, the others wait.
 
+use hysteron_identify::modes::ModesComparisonSummary;
 use hysteron_identify::{CandidateSummary, ComparisonSummary, Task};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -52,6 +53,12 @@ pub enum JobRequest {
         /// The records are parts of one run.
         #[serde(default)]
         continued: bool,
+        /// Columns of the inputs: structures of several axes are compared.
+        #[serde(default)]
+        inputs: Vec<String>,
+        /// Columns of the outputs, likewise.
+        #[serde(default)]
+        outputs: Vec<String>,
         /// Write the report, under this identifier, `compare.html`.
         #[serde(default)]
         report: Option<String>,
@@ -149,6 +156,8 @@ pub struct JobResult {
     pub candidates: Vec<CandidateSummary>,
     /// Ranking of a comparison at its end.
     pub comparison: Option<ComparisonSummary>,
+    /// Ranking of structures of several axes at its end.
+    pub axes_comparison: Option<ModesComparisonSummary>,
 }
 
 /// The commands that do the same as the page.

@@ -39,6 +39,7 @@ pub use report::ReportEntry;
 pub use result::{
     AdaptOptions, AdaptRequest, BandOf, DecoupleRequest, DesignRequest, Figure, Listed, Outcome,
     PrepareOptions, PrepareRequest, RealiseOptions, RealiseRequest, RecalibrateOptions, RecalibrateRequest,
-    ResponseFitOptions, ResponseFitRequest, SimulateOptions, SimulateRequest,
+    ResponseFitOptions, ResponseFitRequest, SimulateOptions, SimulateRequest, TrackAxesOptions,
+    TrackAxesRequest,
 };
 pub use workspace::{Changed, Example, ExampleOpened, History, Trashed, Workspace};

@@ -4,8 +4,10 @@ use hysteron_identify::{GainPhase, Interval};
 use hysteron_model::Finding;
 use hysteron_model::model::{DecouplingRequest, InverseRequest};
 use hysteron_model::model_file::Kind;
+use hysteron_model::tracking::Controller;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
 
 use super::curve::pixels;
@@ -336,12 +338,22 @@ pub struct DownloadQuery {
     /// With the inverse: reference in, voltage out.
     #[serde(default)]
     pub inverse: bool,
+    /// Controller around the inverse, by its name; left out: none.
+    pub controller: Option<Controller>,
     /// Lowest voltage of the inverse; left out: of the model's records.
     pub low: Option<f64>,
     /// Highest voltage of the inverse.
     pub high: Option<f64>,
     /// Largest slew rate of the inverse's voltage \[V/s\].
     pub slew_per_s: Option<f64>,
+    /// Ranges of the actuators of several axes in place of `low` and `high`: `LOW:HIGH` for all of them, or
+    /// one each, separated by commas.
+    #[serde(default, deserialize_with = "ranges_in_text", serialize_with = "text_of_ranges")]
+    #[schemars(with = "Option<String>")]
+    pub ranges: Vec<[f64; 2]>,
+    /// Level of the drive (rms) at which the modes of several axes are taken; left out: the highest
+    /// identified.
+    pub level: Option<f64>,
     /// Frequency up to which the inverse follows \[Hz\].
     pub bandwidth_hz: Option<f64>,
     /// Samples of the reference that the inverse knows ahead; left out: as many as affect the drive.
@@ -370,17 +382,39 @@ impl DownloadQuery {
         }
     }
 
-    /// The inverse of several axes that is asked for, with one limit for all actuators.
+    /// The inverse of several axes that is asked for.
     pub(crate) fn decoupling_request(&self) -> DecouplingRequest {
         let one = self.inverse_request();
         DecouplingRequest {
-            ranges: one.range.into_iter().collect(),
+            ranges: if self.ranges.is_empty() {
+                one.range.into_iter().collect()
+            } else {
+                self.ranges.clone()
+            },
             slews_per_s: one.slew_per_s.into_iter().collect(),
             bandwidth_hz: one.bandwidth_hz,
             preview: one.preview,
+            level: self.level,
             ..DecouplingRequest::default()
         }
     }
+}
+
+/// Ranges in a query, which has text alone.
+fn ranges_in_text<'de, D: Deserializer<'de>>(query: D) -> Result<Vec<[f64; 2]>, D::Error> {
+    let given = Option::<String>::deserialize(query)?.unwrap_or_default();
+    let range = |one: &str| {
+        let (low, high) = one.split_once(':')?;
+        Some([low.trim().parse::<f64>().ok()?, high.trim().parse::<f64>().ok()?])
+    };
+    let ranges = given.split(',').filter(|one| !one.trim().is_empty()).map(range);
+    let words = "ranges are LOW:HIGH, one for all actuators or one each, separated by commas";
+    ranges.collect::<Option<_>>().ok_or_else(|| D::Error::custom(words))
+}
+
+fn text_of_ranges<S: Serializer>(ranges: &[[f64; 2]], to: S) -> Result<S::Ok, S::Error> {
+    let texts: Vec<String> = ranges.iter().map(|[low, high]| format!("{low}:{high}")).collect();
+    to.serialize_str(&texts.join(","))
 }
 
 /// The files of an export.

@@ -44,12 +44,14 @@ pub struct FormOffered {
     pub contents: String,
     /// Whether it is there in single precision.
     pub has_single_precision: bool,
+    /// Whether a controller with feedback can be exported so.
+    pub has_controllers: bool,
 }
 
 /// An operation with the schema of its options.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OperationOffered {
-    /// Its name: `prepare`, `simulate`, `decouple`, `design`, `recalibrate`, `adapt`, `realise`, `frequency-response`.
+    /// Its name: `prepare`, `simulate`, `decouple`, `track-axes`, `design`, `recalibrate`, `adapt`, `realise`, `frequency-response`.
     pub name: String,
     /// Schema of its options.
     pub schema: Value,

@@ -106,6 +106,8 @@ pub struct SimulateOptions {
     pub correct: bool,
     /// Voltage at rest before the drive; left out: as the model file assumes.
     pub rest_voltage: Option<f64>,
+    /// Column of the measured rate of the input, for a force; left out: that of the record's settings.
+    pub rate: Option<String>,
 }
 
 /// A drive to be simulated.
@@ -142,6 +144,41 @@ pub struct DecoupleRequest {
     /// Options.
     #[serde(default)]
     pub options: DecouplingRequest,
+    /// File to write: `.csv`, `.npz`, `.mat`.
+    #[serde(default)]
+    pub save: Option<String>,
+}
+
+/// Options of controllers of several axes on the simulated bench.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct TrackAxesOptions {
+    /// Least and greatest drive, one for all actuators or one each; left out: the range that the model was
+    /// identified in.
+    pub ranges: Vec<[f64; 2]>,
+    /// Largest slew rate in the unit of the drive per second, one for all actuators or one each; left out:
+    /// none.
+    pub slews_per_s: Vec<f64>,
+    /// Frequency up to which the inverse follows \[Hz\]; left out: a twentieth of the sample rate.
+    pub bandwidth_hz: Option<f64>,
+    /// Samples of the references known ahead by the controller that runs sample by sample; left out: as many
+    /// as are useful.
+    pub preview: Option<usize>,
+    /// Seconds at the beginning that are not scored; left out: a quarter of the references.
+    pub skip_s: Option<f64>,
+    /// Seed of the bench's noise.
+    pub seed: u64,
+}
+
+/// Controllers of several axes to be simulated on the bench.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TrackAxesRequest {
+    /// Record with a column for every output of the model, named as the model names it.
+    pub references: String,
+    /// Options.
+    #[serde(default)]
+    pub options: TrackAxesOptions,
     /// File to write: `.csv`, `.npz`, `.mat`.
     #[serde(default)]
     pub save: Option<String>,

@@ -210,3 +210,22 @@ pub(crate) fn compare(
     let python = format!("print(hy.compare({}))", arguments.done());
     beside(Command { shell: words.columns(records).done(), python }, records)
 }
+
+/// `hysteron compare` of several axes.
+pub(crate) fn compare_axes(
+    records: &[RecordEntry],
+    candidates: &[String],
+    (inputs, outputs): (&[String], &[String]),
+    report: Option<&str>,
+) -> Command {
+    let named = (!candidates.is_empty()).then(|| candidates.join(","));
+    let words = axes(Words::new("compare").words(ids(records)), inputs, outputs);
+    let words = words.maybe("--candidates", named).maybe("--report", report);
+    let list: Vec<String> = candidates.iter().map(|name| text(name)).collect();
+    let arguments = Arguments::default()
+        .plain(read(records))
+        .plain(of_axes(inputs, outputs).done())
+        .value("candidates", (!list.is_empty()).then(|| format!("[{}]", list.join(", "))));
+    let python = format!("print(hy.compare_axes({}))", arguments.done());
+    beside(Command { shell: words.columns(records).done(), python }, records)
+}

@@ -5,8 +5,8 @@ mod model;
 mod operation;
 mod script;
 
-pub(crate) use fit::{compare, identify};
-pub(crate) use model::{decouple, design, export, invert, track, validate};
+pub(crate) use fit::{compare, compare_axes, identify};
+pub(crate) use model::{decouple, design, export, invert, track, track_axes, validate};
 pub(crate) use operation::{adapt, frequency_response, prepare, realise, recalibrate, simulate};
 pub(crate) use script::scripts;
 

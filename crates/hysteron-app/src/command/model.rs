@@ -8,7 +8,7 @@ use hysteron_report::shell::word;
 use super::{Arguments, Words, beside, ids, joined, read, text};
 use crate::api::{
     Command, DecoupleRequest, DownloadQuery, FollowRequest, RecordEntry, Reference, ScoresRequest,
-    TrackRequest,
+    TrackAxesRequest, TrackRequest,
 };
 
 /// `hysteron validate`.
@@ -96,6 +96,23 @@ pub(crate) fn decouple(model: &str, request: &DecoupleRequest, file: &str) -> Co
         .when("periodic", asked.periodic);
     let python = format!("drives = hy.load({}).decouple({})", text(model), arguments.done());
     Command { shell: words.done(), python }
+}
+
+/// `hysteron track` of a model of several axes.
+pub(crate) fn track_axes(model: &str, request: &TrackAxesRequest, file: &str) -> Command {
+    let asked = &request.options;
+    let limits = DecouplingRequest {
+        ranges: asked.ranges.clone(),
+        slews_per_s: asked.slews_per_s.clone(),
+        bandwidth_hz: asked.bandwidth_hz,
+        ..DecouplingRequest::default()
+    };
+    let words = Words::new("track").word(model).word(&request.references).with("-o", file);
+    let words = decoupled(words, &limits)
+        .maybe("--preview", asked.preview)
+        .maybe("--skip", asked.skip_s)
+        .maybe("--seed", (asked.seed != 0).then_some(asked.seed));
+    Command { shell: words.done(), python: "# in the shell alone".to_owned() }
 }
 
 /// Flags of the limits of several actuators.
@@ -213,6 +230,17 @@ pub(crate) fn export(model: &str, name: &str, query: &DownloadQuery) -> Command 
         .value("lowest_frequency", query.lowest_frequency_hz)
         .when("inverse", query.inverse);
     let asked = if query.inverse { query.inverse_request() } else { InverseRequest::default() };
+    let several: Vec<String> = query.ranges.iter().map(|[low, high]| format!("{low}:{high}")).collect();
+    let pairs: Vec<String> = query.ranges.iter().map(|[low, high]| format!("({low}, {high})")).collect();
     let (words, arguments) = inverse(words, arguments, &asked);
+    let controller = query.controller.map(|controller| controller.name());
+    let words = words
+        .maybe("--range", joined(&several))
+        .maybe("--level", query.level)
+        .maybe("--controller", controller);
+    let arguments = arguments
+        .value("limits", joined(&pairs).map(|pairs| format!("[{pairs}]")))
+        .value("level", query.level)
+        .text("controller", controller.map(str::to_owned).as_ref());
     Command { shell: words.done(), python: format!("hy.load({}).export({})", text(model), arguments.done()) }
 }

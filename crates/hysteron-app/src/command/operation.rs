@@ -65,7 +65,7 @@ pub(crate) fn prepare(records: &[RecordEntry], options: &PrepareOptions, save: &
 
 /// `hysteron simulate`.
 pub(crate) fn simulate(
-    model: &str,
+    (model, is_force): (&str, bool),
     records: &[RecordEntry],
     options: &SimulateOptions,
     save: &str,
@@ -82,6 +82,8 @@ pub(crate) fn simulate(
         .when("--correct", options.correct)
         .maybe("--rest-voltage", options.rest_voltage);
     let first = records.first().map(|record| record.settings.clone()).unwrap_or_default();
+    let rate = options.rate.as_ref().or(first.rate.as_ref().filter(|_| is_force));
+    let words = words.maybe("--rate", rate);
     let shell = words.maybe("--time", first.time).maybe("--input", first.input).done();
     let of = match options.band {
         BandOf::Measurement => Some("\"measurement\""),

@@ -2,9 +2,11 @@
 
 use std::time::{Duration, Instant};
 
+use hysteron_identify::modes::{self, compare_modes};
 use hysteron_identify::structure::{Candidate, Selection, compare_from};
 use hysteron_identify::{CampaignRecord, Compared, Options, Stop};
-use hysteron_report::{comparison, write_page};
+use hysteron_model::axes::AxesRecord;
+use hysteron_report::{comparison, modes_comparison, write_page};
 
 use super::identify::campaign_record;
 use super::plan::{self, candidate};
@@ -19,10 +21,14 @@ use crate::refused::{Answer, Refused};
 /// If the records cannot be read or cannot rank structures.
 pub(super) fn run(jobs: &Jobs, job: &Job, stop: &Stop) -> Answer<Ended> {
     let workspace = &*jobs.workspace;
-    let JobRequest::Compare { records, candidates, quick, time_limit_s, continued, report } = &job.request
+    let JobRequest::Compare { records, candidates, quick, time_limit_s, continued, inputs, outputs, report } =
+        &job.request
     else {
         return Err(Refused::failed("this is no comparison"));
     };
+    if !inputs.is_empty() {
+        return run_axes(jobs, job, stop, (inputs, outputs));
+    }
     let campaign: Vec<CampaignRecord> =
         records.iter().map(|id| campaign_record(workspace, id)).collect::<Answer<_>>()?;
     let candidates: Vec<Candidate> = candidates.iter().map(|name| candidate(name)).collect::<Answer<_>>()?;
@@ -62,5 +68,34 @@ pub(super) fn run(jobs: &Jobs, job: &Job, stop: &Stop) -> Answer<Ended> {
         let _ = std::fs::remove_file(&kept);
     }
     // What is finished is kept; the candidate that ran begins anew.
+    Ok(Ended { result, error: None, stopped, resumable: stopped && kept.is_file() })
+}
+
+/// Runs a comparison of several axes.
+fn run_axes(jobs: &Jobs, job: &Job, stop: &Stop, (inputs, outputs): (&[String], &[String])) -> Answer<Ended> {
+    let workspace = &*jobs.workspace;
+    let JobRequest::Compare { records, candidates, report, .. } = &job.request else {
+        return Err(Refused::failed("this is no comparison"));
+    };
+    let axes =
+        |id: &String| AxesRecord::new(&workspace.read(id)?.record, inputs, outputs).map_err(Refused::bad);
+    let records: Vec<AxesRecord> = records.iter().map(axes).collect::<Answer<_>>()?;
+    let candidates = plan::axes_candidates(candidates)?;
+    let resume = plan::resumed(workspace, job)?;
+    let kept = workspace.path(&plan::kept_beside(job))?;
+    let watch = jobs.watch_of_race(job.id, stop, &kept);
+    let found = compare_modes(&records, &candidates, &modes::Options::default(), &watch, resume);
+    drop(watch);
+    let found = found.map_err(Refused::cannot)?;
+    let mut result = JobResult { axes_comparison: Some(found.summary()), ..JobResult::default() };
+    if let Some(id) = report {
+        let page = modes_comparison::page(&found, &maker(&job.command.shell));
+        write_page(&workspace.path(id)?, &page).map_err(Refused::failed)?;
+        result.reports.push(id.clone());
+    }
+    let stopped = found.interrupted;
+    if !stopped {
+        let _ = std::fs::remove_file(&kept);
+    }
     Ok(Ended { result, error: None, stopped, resumable: stopped && kept.is_file() })
 }

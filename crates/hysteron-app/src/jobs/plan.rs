@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use hysteron_identify::modes::{self, ModesCandidate};
 use hysteron_identify::structure::Candidate;
 use hysteron_identify::{FamilyChoice, Options, Searches, Task};
 use hysteron_io::load_json;
@@ -30,7 +31,8 @@ pub(super) fn plan(workspace: &Workspace, request: JobRequest, taken: &[String])
     match request {
         JobRequest::Identify { records, task, structure, start, model, inputs, outputs, report } => {
             let entries = entries(workspace, &records)?;
-            let task = task_of(task, structure.as_deref(), &entries)?;
+            let axes = !(inputs.is_empty() && outputs.is_empty());
+            let task = task_of(task, (structure.as_deref(), axes), &entries)?;
             if task.takes_several_axes() && (inputs.is_empty() || outputs.is_empty()) {
                 return Err(Refused::bad("a model of several axes needs the columns of inputs and outputs"));
             }
@@ -60,9 +62,24 @@ pub(super) fn plan(workspace: &Workspace, request: JobRequest, taken: &[String])
             };
             Ok(Plan { request, name, command, unit })
         }
-        JobRequest::Compare { records, candidates, quick, time_limit_s, continued, report } => {
+        JobRequest::Compare {
+            records,
+            candidates,
+            quick,
+            time_limit_s,
+            continued,
+            inputs,
+            outputs,
+            report,
+        } => {
             let entries = entries(workspace, &records)?;
-            candidates.iter().try_for_each(|name| candidate(name).map(drop))?;
+            let axes = !(inputs.is_empty() && outputs.is_empty());
+            if axes {
+                of_axes(&inputs, &outputs, time_limit_s, continued)?;
+                axes_candidates(&candidates).map(drop)?;
+            } else {
+                candidates.iter().try_for_each(|name| candidate(name).map(drop))?;
+            }
             if time_limit_s.is_some_and(|limit| !(limit.is_finite() && limit > 0.0)) {
                 return Err(Refused::bad("the time limit must be a positive number of seconds"));
             }
@@ -72,13 +89,45 @@ pub(super) fn plan(workspace: &Workspace, request: JobRequest, taken: &[String])
                     return Err(Refused::bad("a report's name ends in .html"));
                 }
             }
-            let continued = continued || continue_one_another(&entries);
-            let page = report.as_deref();
-            let command = command::compare(&entries, &candidates, quick, time_limit_s, continued, page);
-            let request = JobRequest::Compare { records, candidates, quick, time_limit_s, continued, report };
+            let quick = quick && !axes;
+            let continued = continued || (continue_one_another(&entries) && !axes);
+            let (page, named) = (report.as_deref(), (&inputs[..], &outputs[..]));
+            let command = match axes {
+                true => command::compare_axes(&entries, &candidates, named, page),
+                false => command::compare(&entries, &candidates, quick, time_limit_s, continued, page),
+            };
+            let request = JobRequest::Compare {
+                records,
+                candidates,
+                quick,
+                time_limit_s,
+                continued,
+                inputs,
+                outputs,
+                report,
+            };
             Ok(Plan { request, name: "compare".to_owned(), command, unit: unit(&entries) })
         }
     }
+}
+
+/// Refuses what a comparison of several axes does not take.
+fn of_axes(inputs: &[String], outputs: &[String], time_limit_s: Option<f64>, continued: bool) -> Answer<()> {
+    if inputs.is_empty() || outputs.is_empty() {
+        return Err(Refused::bad("several axes need the columns of inputs and outputs"));
+    }
+    if time_limit_s.is_some() || continued {
+        return Err(Refused::bad("a time limit and parts of one run do not go with several axes yet"));
+    }
+    Ok(())
+}
+
+/// Structures of several axes by their names.
+///
+/// # Errors
+/// For an unknown one.
+pub(super) fn axes_candidates(names: &[String]) -> Answer<Vec<ModesCandidate>> {
+    names.iter().map(|name| name.parse().map_err(Refused::bad)).collect()
 }
 
 fn entries(workspace: &Workspace, records: &[String]) -> Answer<Vec<RecordEntry>> {
@@ -100,10 +149,18 @@ pub(super) fn candidate(name: &str) -> Answer<Candidate> {
     name.parse().map_err(Refused::bad)
 }
 
-fn task_of(task: Option<Task>, structure: Option<&str>, entries: &[RecordEntry]) -> Answer<Task> {
+fn task_of(
+    task: Option<Task>,
+    (structure, axes): (Option<&str>, bool),
+    entries: &[RecordEntry],
+) -> Answer<Task> {
     let mut task = match (task, structure) {
         (Some(_), Some(_)) => return Err(Refused::bad("give a task or a structure, not both")),
         (Some(task), None) => task,
+        (None, Some(name)) if axes => {
+            let candidate: ModesCandidate = name.parse().map_err(Refused::bad)?;
+            Task::Modes(candidate.options(&modes::Options::default()))
+        }
         (None, Some(name)) => Task::Hammerstein(Box::new(candidate(name)?.options(&Options::default()))),
         (None, None) => Task::of(kind_for(entries)),
     };

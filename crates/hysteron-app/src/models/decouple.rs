@@ -62,7 +62,7 @@ pub(crate) fn decouple(workspace: &Workspace, id: &str, request: &DecoupleReques
     })
 }
 
-fn drawn(time: &TimeBase, name: &str, unit: &str, samples: &[f64]) -> Series {
+pub(super) fn drawn(time: &TimeBase, name: &str, unit: &str, samples: &[f64]) -> Series {
     let unit = Unit::new(unit);
     Series {
         name: name.to_owned(),

@@ -56,6 +56,7 @@ fn exported(
             sample_rate_hz: query.sample_rate_hz,
             inverse: query.inverse,
             decoupling: query.decoupling_request(),
+            controller: query.controller,
             model_sha256: Some(read.sha256),
             date: Some(today()),
         };
@@ -66,6 +67,9 @@ fn exported(
         let (states, error) = (held.model.states(), held.error);
         return Ok(Source { name: request.name, files, states, error, findings });
     }
+    if !query.ranges.is_empty() || query.level.is_some() {
+        return Err(Refused::bad("several ranges and a level go with models of several axes"));
+    }
     let body = model.hammerstein(Capability::Export).map_err(Refused::cannot)?;
     let request = ExportRequest {
         float,
@@ -73,6 +77,7 @@ fn exported(
         accuracy: query.accuracy,
         lowest_frequency_hz: query.lowest_frequency_hz,
         inverse: query.inverse.then(|| query.inverse_request()),
+        controller: query.controller,
         model_sha256: Some(read.sha256),
         date: Some(today()),
         ..ExportRequest::new(form, &name_for(id, query))

@@ -11,6 +11,7 @@ mod recalibrate;
 mod report;
 mod score;
 mod simulate;
+mod track_axes;
 
 pub(crate) use adapt::adapt;
 pub(crate) use curves::{curves, response};
@@ -23,6 +24,7 @@ pub(crate) use recalibrate::recalibrate;
 pub(crate) use report::report;
 pub(crate) use score::scores;
 pub(crate) use simulate::simulate;
+pub(crate) use track_axes::track_axes;
 
 use hysteron_identify::{FitParameter, Place};
 use hysteron_io::sha256;

@@ -1,7 +1,9 @@
 //! A model's output for a drive.
 
 use hysteron_model::axes::AxesRecord;
+use hysteron_model::force::with_rate;
 use hysteron_model::model::{Capability, SignalRole, Signals, Simulation};
+use hysteron_model::model_file::Kind;
 use hysteron_model::record::{Driven, InputOutput, MeasurementRun, Unit};
 use hysteron_model::{Model, Start};
 
@@ -22,7 +24,7 @@ const PIXELS: usize = 1000;
 pub(crate) fn simulate(workspace: &Workspace, id: &str, request: &SimulateRequest) -> Answer<Outcome> {
     let model = workspace.model(id)?;
     let options = &request.options;
-    let signals = drive(workspace, &model, &request.records)?;
+    let signals = drive(workspace, &model, &request.records, options.rate.as_deref())?;
     let start = options.rest_voltage.map_or(Start::AsIdentified, |voltage_v| Start::Rest { voltage_v });
     let found = match options.correct {
         true => model.simulate_corrected(&signals, start),
@@ -38,7 +40,7 @@ pub(crate) fn simulate(workspace: &Workspace, id: &str, request: &SimulateReques
     let figures = figures(&signals, &found, &names, &Unit::new(&units.output), ends.as_ref());
     let file = request.save.as_deref().unwrap_or("simulated.csv");
     let entries = request.records.iter().map(|id| workspace.entry(id)).collect::<Answer<Vec<_>>>()?;
-    let command = command::simulate(id, &entries, options, file);
+    let command = command::simulate((id, model.kind() == Kind::Force), &entries, options, file);
     if let Some(save) = &request.save {
         let record = found.to_record(save, &signals, &names, &units.output, ends).map_err(Refused::failed)?;
         workspace.keep_predicted(save, &record)?;
@@ -58,9 +60,9 @@ pub(crate) fn simulate(workspace: &Workspace, id: &str, request: &SimulateReques
 
 /// The drive of a record or of the run that several form, with the output that was measured beside it where it
 /// has the model's unit.
-fn drive(workspace: &Workspace, model: &Model, ids: &[String]) -> Answer<Signals> {
+fn drive(workspace: &Workspace, model: &Model, ids: &[String], rate: Option<&str>) -> Answer<Signals> {
     let [one] = ids else {
-        let part = |id: &String| match drive_of(workspace, model, id)? {
+        let part = |id: &String| match drive_of(workspace, model, id, rate)? {
             Signals::Single(part) => Ok(part),
             Signals::Several(_) => {
                 Err(Refused::bad("a record of several inputs and outputs is simulated by itself"))
@@ -72,18 +74,29 @@ fn drive(workspace: &Workspace, model: &Model, ids: &[String]) -> Answer<Signals
             .map_err(|_| Refused::bad("the records are no run: each begins where the one before it ended"))?;
         return Ok(Signals::Single(run.data));
     };
-    drive_of(workspace, model, one)
+    drive_of(workspace, model, one, rate)
 }
 
-fn drive_of(workspace: &Workspace, model: &Model, id: &str) -> Answer<Signals> {
+fn drive_of(workspace: &Workspace, model: &Model, id: &str, rate: Option<&str>) -> Answer<Signals> {
+    let is_force = model.kind() == Kind::Force;
+    if rate.is_some() && !is_force {
+        return Err(Refused::bad("a column of the rate goes with a model of the kind \"force\""));
+    }
     let read = workspace.read(id)?;
     if let Some((inputs, _)) = model.channels() {
         return Ok(AxesRecord::new(&read.record, inputs, &[]).map_err(Refused::bad)?.into());
     }
-    let input = workspace.history.settings(id)?.input;
-    let Driven { drive, measured } = read.record.driven(input.as_deref()).map_err(Refused::cannot)?;
+    let settings = workspace.history.settings(id)?;
+    let Driven { drive, measured } =
+        read.record.driven(settings.input.as_deref()).map_err(Refused::cannot)?;
     let agrees = |m: &InputOutput| model.agreed_unit(SignalRole::Output, &m.y_unit, &mut Vec::new()).is_ok();
-    Ok(Driven { drive, measured: measured.filter(agrees) }.into())
+    let signals = Signals::from(Driven { drive, measured: measured.filter(agrees) });
+    match (signals, rate.or(settings.rate.as_deref())) {
+        (Signals::Single(data), Some(column)) if is_force => {
+            Ok(with_rate(data, &read.record, column).map_err(Refused::bad)?.into())
+        }
+        (signals, _) => Ok(signals),
+    }
 }
 
 /// Ends of the band about the output.

@@ -36,7 +36,6 @@ impl Export {
             (self.predict_to.is_some(), "--predict-to"),
             (self.lowest_frequency.is_some(), "--lowest-frequency"),
             (self.accuracy.is_some(), "--accuracy"),
-            (self.controller.is_some(), "--controller"),
         ] {
             if given {
                 return Err(Failure::usage(format!("{flag} does not go with a model of several axes yet")));
@@ -56,6 +55,7 @@ impl Export {
                 preview: self.preview,
                 ..DecouplingRequest::default()
             },
+            controller: self.controller,
             model_sha256: Some(loaded.source().sha256.clone()),
             date: self.date(),
         };

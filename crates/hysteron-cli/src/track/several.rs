@@ -5,7 +5,7 @@ use hysteron_model::axes::AxesRecord;
 use hysteron_model::control::slew_of_current;
 use hysteron_model::decoupling::{AxesTrackOptions, AxesTracking, track_axes};
 use hysteron_model::model::{AxesTrackingSummary, Capability, DecouplingRequest};
-use hysteron_model::record::{Channel, Record, Unit};
+use hysteron_model::record::Unit;
 use hysteron_report::number::significant;
 use hysteron_report::results::axes_tracking::{ABOUT_ERRORS, errors};
 use hysteron_report::tracking::{AxesTracked, axes_page};
@@ -94,22 +94,9 @@ impl Track {
     ) -> Result<(), Failure> {
         let Some(out) = &self.out else { return Ok(()) };
         let failure = || Failure::new(format!("cannot write the samples to {}", out.display()));
-        let units = loaded.model().units();
-        let (inputs, outputs) = loaded.model().channels().unwrap_or((&[], &[]));
-        let mut channels = Vec::new();
-        let mut add = |names: &[String], suffix: &str, unit: &str, lists: &[Vec<f64>]| {
-            let named = names.iter().zip(lists);
-            channels.extend(
-                named.map(|(name, list)| Channel::new(&format!("{name}{suffix}"), unit, list.clone())),
-            );
-        };
-        add(outputs, "_reference", &units.output, &references.u);
-        for run in &found.runs {
-            let suffix = format!("_{}", run.controller.name());
-            add(inputs, &suffix, &units.input, &run.drive);
-            add(outputs, &suffix, &units.output, &run.displacement);
-        }
-        let record = Record::new(&out.display().to_string(), references.time.clone(), channels)
+        let record = loaded
+            .model()
+            .tracked_record(&out.display().to_string(), found, references)
             .map_err(|e| failure().because(e))?;
         write_record(out, &record).map_err(|e| failure().because(e))?;
         console::message(&format!("wrote {} simulated samples to {}", record.len(), out.display()));

@@ -258,11 +258,8 @@ impl AxesSubject {
         let mut filling = self.filling(inverse, Language::C, golden);
         let name = filling.text("name").to_owned();
         let source = if inverse { INVERSE } else { MODEL };
-        saved::fill(&mut filling, self.precision, (HEADER, source), &[&self.origin.model_sha256])?;
-        let files = vec![
-            NamedFile::new(format!("{name}.h"), filling.fill(HEADER)?),
-            NamedFile::new(format!("{name}.c"), filling.fill(source)?),
-        ];
+        let sha256 = &self.origin.model_sha256;
+        let files = saved::header_and_source(&mut filling, self.precision, (HEADER, source), sha256)?;
         Ok(Core { name, filling, files })
     }
 

@@ -4,6 +4,7 @@ use hysteron_io::NamedFile;
 use hysteron_model::compensator::Limits;
 use hysteron_model::decoupling::DecouplingLaw;
 use hysteron_model::model::{Capability, DecouplingRequest};
+use hysteron_model::tracking::Controller;
 use hysteron_model::{Finding, Model};
 use serde::{Deserialize, Serialize};
 
@@ -35,6 +36,9 @@ pub struct AxesExportRequest {
     /// Level, and for the inverse limits, bandwidth and preview.
     #[serde(default)]
     pub decoupling: DecouplingRequest,
+    /// A controller of `track`: refused, with the reason.
+    #[serde(default)]
+    pub controller: Option<Controller>,
     /// SHA-256 of the model file; left out: not in the headers.
     #[serde(default)]
     pub model_sha256: Option<String>,
@@ -58,7 +62,7 @@ pub struct AxesExported {
 ///
 /// # Errors
 /// [`ExportError::Unsupported`] for a model without such an export, [`ExportError::OneAxis`] for a form that
-/// is not there for it; those of [`DecouplingLaw::new`] and [`AxesSubject::new`].
+/// is not there for it, [`ExportError::AxesController`] for a controller; those of [`DecouplingLaw::new`] and [`AxesSubject::new`].
 pub fn export_axes(
     model: &Model,
     request: &AxesExportRequest,
@@ -66,6 +70,9 @@ pub fn export_axes(
 ) -> Result<AxesExported, ExportError> {
     if !matches!(request.form, Form::C | Form::Rust | Form::Fmu) {
         return Err(ExportError::OneAxis { form: request.form.name().to_owned() });
+    }
+    if let Some(controller) = request.controller {
+        return Err(ExportError::AxesController { controller: controller.name() });
     }
     let modes = model.scheduled_modes(Capability::Export)?;
     let rate = request.sample_rate_hz.unwrap_or(modes.sample_rate_hz);

@@ -6,6 +6,8 @@
 
 mod files;
 mod golden;
+mod rust;
+mod stage;
 
 use hysteron_model::control::{Forward, Loop, LoopSettings, RequiredMargins};
 use hysteron_model::dynamics::Dynamics;
@@ -17,11 +19,16 @@ use hysteron_model::realise::{Realisation, RealiseError, RealiseOptions};
 use hysteron_model::record::InterSample;
 use hysteron_model::tracking::{Controller, ControllerFamily, ReferenceKnowledge};
 
+use crate::dry_run::{Compared, DryRun};
 use crate::error::ExportError;
+use crate::golden::{Golden, Rounding};
 use crate::inverse::Inverse;
 use crate::number::Precision;
 use crate::subject::Subject;
+pub(crate) use files::controller_core;
 pub use files::controller_files;
+pub use golden::GoldenLoop;
+pub(crate) use rust::controller_modules;
 
 /// A controller to export.
 #[derive(Clone, Debug)]
@@ -32,8 +39,12 @@ pub struct ClosedLoop {
     pub made: Loop,
     /// Its inverse.
     pub inverse: Inverse,
+    /// Bound on the rounding error of the voltage.
+    pub rounding: Rounding,
+    /// Departure of the number type from double precision.
+    pub dry_run: DryRun,
     /// Beginning of every name in the source.
-    name: String,
+    pub(crate) name: String,
     /// Poles of the feedback law.
     law: Option<Subject>,
     /// The model that the observer compares the stage with, under zero-order hold and with its delay.
@@ -41,12 +52,21 @@ pub struct ClosedLoop {
 }
 
 impl ClosedLoop {
+    /// Controllers that are exported: those with the inverse and a feedback law or an observer.
+    pub const EXPORTED: [Controller; 5] = [
+        Controller::FeedforwardPi,
+        Controller::FeedforwardFractionalPi,
+        Controller::FeedforwardObserver,
+        Controller::PredictedPi,
+        Controller::PredictedObserver,
+    ];
+
     /// The controller for the model of `subject`, its inverse as `asked` for.
     ///
     /// # Errors
     /// [`ExportError::Controller`] for one without inverse or without a law or observer, adaptive ones, and
-    /// predicting ones where `asked` states no frequency; [`ExportError::ControllerPrecision`] in single
-    /// precision; [`ExportError::Control`] of the design; those of [`Inverse::new`].
+    /// predicting ones where `asked` states no frequency; [`ExportError::Control`] of the design; those of
+    /// [`Inverse::new`], for the voltage of the controller too.
     pub fn new(
         model: &Hammerstein,
         subject: &Subject,
@@ -54,9 +74,6 @@ impl ClosedLoop {
         asked: &InverseRequest,
         realise: RealiseOptions,
     ) -> Result<Self, ExportError> {
-        if subject.precision == Precision::F32 {
-            return Err(ExportError::ControllerPrecision);
-        }
         let rate = subject.realisation.sample_rate_hz;
         let predicts = controller.family() == ControllerFamily::Predicted;
         let predict_to_hz = match asked.predict_to_hz {
@@ -88,18 +105,46 @@ impl ClosedLoop {
             return Err(ExportError::Controller { controller: controller.name() });
         };
         let inverse = Inverse::new(subject, compensation, settings.range_v, settings.slew_v_per_s)?;
-        let law = match &made.feedback {
-            Some(tuned) if tuned.law.dynamics.states() > 0 => {
-                let dynamics = tuned.law.dynamics.clone();
-                Some(block(subject, "law", unity()?, dynamics))
+        let observed = match made.observer {
+            Some(_) => {
+                let observed = block(subject, "observed", made.model.clone(), made.dynamics.clone());
+                let golden = Golden::new(&observed)?;
+                let rounding =
+                    Rounding::new("displacement", &subject.output_unit, golden.tolerance, golden.span)?;
+                Some(Subject { rounding, ..observed })
             }
-            _ => None,
+            None => None,
         };
-        let observed = made
-            .observer
-            .is_some()
-            .then(|| block(subject, "observed", made.model.clone(), made.dynamics.clone()));
-        Ok(Self { controller, inverse, law, observed, name: format!("{}_controller", subject.name), made })
+        let name = format!("{}_controller", subject.name);
+        let (rounding, dry_run) = (Rounding { bound: 0.0, share: 0.0 }, DryRun::NONE);
+        let mut closed = Self { controller, inverse, law: None, observed, rounding, dry_run, name, made };
+        closed.law = closed.law_block()?.filter(|law| law.realisation.dynamics.states() > 0);
+        if subject.precision == Precision::F32 {
+            let golden = GoldenLoop::new(&closed)?;
+            closed.dry_run = golden.dry_run(&closed)?;
+            let [low, high] = closed.inverse.range_v;
+            closed.rounding =
+                Rounding::new("voltage", &subject.input_unit, closed.dry_run.stated(), high - low)?;
+        }
+        Ok(closed)
+    }
+
+    /// The part of the feedback law that has poles of its own, behind displacement = voltage.
+    fn law_block(&self) -> Result<Option<Subject>, ExportError> {
+        let Some(tuned) = &self.made.feedback else { return Ok(None) };
+        let name = self.name.strip_suffix("_controller").unwrap_or(&self.name);
+        let subject = Subject { name: name.to_owned(), ..self.inverse.subject.clone() };
+        Ok(Some(block(&subject, "law", unity()?, tuned.law.dynamics.clone())))
+    }
+
+    /// Samples that the reference is known ahead.
+    pub(crate) fn preview(&self) -> usize {
+        self.inverse.compensation.preview
+    }
+
+    /// What a dry run of it compares.
+    pub(crate) fn compared(&self) -> Compared<'_> {
+        Compared { what: "controller", ..self.inverse.compared() }
     }
 }
 

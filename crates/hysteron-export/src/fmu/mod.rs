@@ -11,6 +11,7 @@ use hysteron_numeric::Listener;
 use hysteron_rt::Real;
 
 use crate::c::{Numbers, core_files, filling};
+use crate::closed_loop::{ClosedLoop, controller_core};
 use crate::error::ExportError;
 use crate::inverse::{Inverse, inverse_core, inverse_filling};
 use crate::number::Precision;
@@ -82,6 +83,34 @@ pub(crate) fn axes_files(own: &AxesUnit, means: (&str, Listener<'_>)) -> Result<
             .part("memory of a unit", include_str!("../../templates/fmu/axes_memory.h"))
             .part("functions of a unit", include_str!("../../templates/fmu/axes_functions.h"));
         pack(&described, filling, own.files.clone(), version, means)
+    })
+}
+
+/// The controller as FMUs of both versions, `NAME_controller_fmi2.fmu` and `NAME_controller_fmi3.fmu`; as
+/// [`fmu_files`].
+///
+/// # Errors
+/// Those of [`fmu_files`].
+pub fn controller_fmu_files(closed: &ClosedLoop, compiler: &str) -> Result<Vec<NamedFile>, ExportError> {
+    controller_files(closed, (compiler, Listener::silent()))
+}
+
+/// The units of a controller; the listener hears of the compilations and may stop them.
+///
+/// # Errors
+/// Those of [`fmu_files`].
+pub(crate) fn controller_files(
+    closed: &ClosedLoop,
+    means: (&str, Listener<'_>),
+) -> Result<Vec<NamedFile>, ExportError> {
+    let described = Described::controller(closed);
+    let (sources, filling) = controller_core(closed)?;
+    both(&closed.name, means, |version, means| {
+        let mut filling = filling.clone();
+        filling
+            .part("memory of a unit", include_str!("../../templates/fmu/controller_memory.h"))
+            .part("functions of a unit", include_str!("../../templates/fmu/controller_functions.h"));
+        pack(&described, filling, sources.clone(), version, means)
     })
 }
 
@@ -158,9 +187,11 @@ fn pack(
     sources.push(NamedFile::new("instance.h", filling.fill(include_str!("../../templates/fmu/instance.h"))?));
     sources.push(NamedFile::new(format!("{name}_types.h"), types));
     sources.push(NamedFile::new(format!("{name}.c"), filling.fill(functions)?));
-    let mut files =
-        vec![("modelDescription.xml".to_owned(), description(described, version, &token).into_bytes())];
-    let main = [format!("{}.c", described.name), format!("{name}.c")];
+    let mut main: Vec<String> =
+        sources.iter().filter(|f| f.name.ends_with(".c")).map(|f| f.name.clone()).collect();
+    main.sort();
+    let about = description(described, version, &token, &main);
+    let mut files = vec![("modelDescription.xml".to_owned(), about.into_bytes())];
     for platform in Platform::ALL {
         if let Some(command) = platform.compiler(compiler) {
             let compiler = Compiler { command, flags: platform.flags(), listener };
@@ -172,7 +203,10 @@ fn pack(
         }
     }
     if version == FmiVersion::Three {
-        files.push(("sources/buildDescription.xml".into(), build_description(&described.name).into_bytes()));
+        files.push((
+            "sources/buildDescription.xml".into(),
+            build_description(&described.name, &main).into_bytes(),
+        ));
     }
     files.extend(sources.into_iter().map(|f| (format!("sources/{}", f.name), f.bytes)));
     Ok(files)

@@ -7,6 +7,7 @@ use hysteron_rt::{Real, StateLaw};
 
 use super::FmiVersion;
 use super::axes_unit::AxesUnit;
+use crate::closed_loop::ClosedLoop;
 use crate::escape::xml;
 use crate::inverse::Inverse;
 use crate::operator::OperatorNumbers;
@@ -37,20 +38,7 @@ pub(super) fn parameters<T: Real + Into<f64>>(
         1 => format!("{output}/{input}"),
         _ => format!("{output}/{input}^{power}"),
     };
-    let mut all = vec![Parameter {
-        name: "offset".into(),
-        unit: per(0),
-        start: coefficients.offset.into(),
-        member: "trims.offset".into(),
-        description: "Constant of the displacement".into(),
-    }];
-    all.push(Parameter {
-        name: "gain".into(),
-        unit: "1".into(),
-        start: 1.0,
-        member: "trims.gain".into(),
-        description: "Factor of what the model gives; not 0".into(),
-    });
+    let mut all = trims(subject, coefficients.offset.into()).to_vec();
     for (k, &c) in coefficients.polynomial.iter().enumerate() {
         all.push(Parameter {
             name: format!("polynomial_{}", k + 1),
@@ -87,6 +75,26 @@ pub(super) fn parameters<T: Real + Into<f64>>(
         }));
     }
     all
+}
+
+/// The trims, which every unit of one axis has.
+fn trims(subject: &Subject, offset: f64) -> [Parameter; 2] {
+    [
+        Parameter {
+            name: "offset".into(),
+            unit: subject.output_unit.clone(),
+            start: offset,
+            member: "trims.offset".into(),
+            description: "Constant of the displacement".into(),
+        },
+        Parameter {
+            name: "gain".into(),
+            unit: "1".into(),
+            start: 1.0,
+            member: "trims.gain".into(),
+            description: "Factor of what the model gives; not 0".into(),
+        },
+    ]
 }
 
 /// `case` lines that find a parameter in the state.
@@ -211,6 +219,37 @@ impl Described {
         }
     }
 
+    /// A controller.
+    pub(super) fn controller(closed: &ClosedLoop) -> Self {
+        let subject = &closed.inverse.subject;
+        let offset = subject.precision.round(subject.realisation.model.offset);
+        let parameters = trims(subject, offset).to_vec();
+        let mut signals = signals(subject, Some(&closed.inverse));
+        for signal in &mut signals {
+            if signal.name == "reference" {
+                signal.about = format!("Reference, {} samples ahead of the reading", closed.preview() + 1);
+            } else if signal.name == "status" {
+                signal.about = signal.about.replace("reference not", "reference or reading not");
+            }
+        }
+        signals.push(Variable {
+            name: "reading".into(),
+            reference: FIRST_PARAMETER + parameters.len(),
+            attributes: INPUT,
+            about: "Displacement read of the stage".into(),
+            unit: Some(xml(&subject.output_unit)),
+            start: Some(offset),
+        });
+        Self {
+            name: closed.name.clone(),
+            about: on_a_line(&closed.description()),
+            period: 1.0 / subject.realisation.sample_rate_hz,
+            units: units([&subject.input_unit, &subject.output_unit], &parameters),
+            signals,
+            parameters,
+        }
+    }
+
     /// A model of several axes, or its inverse.
     pub(super) fn several(unit: &AxesUnit) -> Self {
         Self {
@@ -230,7 +269,12 @@ fn on_a_line(lines: &[String]) -> String {
 }
 
 /// The whole `modelDescription.xml`.
-pub(super) fn description(described: &Described, version: FmiVersion, token: &str) -> String {
+pub(super) fn description(
+    described: &Described,
+    version: FmiVersion,
+    token: &str,
+    sources: &[String],
+) -> String {
     let Described { name, about, period, units, signals: all, parameters } = described;
     let tool = format!("hysteron export {}", env!("CARGO_PKG_VERSION"));
     let outputs: Vec<usize> =
@@ -261,6 +305,7 @@ pub(super) fn description(described: &Described, version: FmiVersion, token: &st
                 variables +=
                     &line(&p.name, reference, TUNABLE, &p.description, &real(&xml(&p.unit), Some(p.start)));
             }
+            let files = source_lines("      <File", sources);
             let unknowns = lines_of(&outputs, &|k| format!("      <Unknown index=\"{k}\"/>\n"));
             format!(
                 "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"2.0\" \
@@ -269,9 +314,7 @@ pub(super) fn description(described: &Described, version: FmiVersion, token: &st
                  numberOfEventIndicators=\"0\">\n  \
                  <CoSimulation modelIdentifier=\"{name}\" canHandleVariableCommunicationStepSize=\"true\" \
                  canGetAndSetFMUstate=\"true\" \
-                 canSerializeFMUstate=\"true\" needsExecutionTool=\"false\">\n    <SourceFiles>\n      <File \
-                 name=\"{name}.c\"/>\n      <File \
-                 name=\"fmi2.c\"/>\n    </SourceFiles>\n  </CoSimulation>\n{units}{experiment}  \
+                 canSerializeFMUstate=\"true\" needsExecutionTool=\"false\">\n    <SourceFiles>\n{files}    </SourceFiles>\n  </CoSimulation>\n{units}{experiment}  \
                  <ModelVariables>\n{variables}  </ModelVariables>\n  \
                  <ModelStructure>\n    <Outputs>\n{unknowns}    </Outputs>\n    \
                  <InitialUnknowns>\n{unknowns}    </InitialUnknowns>\n  \
@@ -326,12 +369,17 @@ pub(super) fn description(described: &Described, version: FmiVersion, token: &st
 }
 
 /// `buildDescription.xml` of FMI 3.0: how the sources are compiled.
-pub(super) fn build_description(name: &str) -> String {
+pub(super) fn build_description(name: &str, sources: &[String]) -> String {
+    let files = source_lines("      <SourceFile", sources);
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiBuildDescription fmiVersion=\"3.0\">\n  \
          <BuildConfiguration modelIdentifier=\"{name}\">\n    \
-         <SourceFileSet language=\"C99\">\n      <SourceFile name=\"{name}.c\"/>\n      <SourceFile \
-         name=\"fmi3.c\"/>\n    </SourceFileSet>\n    <Library \
+         <SourceFileSet language=\"C99\">\n{files}    </SourceFileSet>\n    <Library \
          name=\"m\" external=\"true\"/>\n  </BuildConfiguration>\n</fmiBuildDescription>\n"
     )
+}
+
+/// An element for every source that is compiled.
+fn source_lines(opening: &str, sources: &[String]) -> String {
+    sources.iter().map(|file| format!("{opening} name=\"{file}\"/>\n")).collect()
 }

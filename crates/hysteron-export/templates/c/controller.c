@@ -178,3 +178,16 @@ $name_status $name_measured($name_state *state, real reading)
     }
     return $NAME_OK;
 }
+
+$name_status $name_trim($name_state *state, const $name_trims *trims)
+{
+//{ observer
+    $observed_trims own;
+    own.gain = trims->gain;
+    own.offset = trims->offset;
+    if ($observed_trim(&state->observed, &own) < $OBSERVED_OK) {
+        return $NAME_NOT_FINITE;
+    }
+//}
+    return $inverse_trim(&state->inverse, trims);
+}

@@ -26,6 +26,12 @@ typedef $inverse_status $name_status;
 #define $NAME_OVERFLOW $INVERSE_OVERFLOW
 #define $NAME_NOT_SAVED $INVERSE_NOT_SAVED
 
+/* Samples a second [Hz]. The coefficients belong to this rate. */
+#define $NAME_SAMPLE_RATE_HZ $INVERSE_SAMPLE_RATE_HZ
+
+/* Trims, for the field: displacement = offset + gain * what the model gives. */
+typedef $inverse_trims $name_trims;
+
 /* Samples that the reference handed to a step is ahead of the one that this step's voltage ends at. */
 #define $NAME_PREVIEW $INVERSE_PREVIEW
 
@@ -73,6 +79,10 @@ $name_status $name_step($name_state *state, $name_real reference, $name_real *vo
 /* After every step, when its voltage has gone out: the displacement [$OUTPUT_UNIT] read then. One that is
    infinite or not a number, where there is no reading, is left out. */
 $name_status $name_measured($name_state *state, $name_real reading);
+
+/* Changes the trims of the inverse and of what the readings are compared with, from the next step on.
+   $NAME_NOT_FINITE for a number that is not finite, or a gain of 0: they are then as they were. */
+$name_status $name_trim($name_state *state, const $name_trims *trims);
 
 //+ functions of a saved state
 #ifdef __cplusplus

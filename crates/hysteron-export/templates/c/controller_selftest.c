@@ -22,7 +22,7 @@ $VOLTAGES
 static const real readings[SAMPLES] = {
 $READINGS
 };
-/* Largest difference allowed [$INPUT_UNIT]: 1e-12 of their range. */
+/* Largest difference allowed [$INPUT_UNIT]: $TOLERANCE_IN_WORDS. */
 static const real tolerance = $TOLERANCE;
 
 static $name_state state, twin;
@@ -110,10 +110,40 @@ static bool bad_numbers(void)
     return passed("whatever is handed in, every voltage keeps to the limits", good);
 }
 
+/* On a stage that moves twice as far, trimmed to it: the same voltages for twice the reference. */
+static bool trims(void)
+{
+    $name_trims own, none;
+    real u = R(0), other = R(0), y = R(0);
+    bool good = begin(&state);
+    int32_t k;
+    own = state.inverse.trims;
+    own.gain = R(2);
+    none = own;
+    none.gain = R(0);
+    $name_init(&twin);
+    good = good && $name_trim(&twin, &none) == $NAME_NOT_FINITE && $name_trim(&twin, &own) == $NAME_OK;
+    y = own.offset + R(2) * (measured - own.offset);
+    good = good && $name_rest_after(&twin, rest, rest, y, &other) == $NAME_OK;
+    for (k = 0; k < $NAME_PREVIEW; k++) {
+        (void)$name_know(&twin, own.offset + R(2) * (ahead(k) - own.offset));
+    }
+    for (k = 0; k < SAMPLES; k++) {
+        const real twice = own.offset + R(2) * (ahead(k + $NAME_PREVIEW) - own.offset);
+        good = good && $name_step(&state, ahead(k + $NAME_PREVIEW), &u) >= $NAME_OK;
+        good = good && $name_step(&twin, twice, &other) >= $NAME_OK;
+        good = good && difference(u, other) <= R(2) * tolerance;
+        (void)$name_measured(&state, readings[k]);
+        (void)$name_measured(&twin, own.offset + R(2) * (readings[k] - own.offset));
+    }
+    return passed("trims scale what is followed and read", good);
+}
+
 int main(void)
 {
     bool all = golden();
     all = bad_numbers() && all;
+    all = trims() && all;
     printf("%s: %s\n", all ? "PASSED" : "FAILED", "$name");
     return all ? 0 : 1;
 }

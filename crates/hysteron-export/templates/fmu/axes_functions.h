@@ -33,32 +33,6 @@ static void fmu_clear(fmu_instance *fmu)
 //}
 }
 
-static fmu_instance *fmu_new(const char *name, const char *token)
-{
-    fmu_instance *fmu;
-    if (token == NULL || strcmp(token, FMU_TOKEN) != 0) {
-        return NULL;
-    }
-    fmu = calloc(1, sizeof *fmu);
-    if (fmu != NULL) {
-        if (name != NULL) {
-            strncpy(fmu->name, name, sizeof fmu->name - 1);
-        }
-        fmu_clear(fmu);
-    }
-    return fmu;
-}
-
-static int fmu_fail(const fmu_instance *fmu, const char *message)
-{
-    if (fmu->log != NULL) {
-        fmu->log(fmu->environment, fmu->name, message, 1);
-    }
-    return 0;
-}
-
-/* The functions below give 1, or 0 where they refuse. */
-
 /* The place of a number that may be set; NULL for others. */
 static double *fmu_given(fmu_instance *fmu, unsigned reference)
 {
@@ -122,28 +96,15 @@ static int fmu_settle(fmu_instance *fmu)
            || fmu_fail(fmu, "the model cannot rest at the voltages it is to start at");
 }
 
-static int fmu_step(fmu_instance *fmu, double time, double length)
+/* Takes one sample. */
+static void fmu_sample(fmu_instance *fmu)
 {
-    const double period = 1.0 / (double)$NAME_SAMPLE_RATE_HZ;
-    double end;
-    if (fmu->now.phase != FMU_STEPPING) {
-        return fmu_fail(fmu, "a step before the initialization has ended, or after termination");
+    $name_real given[FMU_GIVEN], found[FMU_FOUND];
+    int32_t k;
+    for (k = 0; k < FMU_GIVEN; k++) {
+        given[k] = ($name_real)fmu->now.input[k];
     }
-    if (!(length >= 0.0) || !(time + length - (time + length) >= 0.0)) {
-        return fmu_fail(fmu, "the length of a communication step must not be negative, and finite");
-    }
-    end = time + length - 1e-3 * period;
-    while (fmu->now.start + fmu->now.samples * period < end) {
-        $name_real given[FMU_GIVEN], found[FMU_FOUND];
-        int32_t k;
-        for (k = 0; k < FMU_GIVEN; k++) {
-            given[k] = ($name_real)fmu->now.input[k];
-        }
-        fmu->now.status = (int32_t)$name_step(&fmu->now.model, given, found);
-        fmu_take(fmu);
-        fmu->now.samples += 1.0;
-    }
-    fmu->now.time = time + length;
-    return 1;
+    fmu->now.status = (int32_t)$name_step(&fmu->now.model, given, found);
+    fmu_take(fmu);
 }
 

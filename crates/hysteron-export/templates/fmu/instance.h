@@ -31,7 +31,52 @@ typedef struct {
     char name[64];
 } fmu_instance;
 
+static int fmu_fail(const fmu_instance *fmu, const char *message)
+{
+    if (fmu->log != NULL) {
+        fmu->log(fmu->environment, fmu->name, message, 1);
+    }
+    return 0;
+}
+
+/* The functions below give 1, or 0 where they refuse. */
+
 //+ functions of a unit
+static fmu_instance *fmu_new(const char *name, const char *token)
+{
+    fmu_instance *fmu;
+    if (token == NULL || strcmp(token, FMU_TOKEN) != 0) {
+        return NULL;
+    }
+    fmu = calloc(1, sizeof *fmu);
+    if (fmu != NULL) {
+        if (name != NULL) {
+            strncpy(fmu->name, name, sizeof fmu->name - 1);
+        }
+        fmu_clear(fmu);
+    }
+    return fmu;
+}
+
+static int fmu_step(fmu_instance *fmu, double time, double length)
+{
+    const double period = 1.0 / (double)$NAME_SAMPLE_RATE_HZ;
+    double end;
+    if (fmu->now.phase != FMU_STEPPING) {
+        return fmu_fail(fmu, "a step before the initialization has ended, or after termination");
+    }
+    if (!(length >= 0.0) || !(time + length - (time + length) >= 0.0)) {
+        return fmu_fail(fmu, "the length of a communication step must not be negative, and finite");
+    }
+    end = time + length - 1e-3 * period;
+    while (fmu->now.start + fmu->now.samples * period < end) {
+        fmu_sample(fmu);
+        fmu->now.samples += 1.0;
+    }
+    fmu->now.time = time + length;
+    return 1;
+}
+
 /* Everything begins at this time. */
 static void fmu_begin(fmu_instance *fmu, double start)
 {

@@ -22,32 +22,6 @@ static void fmu_clear(fmu_instance *fmu)
 //}
 }
 
-static fmu_instance *fmu_new(const char *name, const char *token)
-{
-    fmu_instance *fmu;
-    if (token == NULL || strcmp(token, FMU_TOKEN) != 0) {
-        return NULL;
-    }
-    fmu = calloc(1, sizeof *fmu);
-    if (fmu != NULL) {
-        if (name != NULL) {
-            strncpy(fmu->name, name, sizeof fmu->name - 1);
-        }
-        fmu_clear(fmu);
-    }
-    return fmu;
-}
-
-static int fmu_fail(const fmu_instance *fmu, const char *message)
-{
-    if (fmu->log != NULL) {
-        fmu->log(fmu->environment, fmu->name, message, 1);
-    }
-    return 0;
-}
-
-/* The functions below give 1, or 0 where they refuse. */
-
 static int fmu_get(fmu_instance *fmu, unsigned reference, double *value)
 {
     const $name_real *parameter = fmu_parameter(&fmu->now.model, reference);
@@ -119,24 +93,11 @@ static int fmu_settle(fmu_instance *fmu)
            || fmu_fail(fmu, "the model cannot rest at the voltage it is to start at");
 }
 
-static int fmu_step(fmu_instance *fmu, double time, double length)
+/* Takes one sample. */
+static void fmu_sample(fmu_instance *fmu)
 {
-    const double period = 1.0 / (double)$NAME_SAMPLE_RATE_HZ;
-    double end;
-    if (fmu->now.phase != FMU_STEPPING) {
-        return fmu_fail(fmu, "a step before the initialization has ended, or after termination");
-    }
-    if (!(length >= 0.0) || !(time + length - (time + length) >= 0.0)) {
-        return fmu_fail(fmu, "the length of a communication step must not be negative, and finite");
-    }
-    end = time + length - 1e-3 * period;
-    while (fmu->now.start + fmu->now.samples * period < end) {
-        $name_real y;
-        fmu->now.status = (int32_t)$name_step(&fmu->now.model, ($name_real)fmu->now.input, &y);
-        fmu->now.output = (double)y;
-        fmu->now.samples += 1.0;
-    }
-    fmu->now.time = time + length;
-    return 1;
+    $name_real y;
+    fmu->now.status = (int32_t)$name_step(&fmu->now.model, ($name_real)fmu->now.input, &y);
+    fmu->now.output = (double)y;
 }
 

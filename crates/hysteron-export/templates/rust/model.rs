@@ -1,6 +1,8 @@
 $DESCRIPTION
+//{ root|inverse
 //!
-//{ !inverse
+//}
+//{ root
 //! ```
 //! let mut memory = $name::Memory::new()?;
 //! let mut model = memory.model()?;
@@ -14,6 +16,9 @@ $DESCRIPTION
 //{ has_inverse
 
 pub mod inverse;
+//}
+//{ has_controller
+pub mod controller;
 //}
 //}
 //{ inverse
@@ -64,14 +69,25 @@ use hysteron_rt::PolePair;
 //}
 //{ inverse
 use hysteron_rt::{Compensator, Law, Limits};
+//}
+//{ root|observed
+use hysteron_rt::Model;
+//}
+//{ law
+use hysteron_rt::Feedback;
+//}
+//{ !law
+use hysteron_rt::{Hysteresis, Operator};
+//}
+//{ root|inverse
+use hysteron_rt::SavedError;
+//}
+use hysteron_rt::{Linear, ModelError, Sections, SectionsMemory};
+//{ !root
 
 use crate::Real;
 //}
-//{ !inverse
-use hysteron_rt::Model;
-//}
-use hysteron_rt::{Hysteresis, Linear, ModelError, Operator, SavedError, Sections, SectionsMemory};
-//{ !inverse
+//{ root
 
 /// The number type of everything in here.
 pub type Real = $real;
@@ -94,10 +110,18 @@ $TABLES
 /// Turning points that are remembered at once.
 const TURNS: usize = $N_TURNS;
 //}
+//{ root|inverse
 /// Marks the saved states of this export: those of another model, rate, number type or version have another.
 const MARK: u64 = $MARK;
 /// Bytes of a saved state.
 pub const SAVED_BYTES: usize = $SAVED_BYTES;
+//}
+//{ law
+/// Gain on the error.
+const PROPORTIONAL: Real = $PROPORTIONAL;
+/// Gain on the sum of errors.
+const INTEGRAL: Real = $INTEGRAL;
+//}
 
 /// What is remembered: the caller's, one for each device.
 #[derive(Clone, Debug)]
@@ -134,8 +158,11 @@ impl Memory {
 //{ inverse
     /// Memory for [`Self::compensator`].
 //}
-//{ !inverse
+//{ root|observed
     /// Memory for [`Self::model`].
+//}
+//{ law
+    /// Memory for [`Self::feedback`].
 //}
     ///
     /// # Errors
@@ -179,7 +206,14 @@ impl Memory {
     /// As [`Self::new`].
     pub fn compensator(&mut self) -> Result<Compensator<'_, Real>, ModelError<Real>> {
 //}
-//{ !inverse
+//{ law
+    /// The feedback law, at rest: `step` takes an error \[$OUTPUT_UNIT\] and gives a correction.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn feedback(&mut self) -> Result<Feedback<'_, Real>, ModelError<Real>> {
+//}
+//{ root|observed
     /// The model, at rest and virgin at 0 $INPUT_UNIT: `step` takes a voltage \[$INPUT_UNIT\] and gives the
     /// displacement \[$OUTPUT_UNIT\].
     ///
@@ -189,6 +223,11 @@ impl Memory {
 //}
 //{ states
         let operator = Operator::States { laws: &self.laws, memory: &mut self.z };
+//}
+//{ memoryless
+//{ !law
+        let operator = Operator::None;
+//}
 //}
 //{ plays
         let bank = PlayBank::new(&THRESHOLD, &WEIGHT).map_err(|_| ModelError::Coefficient)?;
@@ -230,7 +269,9 @@ impl Memory {
             .map_err(|_| ModelError::Coefficient)?;
         let operator = Operator::Plane { plane, turns: Turns::new(&mut self.turns) };
 //}
+//{ !law
         let hysteresis = Hysteresis::new(&POLYNOMIAL, operator)?;
+//}
 //{ real_poles
         let (real, real_memory) = (&REAL[..], &mut self.real[..]);
 //}
@@ -250,7 +291,10 @@ impl Memory {
         let limits = Limits { low: LIMITS[0], high: LIMITS[1], step: LIMITS[2] };
         Compensator::new(hysteresis, Linear::new(sections, memory)?, law, &mut self.ring, limits, OFFSET)
 //}
-//{ !inverse
+//{ law
+        Feedback::new(PROPORTIONAL, INTEGRAL, Linear::new(sections, memory)?)
+//}
+//{ root|observed
 //{ means
         Model::new(hysteresis, Linear::new(sections, memory)?, OFFSET)?.with_means()
 //}
@@ -261,6 +305,7 @@ impl Memory {
     }
 }
 
+//{ root|inverse
 /// The state, as bytes that outlast a reset. Nothing changes.
 ///
 /// # Errors
@@ -278,6 +323,7 @@ pub fn save($one: &mut $Streams<'_, Real>) -> Result<[u8; SAVED_BYTES], SavedErr
 pub fn restore($one: &mut $Streams<'_, Real>, bytes: &[u8]) -> Result<(), SavedError> {
     $one.restore(MARK, bytes)
 }
+//}
 //{ states
 
 fn laws() -> Option<[StateLaw<Real>; STATES.len()]> {

@@ -13,6 +13,7 @@ use hysteron_model::compensator::Limits;
 use hysteron_model::decoupling::{DecouplingLaw, LawOptions};
 use hysteron_numeric::Listener;
 
+use crate::fmu::python;
 use crate::platforms::token;
 use crate::tools::{STRICT, c_compilers, run, workspace_of};
 
@@ -189,6 +190,7 @@ fn units_of_several_axes_put_out_what_the_library_does() {
         let references: Vec<[f64; 2]> =
             (0..600).map(|k| [0, 1].map(|i| rest[i] + 0.2 * wave(k, i).sin())).collect();
         let voltages: Vec<Vec<f64>> = references.iter().map(|r| controller.step(r).to_vec()).collect();
+        judge(name, &units, [&drives, &references], [&wanted, &voltages], (rate, tolerance));
         for (k, unit) in units.iter().enumerate() {
             let (inputs, wanted) = if k < 2 { (&drives, &wanted) } else { (&references, &voltages) };
             let found = of_binary(&place.path().join(&unit.name), unit, 2 + k % 2, rate, inputs);
@@ -199,6 +201,35 @@ fn units_of_several_axes_put_out_what_the_library_does() {
             let worst = found.iter().zip(wanted).map(apart).fold(0.0, f64::max);
             println!("{}: largest difference {worst:.1e}", unit.name);
             assert!(worst <= tolerance, "{}: {worst:e}", unit.name);
+        }
+    }
+}
+
+/// FMPy's judgement of model and inverse in both versions.
+fn judge(
+    name: &str,
+    units: &[NamedFile],
+    inputs: [&[[f64; 2]]; 2],
+    wanted: [&[Vec<f64>]; 2],
+    (rate, tolerance): (f64, f64),
+) {
+    let Some(python) = python() else { return };
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join("out");
+    write_folder(&folder, units).unwrap();
+    std::fs::write(folder.join("fmu.py"), include_str!("fmu_axes.py")).unwrap();
+    let numbers = [rate, tolerance].map(|x| format!("{x:e}"));
+    for (what, (inputs, wanted)) in
+        [name.to_owned(), format!("{name}_inverse")].iter().zip(inputs.iter().zip(wanted))
+    {
+        let row = |(x, y): (&[f64; 2], &Vec<f64>)| format!("{:?},{:?},{:?},{:?}\n", x[0], x[1], y[0], y[1]);
+        let rows: String = inputs.iter().zip(wanted).map(row).collect();
+        std::fs::write(folder.join("record.csv"), rows).unwrap();
+        for version in [2, 3] {
+            let unit = format!("{what}_fmi{version}.fmu");
+            let said = run(&folder, &python, &["fmu.py", &unit, "record.csv", &numbers[0], &numbers[1]]);
+            println!("{unit}: {}", said.lines().last().unwrap_or_default());
+            assert!(said.contains(": valid;"), "{said}");
         }
     }
 }

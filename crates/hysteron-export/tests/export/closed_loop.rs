@@ -1,22 +1,25 @@
-//! Controllers with feedback and observer in C: without a warning, and the voltages of the library's own
-//! simulation.
+//! Controllers with feedback and observer in C, Rust and FMUs: without a warning, and the voltages of the
+//! library's own simulation.
 
-use hysteron_export::{ExportError, ExportRequest, Form, Means, Precision, export, write_folder};
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use hysteron_export::{
+    ClosedLoop, ExportError, ExportRequest, Exported, Form, GoldenLoop, Means, Precision, RUNTIME, Subject,
+    controller_fmu_files, export, fmu_files, write_folder,
+};
+use hysteron_model::control::{Plant, Stage, StageError, StageRun, StageSample, play};
 use hysteron_model::model::{Capability, InverseRequest, Model};
 use hysteron_model::model_file::{Interval, ModelFile, SignalUnits, ValidRange};
+use hysteron_model::realise::{RealiseOptions, RuntimeParts};
 use hysteron_model::tracking::Controller;
 use hysteron_numeric::Listener;
 
+use crate::fmu::python;
 use crate::models::{self, RATE_HZ};
-use crate::tools::{STRICT, c_compilers, run};
+use crate::tools::{STRICT, c_compilers, run, workspace_of};
 
-const EXPORTED: [Controller; 5] = [
-    Controller::FeedforwardPi,
-    Controller::FeedforwardFractionalPi,
-    Controller::FeedforwardObserver,
-    Controller::PredictedPi,
-    Controller::PredictedObserver,
-];
+const EXPORTED: [Controller; 5] = ClosedLoop::EXPORTED;
 
 /// A model of the tests as data.
 fn data(name: &str) -> Model {
@@ -44,33 +47,196 @@ fn request(controller: Controller, float: Precision, form: Form) -> ExportReques
 #[test]
 fn controllers_in_c_are_the_library_s_own() {
     let place = tempfile::tempdir().unwrap();
-    let means = Means { compiler: "cc", listener: Listener::silent() };
-    for name in ["stage", "plays", "preisach_density"] {
-        let model = data(name);
-        let body = model.hammerstein(Capability::Export).unwrap();
-        for controller in EXPORTED {
-            let files = export(body, &request(controller, Precision::F64, Form::C), means).unwrap().files;
-            // The code of a controller is the same behind every family.
-            let compilers = if name == "stage" { c_compilers() } else { vec!["cc"] };
-            for compiler in compilers {
-                let folder = place.path().join(format!("{name}_{}_{compiler}", controller.name()));
-                write_folder(&folder, &files).unwrap();
-                let mut sources: Vec<&str> = files
-                    .iter()
-                    .map(|file| file.name.as_str())
-                    .filter(|file| {
-                        file.ends_with(".c") && !file.contains("selftest") && !file.contains("loop")
-                    })
-                    .collect();
-                sources.push("stage_controller_selftest.c");
-                let sanitized = ["-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
-                for (flags, program) in [(&["-O2"][..], "plain"), (&sanitized[..], "sanitized")] {
-                    run(&folder, compiler, &[&STRICT[..], flags, &sources, &["-o", program, "-lm"]].concat());
-                    let said = run(&folder, format!("./{program}"), &[]);
-                    println!("{name} {} {compiler}: {}", controller.name(), said.lines().next().unwrap());
-                    assert!(said.contains("PASSED: stage_controller"), "{said}");
-                }
+    for (name, controller, precision) in cases() {
+        let files = exported(name, controller, precision, Form::C).files;
+        // The code of a controller is the same behind every family.
+        let compilers = if name == "stage" { c_compilers() } else { vec!["cc"] };
+        for compiler in compilers {
+            let own = format!("{name}_{}_{compiler}_{}", controller.name(), precision.name());
+            let folder = place.path().join(&own);
+            write_folder(&folder, &files).unwrap();
+            let mut sources: Vec<&str> = files
+                .iter()
+                .map(|file| file.name.as_str())
+                .filter(|file| file.ends_with(".c") && !file.contains("selftest") && !file.contains("loop"))
+                .collect();
+            sources.push("stage_controller_selftest.c");
+            let sanitized = ["-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
+            for (flags, program) in [(&["-O2"][..], "plain"), (&sanitized[..], "sanitized")] {
+                run(&folder, compiler, &[&STRICT[..], flags, &sources, &["-o", program, "-lm"]].concat());
+                let said = run(&folder, format!("./{program}"), &[]);
+                println!("{own}: {}", said.lines().next().unwrap());
+                assert!(said.contains("PASSED: stage_controller"), "{said}");
             }
+        }
+    }
+}
+
+/// Models, controllers and number types.
+fn cases() -> Vec<(&'static str, Controller, Precision)> {
+    let mut all = Vec::new();
+    for name in ["stage", "plays", "preisach_density"] {
+        for controller in EXPORTED {
+            all.extend([Precision::F64, Precision::F32].map(|precision| (name, controller, precision)));
+        }
+    }
+    all
+}
+
+fn exported(name: &str, controller: Controller, float: Precision, form: Form) -> Exported {
+    let means = Means { compiler: "cc", listener: Listener::silent() };
+    let model = data(name);
+    let body = model.hammerstein(Capability::Export).unwrap();
+    export(body, &request(controller, float, form), means).unwrap()
+}
+
+/// The controller of an export.
+fn closed(name: &str, controller: Controller, exported: &Exported) -> ClosedLoop {
+    let model = data(name);
+    let body = model.hammerstein(Capability::Export).unwrap();
+    let subject = &exported.subject;
+    let asked = request(controller, subject.precision, Form::C).inverse.unwrap();
+    let realise = RealiseOptions { accuracy: subject.accuracy, lowest_frequency_hz: None };
+    ClosedLoop::new(body, subject, controller, &asked, realise).unwrap()
+}
+
+/// Single precision: a dry run along the vectors of its self-test, whose figure the header states.
+#[test]
+fn a_single_precision_controller_states_its_accuracy() {
+    for (name, controller, precision) in cases() {
+        if precision == Precision::F64 {
+            continue;
+        }
+        let exported = exported(name, controller, precision, Form::C);
+        let closed = closed(name, controller, &exported);
+        let (dry, bound) = (closed.dry_run, closed.rounding.bound);
+        println!(
+            "{name} {}: {:.1e} along vectors, {:.1e} explained, {:.1e} thrown, {bound:.1e} stated",
+            controller.name(),
+            dry.along_vectors,
+            dry.explained,
+            dry.thrown
+        );
+        assert!(dry.along_vectors > 0.0 && dry.along_vectors <= bound, "{name} {controller:?}");
+        let header = exported.files.iter().find(|f| f.name == "stage_controller.h").unwrap();
+        let header = String::from_utf8(header.bytes.clone()).unwrap();
+        assert!(header.contains("Single precision may move the voltage by"), "{header}");
+        assert_eq!(header.contains("Thrown from limit to limit"), dry.departs());
+        assert_eq!(header.contains("In a dry run rounding errors"), dry.drifts());
+    }
+}
+
+#[test]
+fn controllers_in_rust_are_the_library_s_own() {
+    let place = tempfile::tempdir().unwrap();
+    let runtime = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../hysteron-rt").canonicalize().unwrap();
+    let mut members = Vec::new();
+    for (name, controller, precision) in [
+        ("stage", Controller::FeedforwardFractionalPi, Precision::F64),
+        ("stage", Controller::FeedforwardObserver, Precision::F32),
+        ("plays", Controller::FeedforwardPi, Precision::F32),
+        ("preisach_density", Controller::PredictedObserver, Precision::F64),
+    ] {
+        let mut files = exported(name, controller, precision, Form::Rust).files;
+        files.retain(|file| !file.name.starts_with(RUNTIME));
+        let own = format!("{name}_{}_{}", controller.name().replace('-', "_"), precision.name());
+        for file in &mut files {
+            let text = String::from_utf8(file.bytes.clone()).unwrap();
+            // One workspace and one runtime, so that it is compiled once.
+            let text = match file.name.as_str() {
+                "Cargo.toml" => text
+                    .replace("[workspace]", "")
+                    .replace("name = \"stage\"", &format!("name = \"{own}\""))
+                    .replace("path = \"runtime\"", &format!("path = {runtime:?}")),
+                _ => text.replace("stage::", &format!("{own}::")),
+            };
+            file.bytes = text.into_bytes();
+        }
+        write_folder(&place.path().join(&own), &files).unwrap();
+        members.push(format!("\"{own}\""));
+    }
+    std::fs::write(place.path().join("Cargo.toml"), workspace_of(&members)).unwrap();
+    let lock = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../Cargo.lock");
+    std::fs::copy(lock, place.path().join("Cargo.lock")).unwrap();
+    let target = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("exported-controllers");
+    let target = target.to_str().unwrap();
+    let tests = ["test", "--offline", "--workspace", "--target-dir", target, "--", "--show-output"];
+    let said = run(place.path(), env!("CARGO"), &tests);
+    said.lines().filter(|line| line.contains("largest difference")).for_each(|line| println!("{line}"));
+    assert_eq!(said.matches("test golden_vectors ... ok").count(), 3 * members.len(), "{said}");
+    let check = ["clippy", "--offline", "--workspace", "--target-dir", target, "--"];
+    run(place.path(), env!("CARGO"), &[&check[..], &["-D", "warnings", "-W", "missing-docs"]].concat());
+}
+
+/// The exported model as a stage.
+struct Exact<'a>(&'a Subject);
+
+struct ExactRun {
+    parts: RuntimeParts<f64>,
+    /// Voltages so far.
+    taken: Vec<f64>,
+}
+
+impl Stage for Exact<'_> {
+    fn at_rest(&self, _: f64, rest_v: f64) -> Result<Box<dyn StageRun + '_>, StageError> {
+        let parts = RuntimeParts::new(&self.0.realisation)?;
+        Ok(Box::new(ExactRun { parts, taken: vec![rest_v] }))
+    }
+}
+
+impl StageRun for ExactRun {
+    /// From the beginning on: the model borrows its memory.
+    fn step(&mut self, drive_v: f64) -> Result<StageSample, StageError> {
+        let mut model = self.parts.model()?;
+        let mut now = model.rest_at(self.taken[0])?;
+        for voltage in &self.taken[1..] {
+            now = model.step(*voltage)?;
+        }
+        self.taken.push(drive_v);
+        Ok(StageSample { reading_um: now, true_um: now })
+    }
+}
+
+/// Along the vectors, and in a loop with the model's own unit.
+#[test]
+fn fmpy_judges_the_controllers() {
+    let Some(python) = python() else { return };
+    for (name, controller, precision) in [
+        ("stage", Controller::FeedforwardFractionalPi, Precision::F64),
+        ("stage", Controller::PredictedObserver, Precision::F64),
+        ("plays", Controller::FeedforwardPi, Precision::F32),
+    ] {
+        let exported = exported(name, controller, precision, Form::C);
+        let closed = closed(name, controller, &exported);
+        let mut units = controller_fmu_files(&closed, "cc").unwrap();
+        units.extend(fmu_files(&exported.subject, "cc").unwrap());
+        let golden = GoldenLoop::new(&closed).unwrap();
+        let place = tempfile::tempdir().unwrap();
+        let folder = place.path().join("out");
+        write_folder(&folder, &units).unwrap();
+        std::fs::write(folder.join("fmu.py"), include_str!("fmu_controller.py")).unwrap();
+        let mut rows = String::new();
+        for ((r, u), y) in golden.references.iter().zip(&golden.voltages).zip(&golden.readings) {
+            writeln!(rows, "{r:?},{u:?},{y:?}").unwrap();
+        }
+        std::fs::write(folder.join("record.csv"), rows).unwrap();
+        let [low, high] = closed.inverse.range_v;
+        let preview = closed.inverse.compensation.preview as f64;
+        let numbers = [RATE_HZ, golden.tolerance, golden.rest_v, golden.measured, low, high, preview]
+            .map(|x| format!("{x:?}"));
+        let played =
+            play(&closed.made, &golden.references, Plant::Stage(&Exact(&exported.subject)), None).unwrap();
+        let pairs = golden.references.iter().zip(&played.drive);
+        let rows: String = pairs.map(|(r, u)| format!("{r:?},{u:?}\n")).collect();
+        std::fs::write(folder.join("loop.csv"), rows).unwrap();
+        for version in [2, 3] {
+            let unit = format!("stage_controller_fmi{version}.fmu");
+            let mut arguments = vec!["fmu.py", &unit, "record.csv"];
+            arguments.extend(numbers.iter().map(String::as_str));
+            let said = run(&folder, &python, &arguments);
+            let last = said.lines().last().unwrap_or_default();
+            println!("{name} {} {}: {last}", controller.name(), precision.name());
+            assert!(said.contains(": valid;"), "{said}");
         }
     }
 }
@@ -126,10 +292,11 @@ fn controllers_that_are_not_exported_say_why() {
     }
     let refused = |request: ExportRequest| export(body, &request, means).unwrap_err();
     let pi = |float, form| request(Controller::FeedforwardPi, float, form);
-    assert!(matches!(refused(pi(Precision::F32, Form::C)), ExportError::ControllerPrecision));
-    assert!(matches!(refused(pi(Precision::F64, Form::Rust)), ExportError::ControllerForm));
+    for form in [Form::Matlab, Form::Simulink] {
+        assert!(matches!(refused(pi(Precision::F64, form)), ExportError::ControllerForm { .. }));
+    }
     let alone = ExportRequest { inverse: None, ..pi(Precision::F64, Form::C) };
-    assert!(matches!(refused(alone), ExportError::ControllerForm));
+    assert!(matches!(refused(alone), ExportError::ControllerAlone));
     let mut blind = request(Controller::PredictedPi, Precision::F64, Form::C);
     blind.inverse.as_mut().unwrap().predict_to_hz = None;
     assert!(matches!(refused(blind), ExportError::Prediction { .. }));

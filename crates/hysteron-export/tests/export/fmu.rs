@@ -13,7 +13,7 @@ use crate::models::{self, RATE_HZ};
 use crate::tools::{c_compilers, run, skipped};
 
 /// The Python that FMPy is installed for: `target/fmpy-venv`, made by `make test`.
-fn python() -> Option<String> {
+pub fn python() -> Option<String> {
     let own = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target/fmpy-venv/bin/python");
     let python = if own.exists() { own.display().to_string() } else { "python3".into() };
     let there = Command::new(&python).args(["-c", "import fmpy"]).output().is_ok_and(|o| o.status.success());

@@ -3,8 +3,9 @@
 use serde::{Serialize, Serializer};
 
 use super::Model;
+use crate::axes::AxesRecord;
 use crate::decoupling::{AxesController, AxesTracking};
-use crate::record::Keyed;
+use crate::record::{Channel, Keyed, Record, RecordError};
 
 /// An [`AxesTracking`] without its curves.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,6 +45,37 @@ pub struct AxesControllerSummary {
     pub cross_pair: Option<[String; 2]>,
     /// Samples at a limit.
     pub samples_at_limits: usize,
+}
+
+impl Model {
+    /// References, and drives and displacements of every controller, as a record called `name`: channels as
+    /// the model names them, with the controller behind.
+    ///
+    /// # Errors
+    /// [`RecordError`].
+    pub fn tracked_record(
+        &self,
+        name: &str,
+        found: &AxesTracking,
+        references: &AxesRecord,
+    ) -> Result<Record, RecordError> {
+        let units = self.units();
+        let (inputs, outputs) = self.channels().unwrap_or((&[], &[]));
+        let mut channels = Vec::new();
+        let mut add = |names: &[String], suffix: &str, unit: &str, lists: &[Vec<f64>]| {
+            let named = names.iter().zip(lists);
+            channels.extend(
+                named.map(|(name, list)| Channel::new(&format!("{name}{suffix}"), unit, list.clone())),
+            );
+        };
+        add(outputs, "_reference", &units.output, &references.u);
+        for run in &found.runs {
+            let suffix = format!("_{}", run.controller.name());
+            add(inputs, &suffix, &units.input, &run.drive);
+            add(outputs, &suffix, &units.output, &run.displacement);
+        }
+        Record::new(name, references.time.clone(), channels)
+    }
 }
 
 impl AxesTrackingSummary {

@@ -356,6 +356,11 @@ impl<'a, T: Real> Compensator<'a, T> {
         self.displacement
     }
 
+    /// The newest reference that was finite.
+    pub fn reference(&self) -> T {
+        self.reference
+    }
+
     /// Output of the hysteresis at the last voltage.
     pub fn output(&self) -> T {
         self.output

@@ -53,6 +53,21 @@ impl HeldBack {
             }
         }
     }
+
+    /// Whether it would have gone higher, and lower.
+    pub(super) fn directions(self) -> (bool, bool) {
+        (matches!(self, Self::Above | Self::Both), matches!(self, Self::Below | Self::Both))
+    }
+
+    /// The reverse of [`Self::directions`].
+    pub(super) fn in_directions(above: bool, below: bool) -> Self {
+        match (above, below) {
+            (false, false) => Self::No,
+            (true, false) => Self::Above,
+            (false, true) => Self::Below,
+            (true, true) => Self::Both,
+        }
+    }
 }
 
 impl<'a, T: Real> Feedback<'a, T> {

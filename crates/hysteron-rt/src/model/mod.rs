@@ -1,6 +1,7 @@
 //! A model that runs sample by sample: hysteresis, then linear dynamics.
 
 mod compensator;
+mod controller;
 mod error;
 mod feedback;
 mod lms;
@@ -12,6 +13,7 @@ mod sections;
 
 pub use crate::increment::IncrementMemory;
 pub use compensator::{Compensator, Drive, Law, Limited, Limits};
+pub use controller::Controller;
 pub use error::ModelError;
 pub use feedback::{Feedback, HeldBack, Line};
 pub use lms::{FilteredLms, LmsFilter, LmsMemory, LmsSettings};

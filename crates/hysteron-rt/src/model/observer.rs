@@ -75,6 +75,20 @@ impl<'a, T: Real> Observer<'a, T> {
         }
         Ok(Observed { displacement: own + self.disturbance, disturbance: self.disturbance })
     }
+
+    /// The estimate: displacement of the stage less that of the model.
+    pub fn disturbance(&self) -> T {
+        self.disturbance
+    }
+
+    /// Sets gain and offset of the model, from the next step on: [`Model::trim`].
+    ///
+    /// # Errors
+    /// [`ModelError::Coefficient`]; both are then as they were.
+    pub fn trim(&mut self, gain: T, offset: T) -> Result<(), ModelError<T>> {
+        self.model.trim(gain, offset)
+    }
+
     /// Everything that it remembers.
     pub(crate) fn each_member(&mut self, tape: &mut Tape<'_>) {
         self.model.each_member(tape);

@@ -178,7 +178,13 @@ export interface Options {
   plan_default: Record<string, unknown>;
   drive: Schema;
   track: Schema;
-  forms: { name: string; summary: string; contents: string; has_single_precision: boolean }[];
+  forms: {
+    name: string;
+    summary: string;
+    contents: string;
+    has_single_precision: boolean;
+    has_controllers: boolean;
+  }[];
   operations: { name: string; schema: Schema; usual: Record<string, unknown> }[];
 }
 
@@ -236,8 +242,33 @@ export type JobRequest =
       candidates?: string[];
       quick?: boolean;
       time_limit_s?: number | null;
+      inputs?: string[];
+      outputs?: string[];
       report?: string;
     };
+
+export interface AxesComparison {
+  records: string[];
+  output_unit: string;
+  preferred: string | null;
+  best: string | null;
+  folds: string[][];
+  candidates: {
+    name: string;
+    parameters: number;
+    modes: number;
+    error: number | null;
+    error_std_error: number | null;
+    above_best: number | null;
+    above_best_std_error: number | null;
+    as_good_as_best: boolean | null;
+    training_rmse: number | null;
+    fold_errors: (number | null)[];
+    failures: string[];
+  }[];
+  notes: string[];
+  interrupted: boolean;
+}
 
 export interface Stage {
   name: string;
@@ -272,6 +303,8 @@ export interface Job {
     /** Structures that a comparison has finished so far, in the order of their error. */
     candidates?: Candidate[];
     comparison: Comparison | null;
+    /** Of structures of several axes. */
+    axes_comparison?: AxesComparison | null;
   };
   error: Problem | null;
 }

@@ -13,8 +13,11 @@ import type { Spec } from '../plot/spec';
 import { address, go, route, settle } from '../route';
 import { useSignal } from '../signal';
 import { jobs, took } from '../store';
+import { AxesRanking } from './AxesRanking';
 import { deviceOf } from './identify';
-import { isFit, ofOneKind } from './records/roles';
+import { Axes } from './identify/Settings';
+import { columns } from './identify/task';
+import { isFit, isFitOfAxes, ofOneKind } from './records/roles';
 
 const TITLE = 'Compare';
 const QUESTION = 'Which structure do these records support, and what does it cost the controller?';
@@ -32,18 +35,21 @@ export function Compare() {
   const job = list.find((one) => String(one.id) === query.get('job')) ?? list.find(isOwn);
   const compared = records?.find((record) => record.id === job?.request.records[0]);
   const device = named || !compared ? records && deviceOf(query, records) : compared.device;
-  const usable = ofOneKind(records?.filter((r) => r.device === device && isFit(r)) ?? []);
+  const axes = query.get('axes') !== null;
+  const own = records?.filter((r) => r.device === (device ?? r.device)) ?? [];
+  const usable = axes ? own.filter(isFitOfAxes) : ofOneKind(own.filter(isFit));
   const quick = query.get('search') === null;
   const names = (query.get('structures') ?? '').split(/[\s,]+/).filter(Boolean);
   const limit = Number(query.get('limit')) || null;
+  const [inputs, outputs] = [columns('inputs'), columns('outputs')];
+  const ready = !axes || (inputs.length > 0 && outputs.length > 0);
   const request: JobRequest = {
     kind: 'compare',
     records: usable.map((record) => record.id),
     candidates: names,
-    quick: quick && names.length === 0,
-    time_limit_s: limit,
+    ...(axes ? { inputs, outputs } : { quick: quick && names.length === 0, time_limit_s: limit }),
   };
-  const planned = useAnswer<Command>(usable.length > 0 ? 'commands' : null, request);
+  const planned = useAnswer<Command>(usable.length > 0 && ready ? 'commands' : null, request);
   const preview = planned.value;
   useEffect(() => {
     command.value = job?.command ?? preview ?? null;
@@ -64,7 +70,14 @@ export function Compare() {
   const take = async (name: string): Promise<void> => {
     const of = job?.request.records ?? usable.map((record) => record.id);
     try {
-      const begun = await change<Job>('POST', 'jobs', { kind: 'identify', records: of, structure: name });
+      const asked = job?.request as { inputs?: string[]; outputs?: string[] } | undefined;
+      const begun = await change<Job>('POST', 'jobs', {
+        kind: 'identify',
+        records: of,
+        structure: name,
+        inputs: asked?.inputs,
+        outputs: asked?.outputs,
+      });
       took(begun);
       go({ job: String(begun.id) }, 'identify');
     } catch (error) {
@@ -80,12 +93,15 @@ export function Compare() {
       </>
     );
   }
-  if (!job && usable.length < 2) return <Empty usable={usable} />;
+  if (!job && usable.length < 2) {
+    return <Empty usable={usable} several={!axes && own.filter(isFitOfAxes).length > 1} />;
+  }
   const comparison = job?.result.comparison ?? null;
   const runs = job?.state === 'running' || job?.state === 'waiting';
+  const ofAxes = job?.result.axes_comparison ?? null;
+  const ranked = comparison ?? ofAxes;
   const pick =
-    comparison &&
-    (comparison.candidates.find((c) => c.name === query.get('pick'))?.name ?? comparison.preferred);
+    ranked && (ranked.candidates.find((c) => c.name === query.get('pick'))?.name ?? ranked.preferred);
   const of = job ? records.filter((record) => job.request.records.includes(record.id)) : usable;
   return (
     <>
@@ -93,6 +109,16 @@ export function Compare() {
         <Origin simulated={of.length > 0 && of.every((record) => record.simulated)} />
         {!runs && <DeviceChoice records={records} device={device ?? undefined} />}
         {!runs && (
+          <label class="row">
+            <input
+              type="checkbox"
+              checked={axes}
+              onChange={(event) => settle({ axes: event.currentTarget.checked ? '1' : null })}
+            />
+            several axes
+          </label>
+        )}
+        {!runs && !axes && (
           <label class="row">
             <input
               type="checkbox"
@@ -119,7 +145,7 @@ export function Compare() {
             type="button"
             class={pick ? '' : 'primary'}
             onClick={() => void begin()}
-            disabled={usable.length < 2}
+            disabled={usable.length < 2 || !ready}
           >
             {job ? 'Compare again' : `Compare on ${count(usable.length, 'record')}`}
           </button>
@@ -134,6 +160,7 @@ export function Compare() {
         {(planned.error ?? problem) && <Failure problem={planned.error?.complaint ?? problem!} />}
         {job?.error && <Failure problem={job.error} />}
         {job && runs && <Race job={job} />}
+        {!runs && axes && usable[0] && <Axes record={usable[0]} />}
         {!runs && (
           <details>
             <summary>Which structures, for how long</summary>
@@ -148,7 +175,7 @@ export function Compare() {
                   onChange={(event) => settle({ structures: event.currentTarget.value || null })}
                 />
               </label>
-              <label class="row">
+              <label class="row" hidden={axes}>
                 <span class="soft">End after</span>
                 <input
                   type="number"
@@ -170,12 +197,13 @@ export function Compare() {
             {usable.map((r) => fileName(r.id)).join(', ')}.
           </p>
         )}
+        {ofAxes && <AxesRanking comparison={ofAxes} pick={pick} />}
         {comparison ? (
           <Ranking comparison={comparison} pick={pick} runs={runs} />
         ) : (
           partial && <Ranking comparison={partial} pick={null} runs />
         )}
-        {job && !runs && !comparison && !job.error && (
+        {job && !runs && !ranked && !job.error && (
           <Finding
             kind="warn"
             actions={
@@ -440,7 +468,7 @@ function picture(finished: Candidate[], unit: string, pick: string | null): Spec
   };
 }
 
-function Empty({ usable }: { usable: RecordEntry[] }) {
+function Empty({ usable, several }: { usable: RecordEntry[]; several: boolean }) {
   useEffect(() => {
     command.value = null;
   }, []);
@@ -451,9 +479,16 @@ function Empty({ usable }: { usable: RecordEntry[] }) {
       <Lacking
         title="Compare needs records of different content"
         action={
-          <a class="btn primary" href={address({}, 'records')}>
-            See what to measure
-          </a>
+          <>
+            <a class="btn primary" href={address({}, 'records')}>
+              See what to measure
+            </a>
+            {several && (
+              <button type="button" onClick={() => settle({ axes: '1' })}>
+                Compare structures of several axes
+              </button>
+            )}
+          </>
         }
       >
         Each record is left out in turn, so at least two must differ in amplitude or frequency.{' '}

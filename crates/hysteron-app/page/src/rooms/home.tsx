@@ -15,6 +15,7 @@ import { route, settle } from '../route';
 import { useSignal } from '../signal';
 
 const TITLE = 'Take it home';
+const SEVERAL_AXES = 'modes';
 const QUESTION = 'How does this run on my controller, and how can anyone repeat it?';
 
 /** Name, what it is, its files; those of source code come from the server. */
@@ -57,21 +58,26 @@ function Forms({ models, model }: { models: ModelEntry[]; model: ModelEntry }) {
   const inverse = code && asked.get('plain') === null;
   const given = (of: boolean, key: string): string | undefined => (of && asked.get(key)) || undefined;
   const [low, high] = detail?.drive_range ?? [];
-  const range = inverse && (asked.get('low') || asked.get('high'));
+  const axes = model.kind === SEVERAL_AXES;
+  const closed = inverse && !axes && source?.has_controllers === true;
+  const range = inverse && !axes && (asked.get('low') || asked.get('high'));
   const settings = {
     as: form,
     sample_rate_hz: given(code, 'rate'),
     single: source?.has_single_precision && asked.get('double') === null ? true : undefined,
     name: given(code, 'prefix'),
-    accuracy: given(code, 'accuracy'),
-    lowest_frequency_hz: given(code, 'lowest'),
+    accuracy: given(code && !axes, 'accuracy'),
+    lowest_frequency_hz: given(code && !axes, 'lowest'),
     inverse: inverse || undefined,
+    controller: given(closed, 'controller'),
+    ranges: given(inverse && axes, 'ranges'),
+    level: given(code && axes, 'level'),
     low: range ? (asked.get('low') ?? low) : undefined,
     high: range ? (asked.get('high') ?? high) : undefined,
     slew_per_s: given(inverse, 'slew'),
     bandwidth_hz: given(inverse, 'bandwidth'),
     preview: given(inverse, 'preview'),
-    predict_to_hz: given(inverse, 'predict'),
+    predict_to_hz: given(inverse && !axes, 'predict'),
   };
   const preview = useLatest<Preview>(source ? `${at}/preview${query(settings)}` : null);
   useEffect(() => {
@@ -98,7 +104,8 @@ function Forms({ models, model }: { models: ModelEntry[]; model: ModelEntry }) {
       <div class="cols g-home">
         <div class="stack">
           <Settings models={models} model={model} detail={detail} />
-          {code && <More detail={detail} inverse={inverse} />}
+          {closed && <Around />}
+          {code && <More detail={detail} inverse={inverse} axes={axes} />}
           <fieldset>
             <TableBox label="Forms">
               <table class="mid">
@@ -224,8 +231,32 @@ function Settings({
   );
 }
 
+/** A controller that runs the inverse: with feedback on the reading, or an observer. */
+function Around() {
+  const { query: asked } = useSignal(route);
+  const offered = useResource<Options>('options').value?.choices ?? [];
+  const choices = offered.find((one) => one.option === 'exported_controllers')?.choices ?? [];
+  return (
+    <label class="row">
+      <span class="soft">Feedback around the inverse</span>
+      <select
+        value={asked.get('controller') ?? ''}
+        onChange={(event) => settle({ controller: event.currentTarget.value || null, file: null })}
+      >
+        <option value="">none</option>
+        {choices.map(({ name, summary }) => (
+          <option key={name} value={name}>
+            {summary}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
 /** Name and accuracy of the source, and the limits of the inverse: those of the drive in Follow. */
-function More({ detail, inverse }: { detail?: ModelDetail; inverse: boolean }) {
+function More(props: { detail?: ModelDetail; inverse: boolean; axes: boolean }) {
+  const { detail, inverse, axes } = props;
   const { query: asked } = useSignal(route);
   const unit = detail?.input_unit ?? '';
   const [low, high] = detail?.drive_range ?? [];
@@ -251,16 +282,28 @@ function More({ detail, inverse }: { detail?: ModelDetail; inverse: boolean }) {
           <span class="soft">Names begin with</span>
           <input type="text" {...given('prefix', 'the model’s')} />
         </label>
-        {field('accuracy', 'Dynamics within', 'as good as the model', 'of the gain')}
-        {field('lowest', 'Creep down to', 'as usual', 'Hz')}
+        {axes && field('level', 'Modes at a drive of', 'the highest level', `${unit} rms`)}
+        {!axes && field('accuracy', 'Dynamics within', 'as good as the model', 'of the gain')}
+        {!axes && field('lowest', 'Creep down to', 'as usual', 'Hz')}
+        {inverse && axes && (
+          <label class="row">
+            <span class="soft">Drives</span>
+            <input
+              type="text"
+              title="LOW:HIGH for all actuators, or one each, separated by commas"
+              {...given('ranges', 'as identified, e.g. -1:1,-2:2')}
+            />
+            {unit}
+          </label>
+        )}
         {inverse && (
           <>
-            {field('low', 'Drive from', low != null ? significant(low) : '', unit)}
-            {field('high', 'to', high != null ? significant(high) : '', unit)}
+            {!axes && field('low', 'Drive from', low != null ? significant(low) : '', unit)}
+            {!axes && field('high', 'to', high != null ? significant(high) : '', unit)}
             {field('slew', 'Slew at most', 'no limit', `${unit}/s`)}
             {field('bandwidth', 'Follows up to', 'as usual', 'Hz')}
             {field('preview', 'Known ahead', 'as needed', 'samples')}
-            {field('predict', 'Predicted up to', 'not', 'Hz')}
+            {!axes && field('predict', 'Predicted up to', 'not', 'Hz')}
           </>
         )}
       </div>

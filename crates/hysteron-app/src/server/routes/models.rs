@@ -10,11 +10,11 @@ use hysteron_identify::Listener;
 use crate::api::{
     AdaptRequest, DecoupleRequest, DesignRequest, DownloadQuery, Form, ModelCurves, ModelCurvesQuery,
     ModelDetail, ModelEntry, ModelPatch, Outcome, Preview, RealiseRequest, RecalibrateRequest, ResponseQuery,
-    Responses, Scored, ScoresRequest, SimulateRequest, Trashed,
+    Responses, Scored, ScoresRequest, SimulateRequest, TrackAxesRequest, Trashed,
 };
 use crate::models::{
     adapt, archive, curves, decouple, design, detail, list, preview, realise, recalibrate, rename, report,
-    response, scores, simulate,
+    response, scores, simulate, track_axes,
 };
 use crate::refused::{Answer, Refused};
 use crate::server::Shared;
@@ -46,6 +46,9 @@ pub(in crate::server) fn operations() -> Vec<Operation> {
             .answers::<Outcome>(),
         Operation::post("/api/v1/models/{id}/decouple", "Drives of several actuators.", decoupled)
             .takes::<DecoupleRequest>()
+            .answers::<Outcome>(),
+        Operation::post("/api/v1/models/{id}/track-axes", "Controllers of several axes.", tracked_axes)
+            .takes::<TrackAxesRequest>()
             .answers::<Outcome>(),
         Operation::post("/api/v1/models/{id}/design", "The next drive.", next_drive)
             .takes::<DesignRequest>()
@@ -126,6 +129,14 @@ async fn decoupled(
     Input(request): Input<DecoupleRequest>,
 ) -> Answer<Json<Outcome>> {
     compute(move || decouple(&shared.workspace, &id, &request)).await
+}
+
+async fn tracked_axes(
+    State(shared): State<Arc<Shared>>,
+    Path(id): Path<String>,
+    Input(request): Input<TrackAxesRequest>,
+) -> Answer<Json<Outcome>> {
+    compute(move || track_axes(&shared.workspace, &id, &request)).await
 }
 
 async fn next_drive(

@@ -17,6 +17,7 @@ import { DRAWN, read, sampled, written } from './drawn';
 import { Decouple } from './Decouple';
 import { Curves, Result } from './Result';
 import { Simulate } from './Simulate';
+import { TrackAxes } from './TrackAxes';
 
 const TITLE = 'Follow';
 const SEVERAL_AXES = ['modes', 'branches'];
@@ -97,6 +98,7 @@ function Room({ models, model }: { models: ModelEntry[]; model: ModelEntry }) {
         </Head>
         <div class="stack">
           <Decouple model={model} records={records} />
+          {model.kind === 'modes' && <TrackAxes model={model} records={records} />}
           <Simulate model={model} records={records} />
         </div>
       </>

@@ -92,7 +92,7 @@ function Start({ models }: { models: ModelEntry[] }) {
 }
 
 /** Which columns are inputs and outputs of a model of several axes. */
-function Axes({ record }: { record: RecordEntry }) {
+export function Axes({ record }: { record: RecordEntry }) {
   useSignal(route);
   const detail = useResource<RecordDetail>(path('records', record.id)).value;
   const names = detail?.columns.filter((column) => column.kind === 'numbers' && column.used_as !== 'time');

@@ -23,6 +23,11 @@ export function isFit(record: RecordEntry): boolean {
   return !record.error && !record.reading && record.usable && FITTED.includes(record.settings.role);
 }
 
+/** Whether a fit of several axes may take it: its columns are named there, and no one of them is the input. */
+export function isFitOfAxes(record: RecordEntry): boolean {
+  return record.samples > 0 && !record.reading && FITTED.includes(record.settings.role);
+}
+
 /** Those whose quantities are the ones of most of them: a fit has one input and one output. */
 export function ofOneKind(records: RecordEntry[]): RecordEntry[] {
   const kind = (record: RecordEntry): string => `${record.input_unit} → ${record.output_unit}`;
