@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::coordinates::{COUNT, LARGEST_N, N, ranges};
+use super::coordinates::{COUNT, Coordinates, LARGEST_N, N, ranges};
 use super::equation_error::EquationError;
 use super::knowledge::{Estimate, estimates};
 use super::output_error::OutputError;
@@ -58,7 +58,10 @@ pub(super) fn identify(
         regression.size,
         regression.linear,
     );
-    let starts: Vec<Vec<f64>> = candidates.iter().map(|c| problem.start(&c.coordinates)).collect();
+    // A given oscillator as it is, too: that of its shape alone may not be stable on these records.
+    let given = options.start.iter().map(|start| Coordinates::of(start, regression.size));
+    let coordinates = given.chain(candidates.iter().map(|candidate| candidate.coordinates));
+    let starts: Vec<Vec<f64>> = coordinates.map(|coordinates| problem.start(&coordinates)).collect();
     let algorithm = Algorithm::LeastSquares(LeastSquaresOptions {
         starts: starts.len(),
         agreement: Some(2),
