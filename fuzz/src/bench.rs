@@ -4,7 +4,7 @@ use hysteron_rig::excitation::ExcitationSpec;
 use hysteron_rig::{CampaignPlan, Truth, measure};
 
 /// Longest drive that is played \[samples\].
-const PLAYED: usize = 200;
+const PLAYED: usize = 100;
 /// Longest part of a plan, or drive, that is generated \[samples\].
 const GENERATED: f64 = 1e4;
 
