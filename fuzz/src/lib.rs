@@ -7,14 +7,20 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::expect_used, clippy::panic, reason = "a check that fails is found by its panic")]
 
+#[cfg(feature = "app")]
 mod app;
+#[cfg(feature = "bench")]
+mod bench;
+#[cfg(feature = "checkpoint")]
+mod checkpoint;
+#[cfg(feature = "stages")]
 mod exported;
 mod model;
 mod numbers;
 mod prepare;
 mod readers;
+#[cfg(feature = "stages")]
 mod runtime;
-mod settings;
 
 /// A part of the library that reads what others wrote.
 pub struct Entry {
@@ -24,8 +30,8 @@ pub struct Entry {
     pub take: fn(&[u8]),
 }
 
-/// All of them.
-pub const ENTRIES: [Entry; 20] = [
+/// All of them, as far as the features of this crate go.
+pub const ENTRIES: &[Entry] = &[
     Entry { name: "csv", take: readers::csv },
     Entry { name: "gcs", take: readers::gcs },
     Entry { name: "hdf5", take: readers::hdf5 },
@@ -39,12 +45,18 @@ pub const ENTRIES: [Entry; 20] = [
     Entry { name: "response", take: readers::response },
     Entry { name: "model", take: model::file },
     Entry { name: "model-numbers", take: model::numbers },
-    Entry { name: "truth-and-plan", take: settings::truth_and_plan },
-    Entry { name: "drive", take: settings::drive },
-    Entry { name: "checkpoint", take: settings::checkpoint },
+    #[cfg(feature = "bench")]
+    Entry { name: "truth-and-plan", take: bench::truth_and_plan },
+    #[cfg(feature = "bench")]
+    Entry { name: "drive", take: bench::drive },
+    #[cfg(feature = "checkpoint")]
+    Entry { name: "checkpoint", take: checkpoint::searches },
     Entry { name: "prepare", take: prepare::prepare },
+    #[cfg(feature = "app")]
     Entry { name: "app", take: app::request },
+    #[cfg(feature = "stages")]
     Entry { name: "runtime", take: runtime::steps },
+    #[cfg(feature = "stages")]
     Entry { name: "exported-c", take: exported::steps },
 ];
 

@@ -19,12 +19,18 @@ fn options() -> ReadOptions {
 }
 
 fn read(name: &str, data: &[u8]) {
-    let _ = contents_of_bytes(name, data, &options());
+    // Most inputs are refused, by code that all three ways of reading share: these take turns at the other two.
+    let turn = data.iter().fold(0_u8, |sum, byte| sum.wrapping_mul(31).wrapping_add(*byte)) % 4;
     let Ok(record) = read_record_bytes(name, data, &options()) else {
-        // What is no record is no input and output either, for the same reason or another.
-        assert!(read_input_output_bytes(name, data, &options()).is_err());
+        match turn {
+            0 => drop(contents_of_bytes(name, data, &options())),
+            // What is no record is no input and output either, for the same reason or another.
+            1 => assert!(read_input_output_bytes(name, data, &options()).is_err()),
+            _ => {}
+        }
         return;
     };
+    let _ = contents_of_bytes(name, data, &options());
     for channel in &record.channels {
         assert_eq!(channel.samples.len(), record.len(), "{}", channel.name);
         assert!(channel.samples.iter().all(|x| x.is_finite()), "{} is not finite", channel.name);

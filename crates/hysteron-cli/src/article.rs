@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use hysteron_article::page::{page, tables};
 use hysteron_article::{ArticleError, Plan, Reproduction, Summary, reproduce};
-use hysteron_io::atomic_file::Batch;
+use hysteron_io::Batch;
 use hysteron_report::figure_files;
 use serde::Serialize;
 

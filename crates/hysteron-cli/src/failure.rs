@@ -38,6 +38,15 @@ impl Failure {
         self
     }
 
+    /// Adds to the reason.
+    pub fn because_also(self, more: impl Display) -> Self {
+        let reason = match &self.because {
+            Some(reason) => format!("{reason}; {more}"),
+            None => more.to_string(),
+        };
+        self.because(reason)
+    }
+
     /// Sets the remedy.
     pub fn hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());

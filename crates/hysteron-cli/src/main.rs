@@ -35,6 +35,7 @@ mod model;
 mod numbers;
 mod optimizers;
 mod output;
+mod outputs;
 mod prepare;
 mod progress;
 mod rate;

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use hysteron_identify::{IdentifyError, PredictionBand};
-use hysteron_io::atomic_file::Batch;
 use hysteron_io::{IoError, load_model_and_source, read_record, save_model};
 use hysteron_model::axes::{AxesError, AxesRecord, ScheduledModes};
 use hysteron_model::decoupling::DecouplingError;
@@ -18,7 +17,6 @@ use hysteron_model::{Advice, Model, Start, hammerstein};
 use crate::axes::AxesFlags;
 use crate::columns::{ColumnFlags, InputFlags, TimeFlags};
 use crate::failure::Failure;
-use crate::output;
 use crate::progress::during;
 use crate::remarks;
 use crate::start::StartFlags;
@@ -419,16 +417,6 @@ fn part_of_run(signals: Signals) -> Result<InputOutput, Failure> {
 pub fn save(path: &Path, model: &Model) -> Result<(), Failure> {
     let failure = || Failure::new(format!("cannot write the model to {}", path.display()));
     save_model(path, model).map_err(|e| failure().because(e))
-}
-
-/// Adds a model file to files that are written together.
-///
-/// # Errors
-/// If it cannot be written.
-pub fn add(batch: &mut Batch, path: &Path, model: &Model) -> Result<(), Failure> {
-    let failure = || Failure::new(format!("cannot write the model to {}", path.display()));
-    let text = model.to_json().map_err(|e| failure().because(e))?;
-    batch.add(path, text.as_bytes()).map_err(|e| output::cannot_write("the model", path, e))
 }
 
 /// Builds a model from its data, and writes it with [`save`].

@@ -7,10 +7,7 @@ use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
 use clap::ArgMatches;
-use hysteron_io::atomic_file::{AtomicWriteError, Batch, check_writable};
-
-use hysteron_report::figure_files;
-use hysteron_report::page::Page;
+use hysteron_io::atomic_file::{AtomicWriteError, check_writable};
 
 use crate::failure::Failure;
 
@@ -110,32 +107,6 @@ pub fn check_folder(what: &str, path: &Path) -> Result<(), Failure> {
             .because(format!("{} is a file, not a folder", existing.display()))
             .hint("name another folder"),
         _ => cannot_write(what, path, e),
-    })
-}
-
-/// Adds every figure of a page to files that are written together; the folder is made. Returns their number.
-///
-/// # Errors
-/// If the folder cannot be made or a figure not written.
-pub fn add_figures(batch: &mut Batch, folder: &Path, stem: &str, page: &Page) -> Result<usize, Failure> {
-    let failure = || Failure::new(format!("cannot write the figures to {}", folder.display()));
-    std::fs::create_dir_all(folder).map_err(|e| failure().because(e))?;
-    let figures = figure_files(stem, page);
-    for (name, svg) in &figures {
-        let added = batch.add(&folder.join(name), svg.as_bytes());
-        added.map_err(|e| cannot_write("the figures", folder, e))?;
-    }
-    Ok(figures.len())
-}
-
-/// Gives files that were written together their names.
-///
-/// # Errors
-/// If that cannot be done; the message names the file.
-pub fn finish(batch: Batch) -> Result<(), Failure> {
-    batch.finish().map_err(|e| {
-        let path = e.path.clone();
-        cannot_write("the result", &path, e)
     })
 }
 

@@ -3,12 +3,11 @@
 use std::borrow::Borrow;
 
 use clap::Args;
-use hysteron_io::atomic_file::Batch;
 use hysteron_report::page::Page;
 
-use crate::console;
 use crate::failure::Failure;
 use crate::output::{self, OutFile};
+use crate::outputs::Outputs;
 
 /// Output of the result as report or JSON.
 #[derive(Args, Clone, Debug)]
@@ -41,30 +40,23 @@ impl ResultFlags {
     /// # Errors
     /// If it cannot be written.
     pub fn write<P: Borrow<Page>>(&self, page: impl FnOnce() -> P) -> Result<(), Failure> {
-        if self.report.is_none() {
-            return Ok(());
-        }
-        let mut batch = Batch::default();
-        self.add(&mut batch, page().borrow())?;
-        output::finish(batch)?;
-        self.tell();
-        Ok(())
+        let mut outputs = Outputs::default();
+        self.add(&mut outputs, page)?;
+        outputs.finish()
     }
 
     /// Adds the report, if one is wanted, to files that are written together.
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn add(&self, batch: &mut Batch, page: &Page) -> Result<(), Failure> {
+    pub fn add<P: Borrow<Page>>(
+        &self,
+        outputs: &mut Outputs,
+        page: impl FnOnce() -> P,
+    ) -> Result<(), Failure> {
         let Some(path) = &self.report else { return Ok(()) };
-        let added = batch.add(path, page.to_html().as_bytes());
-        added.map_err(|e| output::cannot_write("the report", path, e))
-    }
-
-    /// Says where the report is.
-    pub fn tell(&self) {
-        if let Some(path) = &self.report {
-            console::message(&format!("report written to {}", path.display()));
-        }
+        outputs.add("the report", path, page().borrow().to_html().as_bytes())?;
+        outputs.tell(format!("report written to {}", path.display()));
+        Ok(())
     }
 }

@@ -7,7 +7,6 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use hysteron_identify::Listener;
-use hysteron_io::write_record;
 use hysteron_model::Advice;
 use hysteron_model::control::{ControlError, Plant, RequiredMargins, slew_of_current};
 use hysteron_model::invert::InversionError;
@@ -30,6 +29,7 @@ use crate::maker::maker;
 use crate::model::{Loaded, LoadedModel};
 use crate::numbers::{not_negative, number, positive, whole};
 use crate::output::{self, OutFile};
+use crate::outputs::Outputs;
 use crate::progress;
 use crate::remarks;
 use crate::result_flags::ResultFlags;
@@ -220,8 +220,10 @@ impl Track {
         for (controller, error) in &found.left_out {
             console::note(&format!("{} is left out: {error}", controller.name()));
         }
-        self.write(&found)?;
-        self.result.write(|| report::page(&found, &maker()))?;
+        let mut outputs = Outputs::default();
+        self.add_samples(&mut outputs, &found)?;
+        self.result.add(&mut outputs, || report::page(&found, &maker()))?;
+        outputs.finish()?;
         if self.result.json { console::json(&found) } else { console::result(&text(&found)) }
     }
 
@@ -280,12 +282,12 @@ impl Track {
         }
     }
 
-    fn write(&self, found: &Tracking) -> Result<(), Failure> {
+    fn add_samples(&self, outputs: &mut Outputs, found: &Tracking) -> Result<(), Failure> {
         let Some(out) = &self.out else { return Ok(()) };
         let failure = || Failure::new(format!("cannot write the samples to {}", out.display()));
         let record = found.to_record(&out.display().to_string()).map_err(|e| failure().because(e))?;
-        write_record(out, &record).map_err(|e| failure().because(e))?;
-        console::message(&format!(
+        outputs.add_record("the samples", out, &record)?;
+        outputs.tell(format!(
             "wrote {} simulated samples of {} controllers to {}",
             short(record.len() as f64),
             found.runs.len(),

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use hysteron_identify::IdentifyError;
-use hysteron_io::write_record;
 use hysteron_model::model::{Capability, RunScore, Score, Signals};
 use hysteron_model::record::{InputOutput, MeasurementRun};
 use hysteron_model::validate::{OffsetTreatment, Scoring};
@@ -19,6 +18,7 @@ use crate::maker::maker;
 use crate::model::Loaded;
 use crate::numbers::not_negative;
 use crate::output;
+use crate::outputs::Outputs;
 use crate::result_flags::ResultFlags;
 use crate::scores;
 use crate::start::StartFlags;
@@ -172,14 +172,16 @@ impl Validate {
             let first = scored.iter_mut().find_map(|s| s.failed.drain(..).next());
             return Err(first.map_or_else(|| Failure::new("nothing was scored"), |failed| failed.failure));
         }
-        self.result.write(|| {
+        let mut outputs = Outputs::default();
+        self.result.add(&mut outputs, || {
             let models: Vec<_> = scored
                 .iter()
                 .map(|s| Validated { path: s.loaded.path(), model: s.loaded.model(), records: &s.shown })
                 .collect();
             page(&models, &maker())
         })?;
-        self.write_series(&scored)?;
+        self.add_series(&mut outputs, &scored)?;
+        outputs.finish()?;
         if self.result.json {
             match scored.as_slice() {
                 [only] => console::json(&only.json())?,
@@ -253,8 +255,8 @@ impl Validate {
         Ok(Scored { loaded, shown, runs, failed: Vec::new() })
     }
 
-    /// Writes the scored samples of one record or one run, if a file for them is given.
-    fn write_series(&self, scored: &[Scored]) -> Result<(), Failure> {
+    /// Adds the scored samples of one record or one run, if a file for them is given.
+    fn add_series(&self, outputs: &mut Outputs, scored: &[Scored]) -> Result<(), Failure> {
         let Some(out) = &self.out else { return Ok(()) };
         let one = match scored {
             [Scored { shown, runs, .. }] if runs.len() == 1 => shown.last(),
@@ -267,8 +269,8 @@ impl Validate {
         };
         let failure = || Failure::new(format!("cannot write the series to {}", out.display()));
         let series = score.series(signals).map_err(|e| failure().because(e))?;
-        write_record(out, &series).map_err(|e| failure().because(e))?;
-        console::message(&format!("wrote {} samples to {}", series.len(), out.display()));
+        outputs.add_record("the series", out, &series)?;
+        outputs.tell(format!("wrote {} samples to {}", series.len(), out.display()));
         Ok(())
     }
 

@@ -40,7 +40,7 @@ pub fn check_writable(path: &Path) -> Result<(), AtomicWriteError> {
     }
 }
 
-const OPENING: &str = "opening";
+pub(crate) const OPENING: &str = "opening";
 const CREATING: &str = "creating a file in its folder";
 
 /// Most symbolic links in a chain, as in Linux.
@@ -48,7 +48,7 @@ const MOST_LINKS: usize = 40;
 
 /// Where the bytes for a path go, its symbolic links followed.
 #[derive(Debug)]
-enum Target {
+pub(crate) enum Target {
     /// A regular file, or one to be made: `path` in `folder`.
     File { folder: PathBuf, path: PathBuf },
     /// A device, pipe or socket, written directly: a rename would destroy it.
@@ -59,7 +59,7 @@ enum Target {
 }
 
 impl Target {
-    fn of(path: &Path) -> io::Result<Self> {
+    pub(crate) fn of(path: &Path) -> io::Result<Self> {
         let mut path = path.to_path_buf();
         for _ in 0..=MOST_LINKS {
             let is_folder = path.as_os_str().as_encoded_bytes().ends_with(b"/");
@@ -162,7 +162,7 @@ pub fn write_atomically_with(
 }
 
 /// Writes the content of `path` beside its place, and flushes it to the disk.
-fn staged(
+pub(crate) fn staged(
     path: &Path,
     folder: &Path,
     produce: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -179,7 +179,7 @@ fn staged(
 }
 
 /// Gives a finished file its name.
-fn named(
+pub(crate) fn named(
     path: &Path,
     folder: &Path,
     place: PathBuf,
@@ -207,62 +207,6 @@ fn direct(
     let mut out = BufWriter::new(opened.map_err(failed(OPENING))?);
     produce(&mut out).map_err(failed("writing"))?;
     out.flush().map_err(failed("writing"))
-}
-
-/// Files of one result, written together: each beside its place first, all named at the end, so that a full
-/// disk leaves either all of them or none.
-#[derive(Debug, Default)]
-pub struct Batch(Vec<Staged>);
-
-#[derive(Debug)]
-enum Staged {
-    File {
-        path: PathBuf,
-        folder: PathBuf,
-        place: PathBuf,
-        temporary: tempfile::NamedTempFile,
-    },
-    /// A device, pipe or descriptor: what goes there cannot be taken back.
-    Direct {
-        path: PathBuf,
-        bytes: Vec<u8>,
-    },
-}
-
-impl Batch {
-    /// Adds a file with its content. Nothing has its name yet.
-    ///
-    /// # Errors
-    /// Those of [`write_atomically`].
-    pub fn add(&mut self, path: &Path, bytes: &[u8]) -> Result<(), AtomicWriteError> {
-        let failed = |source| AtomicWriteError { path: path.to_path_buf(), action: OPENING, source };
-        let path = path.to_path_buf();
-        self.0.push(match Target::of(&path).map_err(failed)? {
-            Target::File { folder, path: place } => {
-                let temporary = staged(&path, &folder, |out| out.write_all(bytes))?;
-                Staged::File { path, folder, place, temporary }
-            }
-            Target::Stream(_) | Target::Descriptor(_) => Staged::Direct { path, bytes: bytes.to_vec() },
-        });
-        Ok(())
-    }
-
-    /// Gives all files their names, and writes what goes to a device or a pipe before.
-    ///
-    /// # Errors
-    /// Those of [`write_atomically`]: a device that is full. The files have their names or not, all of them,
-    /// unless the operating system refuses a later rename in a folder in which it made a file.
-    pub fn finish(self) -> Result<(), AtomicWriteError> {
-        let (files, streams): (Vec<Staged>, Vec<Staged>) =
-            self.0.into_iter().partition(|staged| matches!(staged, Staged::File { .. }));
-        for staged in streams.into_iter().chain(files) {
-            match staged {
-                Staged::Direct { path, bytes } => write_atomically(&path, &bytes)?,
-                Staged::File { path, folder, place, temporary } => named(&path, &folder, place, temporary)?,
-            }
-        }
-        Ok(())
-    }
 }
 
 #[cfg(test)]
@@ -293,39 +237,6 @@ mod tests {
         assert!(err.to_string().contains("gave up"), "{err}");
         assert_eq!(std::fs::read(&path).unwrap(), b"old");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
-    }
-
-    #[test]
-    fn a_batch_is_written_whole_or_not_at_all() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = |name: &str| folder.path().join(name);
-        write_atomically(&path("model"), b"old").unwrap();
-        let mut batch = Batch::default();
-        batch.add(&path("model"), b"new").unwrap();
-        let err = batch.add(&path("no/report"), b"page").unwrap_err();
-        assert!(err.to_string().contains("no/report"), "{err}");
-        drop(batch);
-        assert_eq!(std::fs::read(path("model")).unwrap(), b"old");
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left beside it");
-        let mut batch = Batch::default();
-        batch.add(&path("model"), b"new").unwrap();
-        batch.add(&path("report"), b"page").unwrap();
-        batch.finish().unwrap();
-        assert_eq!(std::fs::read(path("model")).unwrap(), b"new");
-        assert_eq!(std::fs::read(path("report")).unwrap(), b"page");
-    }
-
-    #[cfg(target_os = "linux")]
-    #[test]
-    fn a_full_device_keeps_the_other_files_of_a_batch_from_their_names() {
-        let folder = tempfile::tempdir().unwrap();
-        let model = folder.path().join("model");
-        let mut batch = Batch::default();
-        batch.add(&model, b"new").unwrap();
-        batch.add(Path::new("/dev/full"), b"page").unwrap();
-        let err = batch.finish().unwrap_err();
-        assert!(err.to_string().contains("/dev/full"), "{err}");
-        assert!(!model.exists());
     }
 
     #[test]

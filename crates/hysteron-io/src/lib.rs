@@ -57,6 +57,7 @@ mod archive;
 mod assemble;
 pub mod atomic_file;
 mod atomic_folder;
+mod batch;
 mod bytes;
 mod columns;
 mod container;
@@ -92,6 +93,7 @@ mod write;
 mod xlsx;
 
 pub use atomic_folder::{NamedFile, temporary_folder, write_folder};
+pub use batch::{Batch, BatchError};
 pub use contents::{Content, contents, contents_of_bytes};
 pub use csv_write::{write_csv, write_csv_to};
 pub use error::IoError;

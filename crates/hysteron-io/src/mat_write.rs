@@ -31,6 +31,11 @@ const MATRIX: u32 = 14;
 /// Those of [`write_csv`](crate::write_csv); [`IoError::Malformed`] for a channel whose name MATLAB does not
 /// allow, or of more than 4 GiB.
 pub fn write_mat(path: &Path, record: &Record) -> Result<(), IoError> {
+    Ok(write_atomically(path, &content(path, record)?)?)
+}
+
+/// The bytes of [`write_mat`]; `path` is that of the errors.
+pub(crate) fn content(path: &Path, record: &Record) -> Result<Vec<u8>, IoError> {
     check(path, record)?;
     let headers = headers(record);
     let refused = |header: &str, problem: &str| IoError::Malformed {
@@ -70,7 +75,7 @@ pub fn write_mat(path: &Path, record: &Record) -> Result<(), IoError> {
     if let Some(valid) = &record.valid {
         put(CLASS_UINT8 | LOGICAL, valid.iter().map(|&valid| u8::from(valid)).collect());
     }
-    Ok(write_atomically(path, &bytes)?)
+    Ok(bytes)
 }
 
 /// A column as an element.

@@ -19,13 +19,17 @@ use crate::write::{check, headers};
 /// # Errors
 /// Those of [`write_csv`](crate::write_csv); [`IoError::Malformed`] for a record too large for an archive.
 pub fn write_npz(path: &Path, record: &Record) -> Result<(), IoError> {
+    Ok(write_atomically(path, &content(path, record)?)?)
+}
+
+/// The bytes of [`write_npz`]; `path` is that of the errors.
+pub(crate) fn content(path: &Path, record: &Record) -> Result<Vec<u8>, IoError> {
     check(path, record)?;
-    let bytes = archive(record).map_err(|problem| IoError::Malformed {
+    archive(record).map_err(|problem| IoError::Malformed {
         place: Place::new(&path.display().to_string(), FilePart::Whole),
         format: "NPZ",
         problem: problem.to_string(),
-    })?;
-    Ok(write_atomically(path, &bytes)?)
+    })
 }
 
 fn archive(record: &Record) -> zip::result::ZipResult<Vec<u8>> {

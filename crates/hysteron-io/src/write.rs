@@ -1,23 +1,38 @@
 //! Record to file, in the format of its extension.
 
+use std::io::{self, Write};
 use std::path::Path;
 
 use hysteron_model::record::{Record, RecordError, TimeBase};
 
-use crate::{IoError, write_csv, write_mat, write_npz};
+use crate::atomic_file::{AtomicWriteError, write_atomically_with};
+use crate::{IoError, mat_write, npz_write, write_csv_to};
 
-/// Writes a record: as NPZ to a file `NAME.npz` ([`write_npz`]), as MAT to `NAME.mat` ([`write_mat`]), as CSV
-/// to any other ([`write_csv`]).
+/// Writes a record: as NPZ to a file `NAME.npz` ([`write_npz`](crate::write_npz)), as MAT to `NAME.mat`
+/// ([`write_mat`](crate::write_mat)), as CSV to any other ([`write_csv`](crate::write_csv)).
 ///
 /// # Errors
-/// Those of [`write_csv`].
+/// Those of [`write_csv`](crate::write_csv).
 pub fn write_record(path: &Path, record: &Record) -> Result<(), IoError> {
+    produce(path, record, |content| write_atomically_with(path, content))
+}
+
+/// Hands the content of [`write_record`] to `write`.
+pub(crate) fn produce(
+    path: &Path,
+    record: &Record,
+    write: impl FnOnce(&mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> Result<(), AtomicWriteError>,
+) -> Result<(), IoError> {
     let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
-    match extension.as_deref().and_then(|extension| extension.to_str()) {
-        Some("npz") => write_npz(path, record),
-        Some("mat") => write_mat(path, record),
-        _ => write_csv(path, record),
-    }
+    let bytes = match extension.as_deref().and_then(|extension| extension.to_str()) {
+        Some("npz") => npz_write::content(path, record)?,
+        Some("mat") => mat_write::content(path, record)?,
+        _ => {
+            check(path, record)?;
+            return Ok(write(&mut |out| write_csv_to(out, record))?);
+        }
+    };
+    Ok(write(&mut |out| out.write_all(&bytes))?)
 }
 
 /// Headers of a record's columns in a file: time, channels, mask.

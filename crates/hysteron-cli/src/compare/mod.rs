@@ -13,6 +13,7 @@ use hysteron_identify::structure::{
     Candidate, Comparison, Selection, UnknownCandidate, compare_from, prospects,
 };
 use hysteron_identify::{CampaignRecord, Compared, IdentifyError, Options, Watch};
+use hysteron_model::Model;
 use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::record::InputOutput;
 use hysteron_report::comparison;
@@ -27,6 +28,7 @@ use crate::kept::{self, Kept};
 use crate::maker::maker;
 use crate::numbers::positive;
 use crate::output::{self, OutFile};
+use crate::outputs::Outputs;
 use crate::progress;
 use crate::result_flags::ResultFlags;
 
@@ -176,34 +178,51 @@ impl Compare {
         };
         let maker = maker();
         let found = Compared::new(comparison, &campaign, baselines, &console::clock());
-        self.result.write(|| comparison::page(&found, &maker))?;
         if self.result.json {
             console::json(&found)?;
         } else {
             console::result(&text::text(&found))?;
         }
+        let write = |model| self.write(&found, model).map_err(|e| kept.told(e));
         if found.comparison.ranking.is_none() {
+            write(None)?;
             return Err(stop.told(nothing(&found.comparison)));
         }
         let interrupted = || self.interrupted(&found, &campaign, kept.file()).map_err(|e| stop.told(e));
         if stop.stop().is_requested() {
             return Err(stop.told(interrupted()?));
         }
-        let Some(path) = &self.out else { return Ok(()) };
+        let Some(path) = &self.out else { return write(None) };
         let watch = Watch::silent().stopped_by(stop.stop());
         let Some((candidate, fit)) = found.identify_preferred(&campaign, &watch, &maker) else {
-            return Ok(());
+            return write(None);
         };
         if stop.stop().is_requested() {
             return Err(stop.told(interrupted()?));
         }
-        let failure = || Failure::new(format!("cannot identify {candidate} from all records"));
-        let fit = fit.map_err(|e| failure().because(e))?;
-        crate::model::save(path, &fit.model).map_err(|e| kept.told(e))?;
+        let fit = match fit {
+            Ok(fit) => fit,
+            Err(e) => {
+                write(None)?;
+                let failure = Failure::new(format!("cannot identify {candidate} from all records"));
+                return Err(failure.because(e));
+            }
+        };
+        write(Some((path, &fit.model)))?;
         console::message(&format!("model of {candidate} written to {}", path.display()));
         console::message(&format!("the next drive: {}", self.next_drive(&campaign, Some(path))));
         kept.forget();
         Ok(())
+    }
+
+    /// Writes the report, and the model where there is one: both or none.
+    fn write(&self, found: &Compared, model: Option<(&Path, &Model)>) -> Result<(), Failure> {
+        let mut outputs = Outputs::default();
+        if let Some((path, model)) = model {
+            outputs.add_model(path, model)?;
+        }
+        self.result.add(&mut outputs, || comparison::page(found, &maker()))?;
+        outputs.finish()
     }
 
     /// The command that makes the next drive, from the model where there is one.
@@ -228,11 +247,12 @@ impl Compare {
             None => "run it again, with --time-limit, or name fewer structures with --candidates".to_owned(),
         });
         let (Some(path), Some((candidate, model))) = (&self.out, found.preferred_so_far(campaign)) else {
+            self.write(found, None)?;
             return Ok(failure.because("the finished candidates are printed, and no model is written"));
         };
         let path = partial(path);
         let cannot = || Failure::new(format!("cannot write the model of {candidate}"));
-        crate::model::save(&path, &model.map_err(|e| cannot().because(e))?)?;
+        self.write(found, Some((&path, &model.map_err(|e| cannot().because(e))?)))?;
         let kept = format!("the preferred model so far, {candidate}, is in {}", path.display());
         Ok(failure.because(format!("the finished candidates are printed; {kept}")))
     }

@@ -1,7 +1,10 @@
 //! `hysteron compare` of several axes.
 
+use std::path::Path;
+
 use hysteron_identify::modes::{ModesCandidate, ModesComparison, Options, compare_modes};
 use hysteron_identify::{FitRecords, IdentifyError, Task, Watch, fit};
+use hysteron_model::Model;
 use hysteron_report::modes_comparison::{cells, header, page};
 
 use super::{Compare, Structure};
@@ -10,6 +13,7 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::kept::{self, Kept};
 use crate::maker::maker;
+use crate::outputs::Outputs;
 
 impl Compare {
     pub(super) fn several_axes(&self) -> Result<(), Failure> {
@@ -45,32 +49,48 @@ impl Compare {
         drop(watch);
         let found = found.map_err(|e| explain(&e))?;
         let maker = maker();
-        self.result.write(|| page(&found, &maker))?;
+        let write = |model: Option<(&Path, &Model)>| {
+            let mut outputs = Outputs::default();
+            if let Some((path, model)) = model {
+                outputs.add_model(path, model)?;
+            }
+            self.result.add(&mut outputs, || page(&found, &maker))?;
+            outputs.finish().map_err(|e| kept.told(e))
+        };
         if self.result.json {
             console::json(&found)?;
         } else {
             console::result(&text(&found))?;
         }
         if found.interrupted {
+            write(None).map_err(|e| stop.told(e))?;
             return Err(stop.told(interrupted(&kept)));
         }
         if found.ranking.is_none() {
+            write(None)?;
             let failure = Failure::new("no structure could be compared");
             let why = found.entries.iter().find_map(|entry| entry.failures.first());
             return Err(
                 why.map_or(Failure::new("no structure could be compared"), |why| failure.because(why))
             );
         }
-        let Some(path) = &self.out else { return Ok(()) };
+        let Some(path) = &self.out else { return write(None) };
         let watch = Watch::silent().stopped_by(stop.stop());
-        let Some((candidate, options)) = found.preferred(&options) else { return Ok(()) };
+        let Some((candidate, options)) = found.preferred(&options) else { return write(None) };
         let fit = fit(&FitRecords::Several(records), &Task::Modes(options), &watch, None, &maker);
         if stop.stop().is_requested() {
+            write(None).map_err(|e| stop.told(e))?;
             return Err(stop.told(interrupted(&kept)));
         }
-        let fit = fit
-            .map_err(|e| Failure::new(format!("cannot identify {candidate} from all records")).because(e))?;
-        crate::model::save(path, &fit.model).map_err(|e| kept.told(e))?;
+        let fit = match fit {
+            Ok(fit) => fit,
+            Err(e) => {
+                write(None)?;
+                let failure = Failure::new(format!("cannot identify {candidate} from all records"));
+                return Err(failure.because(e));
+            }
+        };
+        write(Some((path, &fit.model)))?;
         console::message(&format!("model of {candidate} written to {}", path.display()));
         kept.forget();
         Ok(())

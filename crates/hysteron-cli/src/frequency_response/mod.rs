@@ -10,7 +10,6 @@ use hysteron_identify::frequency_response::empirical::{
     EmpiricalOptions, EmpiricalResponse, empirical_response,
 };
 use hysteron_identify::frequency_response::{Explained, Family, FrequencyResponse, POOR, Weighting, compare};
-use hysteron_io::atomic_file::Batch;
 use hysteron_io::{IoError, ResponseOptions, read_frequency_response, read_record};
 use hysteron_model::Model;
 use hysteron_report::frequency_response::page;
@@ -24,6 +23,7 @@ use crate::failure::Failure;
 use crate::maker::maker;
 use crate::numbers::positive;
 use crate::output::{self, OutFile};
+use crate::outputs::Outputs;
 use crate::result_flags::ResultFlags;
 
 /// Fit structures to a measured frequency response, or to records of periodic multisines, and compare their
@@ -99,16 +99,13 @@ impl FrequencyResponseCommand {
         let candidates = compare(&response, weighting, &families, self.modes.map(usize::from))
             .map_err(|e| Failure::new("cannot fit the frequency response").because(e))?;
         let found = Explained { response, empirical, candidates };
-        let mut batch = Batch::default();
-        let written = self.out.as_deref().map(|path| add_model(&mut batch, path, &found)).transpose()?;
-        if self.result.has_report() {
-            self.result.add(&mut batch, &page(&found, &maker()))?;
-        }
-        output::finish(batch)?;
-        self.result.tell();
+        let mut outputs = Outputs::default();
+        let written = self.out.as_deref().map(|path| add_model(&mut outputs, path, &found)).transpose()?;
+        self.result.add(&mut outputs, || page(&found, &maker()))?;
         if let Some(text) = written {
-            console::message(&text);
+            outputs.tell(text);
         }
+        outputs.finish()?;
         if self.result.json { console::json(&found) } else { console::result(&text::text(&found)) }
     }
 
@@ -193,14 +190,14 @@ impl FrequencyResponseCommand {
 }
 
 /// Adds the candidate of lowest AIC that a model file can hold; returns a message with its limitations.
-fn add_model(batch: &mut Batch, path: &Path, found: &Explained) -> Result<String, Failure> {
+fn add_model(outputs: &mut Outputs, path: &Path, found: &Explained) -> Result<String, Failure> {
     let failure = || Failure::new(format!("cannot write the model {}", path.display()));
     let written = found.model_file(&maker()).map_err(|e| match e {
         IdentifyError::Hysteresis(_) => failure().because(e),
         e => failure().because(e).hint("fit another structure, e.g. --structure fractional"),
     })?;
     let model = Model::try_from(written.file).map_err(|e| failure().because(e))?;
-    crate::model::add(batch, path, &model)?;
+    outputs.add_model(path, &model)?;
     let start = if written.is_unbounded_at_rest {
         " Its gain at zero frequency is infinite (a power law): simulate it from 0 V (--rest-voltage 0)."
     } else {

@@ -18,7 +18,6 @@ use hysteron_identify::{
     CampaignRecord, DynamicsChoice, FamilyChoice, FindingKind, Fit, FitRecords, IdentifyError, Initial,
     Method, RecordRole, Task, fit, fit_on, usual_kind,
 };
-use hysteron_io::atomic_file::Batch;
 use hysteron_model::dynamics::{Creep, Scheme};
 use hysteron_model::model::Capability;
 use hysteron_model::model_file::Kind;
@@ -42,9 +41,10 @@ use crate::failure::Failure;
 use crate::interrupt::{Interrupt, partial};
 use crate::kept::{self, Kept};
 use crate::maker::maker;
-use crate::model::{self, Loaded};
+use crate::model::Loaded;
 use crate::numbers::{count, number, whole};
-use crate::output::{self, OutFile, add_figures};
+use crate::output::{self, OutFile};
+use crate::outputs::Outputs;
 use crate::progress;
 use crate::remarks;
 use crate::result_flags::ResultFlags;
@@ -427,24 +427,18 @@ impl Identify {
         found: &Fit,
         page: impl FnOnce() -> Result<Page, Failure>,
     ) -> Result<(), Failure> {
-        let mut batch = Batch::default();
-        model::add(&mut batch, model, &found.model)?;
+        let mut outputs = Outputs::default();
+        outputs.add_model(model, &found.model)?;
         if found.interrupted {
-            self.add_searches(&mut batch, &found.resume)?;
+            self.add_searches(&mut outputs, &found.resume)?;
         }
-        let mut figures = 0;
         if self.result.has_report() || self.figures.is_some() {
             let page = page()?;
-            self.result.add(&mut batch, &page)?;
+            self.result.add(&mut outputs, || &page)?;
             if let Some(folder) = &self.figures {
-                figures = add_figures(&mut batch, folder, "figure", &page)?;
+                outputs.add_figures(folder, "figure", &page)?;
             }
         }
-        output::finish(batch)?;
-        self.result.tell();
-        if let Some(folder) = &self.figures {
-            console::message(&format!("{figures} figures written to {}", folder.display()));
-        }
-        Ok(())
+        outputs.finish()
     }
 }

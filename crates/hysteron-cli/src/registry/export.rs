@@ -4,7 +4,6 @@ use std::collections::HashSet;
 use std::path::PathBuf;
 
 use clap::Args;
-use hysteron_io::atomic_file::write_atomically;
 use hysteron_model::Model;
 use hysteron_registry::Registry;
 use serde::Serialize;
@@ -13,6 +12,7 @@ use super::{explain, open};
 use crate::console;
 use crate::failure::Failure;
 use crate::output;
+use crate::outputs::Outputs;
 
 /// Write the latest model of each device as a model file
 #[derive(Args)]
@@ -49,6 +49,7 @@ impl Export {
         std::fs::create_dir_all(&self.out_dir)
             .map_err(|e| Failure::new(format!("cannot make the folder {folder}")).because(e))?;
         let mut names = HashSet::new();
+        let mut outputs = Outputs::default();
         let mut written = Vec::new();
         for device in devices {
             let text = registry.model_text(&device, 0).map_err(|e| explain(&self.registry, &e))?;
@@ -59,15 +60,14 @@ impl Export {
                 name.push('_');
             }
             let path = self.out_dir.join(name + ".json");
-            write_atomically(&path, text.as_bytes())
-                .map_err(|e| output::cannot_write("the model", &path, e))?;
+            outputs.add("the model", &path, text.as_bytes())?;
             written.push(Written { device, path: path.display().to_string() });
         }
-        if self.json {
-            return console::json(&written);
+        if !self.json {
+            outputs.tell(format!("{} models written to {folder}", written.len()));
         }
-        console::message(&format!("{} models written to {folder}", written.len()));
-        Ok(())
+        outputs.finish()?;
+        if self.json { console::json(&written) } else { Ok(()) }
     }
 
     /// Devices that have a model, now or before a calibration that failed.

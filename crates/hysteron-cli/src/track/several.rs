@@ -1,6 +1,5 @@
 //! `hysteron track` of a model of several axes, on the simulated bench.
 
-use hysteron_io::write_record;
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::control::slew_of_current;
 use hysteron_model::decoupling::{AxesTrackOptions, AxesTracking, track_axes};
@@ -16,6 +15,7 @@ use crate::console;
 use crate::failure::Failure;
 use crate::maker::maker;
 use crate::model::Loaded;
+use crate::outputs::Outputs;
 use crate::rig::read_settings;
 
 impl Track {
@@ -58,7 +58,8 @@ impl Track {
         let stage = AxesRigStage { truth: &truth, seed: self.seed };
         let found = track_axes(modes, &references.u, references.sample_rate_hz, &options, &stage)
             .map_err(|e| failed(e.into()))?;
-        self.write_several(loaded, &references, &found)?;
+        let mut outputs = Outputs::default();
+        self.add_several(&mut outputs, loaded, &references, &found)?;
         let summary = AxesTrackingSummary::new(model, &found);
         let (actuators, _) = model.channels().unwrap_or_default();
         let tracked = AxesTracked {
@@ -70,7 +71,8 @@ impl Track {
             input_unit: &Unit::new(&model.units().input),
             references: &references.u,
         };
-        self.result.write(|| axes_page(&tracked, &maker()))?;
+        self.result.add(&mut outputs, || axes_page(&tracked, &maker()))?;
+        outputs.finish()?;
         if self.result.json {
             return console::json(&summary);
         }
@@ -86,8 +88,9 @@ impl Track {
         Ok(())
     }
 
-    fn write_several(
+    fn add_several(
         &self,
+        files: &mut Outputs,
         loaded: &Loaded,
         references: &AxesRecord,
         found: &AxesTracking,
@@ -98,8 +101,8 @@ impl Track {
             .model()
             .tracked_record(&out.display().to_string(), found, references)
             .map_err(|e| failure().because(e))?;
-        write_record(out, &record).map_err(|e| failure().because(e))?;
-        console::message(&format!("wrote {} simulated samples to {}", record.len(), out.display()));
+        files.add_record("the samples", out, &record)?;
+        files.tell(format!("wrote {} simulated samples to {}", record.len(), out.display()));
         Ok(())
     }
 }

@@ -118,7 +118,7 @@ fn ripple(k: u32) -> f64 {
     0.001 * (f64::from(k * 7919 % 13) - 6.0)
 }
 
-fn records() -> [(&'static str, String); 5] {
+pub fn records() -> [(&'static str, String); 5] {
     let (mut z, mut last) = (0.0, 0.0);
     let quasi_static = (0..160).map(|k| {
         let t = f64::from(k) / 40.0;

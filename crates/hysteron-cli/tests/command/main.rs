@@ -26,6 +26,7 @@ mod models_are_realised;
 mod optimizers_are_compared;
 mod oscillators_are_identified;
 mod outputs_are_checked_first;
+mod outputs_come_together;
 mod prepare_makes_a_record;
 mod public_records_are_explained;
 mod recalibrate_finds_gain_and_delay;
