@@ -196,9 +196,12 @@ function line({ name, curve }: { name: string; curve: Curve }, color: Color, poi
   };
 }
 
-function colorOf(name: string, place: number): Color {
-  const own = NAMED.find((color) => color === name);
-  return own ?? OTHERS[Math.max(0, place - 1) % OTHERS.length] ?? 'model';
+/** Colours of series by their names; those of other names have others, in turn. */
+function colorsOf(names: string[]): Color[] {
+  let turn = 0;
+  return names.map(
+    (name) => NAMED.find((color) => color === name) ?? OTHERS[turn++ % OTHERS.length] ?? 'model',
+  );
 }
 
 function specOf(figure: Outcome['figures'][0], name: string): Spec {
@@ -208,6 +211,9 @@ function specOf(figure: Outcome['figures'][0], name: string): Spec {
   const [low, high, first] = [curve('band-low'), curve('band-high'), drawn[0]?.curve];
   const label = (axis: Curve['up'] | undefined): string =>
     axis ? (axis.unit ? `${axis.name} (${axis.unit})` : axis.name) : '';
+  const colors = colorsOf(drawn.map((series) => series.name));
+  const isOne = drawn.every((series) => series.curve.up.name === first?.up.name);
+  const up = first && (isOne ? first.up : { ...first.up, name: figure.title });
   const across = first?.across.name === 't' ? 'time (s)' : label(first?.across);
   return {
     key: `${name}-${figure.title}`,
@@ -216,8 +222,8 @@ function specOf(figure: Outcome['figures'][0], name: string): Spec {
     height: 220,
     flat: !figure.log_across,
     x: { label: across, unit: first?.across.unit ?? '', log: figure.log_across },
-    y: { label: label(first?.up), unit: first?.up.unit ?? '', log: figure.log_up },
-    lines: drawn.map((series, i) => line(series, colorOf(series.name, i), figure.log_across)),
+    y: { label: label(up), unit: first?.up.unit ?? '', log: figure.log_up },
+    lines: drawn.map((series, i) => line(series, colors[i] ?? 'model', figure.log_across)),
     band: low && high && { name: '95 % band', x: low.x, low: low.y, high: high.y },
     tools: ['zoom', 'pan'],
   };
