@@ -53,14 +53,18 @@ before(async () => {
   const levels = { low1: [0.1, 1], low2: [0.1, 2], high1: [0.5, 3], high2: [0.5, 4] };
   const files = [];
   for (const [name, [level, seed]] of Object.entries(levels)) {
-    files.push(join(folder, `${name}.csv`));
+    files.push(join(folder, `simulated_${name}.csv`));
     await writeFile(files.at(-1), record(level, seed));
   }
   server = await serve(files);
-  execFileSync(COMMAND, ['identify', 'low1.csv', 'high1.csv', ...AXES, ...FEW, '-o', 'axes.json'], {
-    cwd: server.folder,
-    stdio: 'pipe',
-  });
+  execFileSync(
+    COMMAND,
+    ['identify', 'simulated_low1.csv', 'simulated_high1.csv', ...AXES, ...FEW, '-o', 'axes.json'],
+    {
+      cwd: server.folder,
+      stdio: 'pipe',
+    },
+  );
 });
 
 after(async () => {
@@ -73,7 +77,7 @@ test('the controllers of all axes are simulated for references from a record', a
   try {
     const own = page.locator('details.operation', { hasText: 'Controllers of all axes' });
     await own.locator('summary').click();
-    await own.locator('label:has-text("References") select').selectOption('low1.csv');
+    await own.locator('label:has-text("References") select').selectOption('simulated_low1.csv');
     await own.locator('button:has-text("Simulate the controllers")').click();
     await own.locator('table').first().waitFor({ timeout: 120_000 });
     await picture(page, 'axes-track');
