@@ -29,14 +29,18 @@ fn force(samples: usize, size: f64) -> Vec<f64> {
 
 /// A record as a file; the noise is a fixed pattern of one part in two hundred.
 fn csv(u: &[f64], start: Start) -> String {
-    let y = DEVICE.simulate_record(u, RATE, InterSample::BandLimited, start).unwrap();
+    csv_of(&DEVICE, RATE, u, start)
+}
+
+fn csv_of(device: &Oscillator, rate: f64, u: &[f64], start: Start) -> String {
+    let y = device.simulate_record(u, rate, InterSample::BandLimited, start).unwrap();
     let size = (y.iter().map(|y| y * y).sum::<f64>() / y.len() as f64).sqrt();
     let mut text = "t_s,u_N,y_um\n".to_owned();
     let mut noise = 1u64;
     for (k, (u, y)) in u.iter().zip(&y).enumerate() {
         noise = noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         let unit = (noise >> 11) as f64 / (1u64 << 53) as f64 - 0.5;
-        writeln!(text, "{},{u},{}", k as f64 / RATE, y + 0.3 + 0.017 * size * unit).unwrap();
+        writeln!(text, "{},{u},{}", k as f64 / rate, y + 0.3 + 0.017 * size * unit).unwrap();
     }
     text
 }
@@ -60,6 +64,31 @@ fn read(bench: &Bench, name: &str) -> OscillatorFile {
     match model_file::read(&std::fs::read(bench.path(name)).unwrap()).unwrap() {
         Document::Oscillator(file) => *file,
         other => panic!("a model of the kind {}", other.kind()),
+    }
+}
+
+/// A thin loop far below the resonance: the oscillator that the equation error gives for its shape cannot be
+/// simulated.
+#[test]
+fn a_fit_starts_at_its_own_oscillator() {
+    const PERIOD: usize = 1024;
+    let thin =
+        Oscillator { mass: 1e-3, damping: 0.02, stiffness: 25.0, alpha: 5.0, beta: 1.0, gamma: 0.5, n: 1.0 };
+    let line = |k: usize, f: usize| (TAU * (f * k % PERIOD) as f64 / PERIOD as f64 + (f * f) as f64).sin();
+    let drive: Vec<f64> = (0..PERIOD).map(|k| 10.0 * (5..40).map(|f| line(k, f)).sum::<f64>()).collect();
+    let bench = Bench::new();
+    bench.write("train.csv", csv_of(&thin, PERIOD as f64, &drive.repeat(3), Start::settled(PERIOD)));
+    for command in [
+        "identify train.csv --structure oscillator -o first.json",
+        "identify train.csv --structure oscillator --start first.json -o again.json",
+    ] {
+        let run = bench.run(command);
+        assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    }
+    let [first, again] = ["first.json", "again.json"].map(|name| read(&bench, name).parameters.all());
+    for (first, again) in first.iter().zip(again) {
+        let apart = (first.value - again.value).abs();
+        assert!(apart <= 1e-2 * first.std_error.unwrap_or(first.value.abs()), "{first:?}, {again:?}");
     }
 }
 
