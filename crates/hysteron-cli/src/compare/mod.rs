@@ -3,6 +3,7 @@
 mod several;
 mod text;
 
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -12,7 +13,7 @@ use hysteron_identify::modes::ModesCandidate;
 use hysteron_identify::structure::{
     Candidate, Comparison, Selection, UnknownCandidate, compare_from, prospects,
 };
-use hysteron_identify::{CampaignRecord, Compared, IdentifyError, Options, Watch};
+use hysteron_identify::{CampaignRecord, Compared, Fit, IdentifyError, Options, Watch};
 use hysteron_model::Model;
 use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::record::InputOutput;
@@ -135,6 +136,27 @@ fn candidate(text: &str) -> Result<Structure, UnknownCandidate> {
     }
 }
 
+/// Writes the model of the preferred candidate, fitted to all records, with the report; without it where the fit
+/// failed.
+fn write_preferred(
+    candidate: &impl Display,
+    fit: Result<Fit, IdentifyError>,
+    path: &Path,
+    write: impl Fn(Option<(&Path, &Model)>) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let fit = match fit {
+        Ok(fit) => fit,
+        Err(e) => {
+            write(None)?;
+            let failure = Failure::new(format!("cannot identify {candidate} from all records"));
+            return Err(failure.because(e));
+        }
+    };
+    write(Some((path, &fit.model)))?;
+    console::message(&format!("model of {candidate} written to {}", path.display()));
+    Ok(())
+}
+
 impl Compare {
     pub fn run(&self) -> Result<(), Failure> {
         if let Some(path) = &self.out {
@@ -183,7 +205,7 @@ impl Compare {
         } else {
             console::result(&text::text(&found))?;
         }
-        let write = |model| self.write(&found, model).map_err(|e| kept.told(e));
+        let write = |model: Option<(&Path, &Model)>| self.write(&found, model).map_err(|e| kept.told(e));
         if found.comparison.ranking.is_none() {
             write(None)?;
             return Err(stop.told(nothing(&found.comparison)));
@@ -200,16 +222,7 @@ impl Compare {
         if stop.stop().is_requested() {
             return Err(stop.told(interrupted()?));
         }
-        let fit = match fit {
-            Ok(fit) => fit,
-            Err(e) => {
-                write(None)?;
-                let failure = Failure::new(format!("cannot identify {candidate} from all records"));
-                return Err(failure.because(e));
-            }
-        };
-        write(Some((path, &fit.model)))?;
-        console::message(&format!("model of {candidate} written to {}", path.display()));
+        write_preferred(&candidate, fit, path, write)?;
         console::message(&format!("the next drive: {}", self.next_drive(&campaign, Some(path))));
         kept.forget();
         Ok(())

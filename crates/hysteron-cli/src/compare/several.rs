@@ -7,7 +7,7 @@ use hysteron_identify::{FitRecords, IdentifyError, Task, Watch, fit};
 use hysteron_model::Model;
 use hysteron_report::modes_comparison::{cells, header, page};
 
-use super::{Compare, Structure};
+use super::{Compare, Structure, write_preferred};
 use crate::console;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -82,16 +82,7 @@ impl Compare {
             write(None).map_err(|e| stop.told(e))?;
             return Err(stop.told(interrupted(&kept)));
         }
-        let fit = match fit {
-            Ok(fit) => fit,
-            Err(e) => {
-                write(None)?;
-                let failure = Failure::new(format!("cannot identify {candidate} from all records"));
-                return Err(failure.because(e));
-            }
-        };
-        write(Some((path, &fit.model)))?;
-        console::message(&format!("model of {candidate} written to {}", path.display()));
+        write_preferred(&candidate, fit, path, write)?;
         kept.forget();
         Ok(())
     }

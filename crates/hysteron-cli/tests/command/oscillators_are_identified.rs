@@ -85,8 +85,8 @@ fn a_fit_starts_at_its_own_oscillator() {
         let run = bench.run(command);
         assert_eq!(run.exit_code, 0, "{}", run.stderr);
     }
-    let [first, again] = ["first.json", "again.json"].map(|name| read(&bench, name).parameters.all());
-    for (first, again) in first.iter().zip(again) {
+    let [first, again] = ["first.json", "again.json"].map(|name| read(&bench, name).parameters);
+    for (first, again) in first.all().into_iter().zip(again.all()) {
         let apart = (first.value - again.value).abs();
         assert!(apart <= 1e-2 * first.std_error.unwrap_or(first.value.abs()), "{first:?}, {again:?}");
     }

@@ -1,9 +1,9 @@
 // Structures of several axes: their columns, and the ranking of a comparison.
 import type { AxesComparison } from '../api/types';
+import { PickRow } from '../components/Pick';
 import { Finding } from '../components/words';
 import { TableBox } from '../components/window';
 import { count, prose, significant } from '../format';
-import { settle } from '../route';
 
 type Candidate = AxesComparison['candidates'][0];
 
@@ -52,22 +52,7 @@ export function AxesRanking({ comparison, pick }: { comparison: AxesComparison; 
           </thead>
           <tbody>
             {comparison.candidates.map((candidate) => (
-              <tr
-                key={candidate.name}
-                class={`click ${candidate.name === pick ? 'sel' : ''}`}
-                onClick={() => settle({ pick: candidate.name })}
-              >
-                <td>
-                  <label class="row">
-                    <input
-                      type="radio"
-                      name="pick"
-                      checked={candidate.name === pick}
-                      onChange={() => settle({ pick: candidate.name })}
-                    />
-                    <span>{candidate.name.replace(/\+/g, ' + ')}</span>
-                  </label>
-                </td>
+              <PickRow key={candidate.name} name={candidate.name} pick={pick}>
                 <td class="n">{candidate.modes}</td>
                 <td class="n">{candidate.parameters}</td>
                 {candidate.error == null ? (
@@ -81,7 +66,7 @@ export function AxesRanking({ comparison, pick }: { comparison: AxesComparison; 
                     <td class="n">{within(candidate.training_rmse, null)}</td>
                   </>
                 )}
-              </tr>
+              </PickRow>
             ))}
           </tbody>
         </table>

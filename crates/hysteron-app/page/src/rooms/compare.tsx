@@ -13,6 +13,7 @@ import type { Spec } from '../plot/spec';
 import { address, go, route, settle } from '../route';
 import { useSignal } from '../signal';
 import { jobs, took } from '../store';
+import { PickRow, spaced } from '../components/Pick';
 import { AxesRanking } from './AxesRanking';
 import { deviceOf } from './identify';
 import { Axes } from './identify/Settings';
@@ -253,8 +254,6 @@ function useFinished(job: Job | undefined): Comparison | null {
   };
 }
 
-const spaced = (name: string): string => name.replace(/\+/g, ' + ');
-
 function Race({ job }: { job: Job }) {
   const stage = job.stages[job.stages.length - 1];
   const time = job.left_s != null ? `, ${left(job.left_s)}` : '';
@@ -344,23 +343,7 @@ function Table({ comparison, pick, runs }: { comparison: Comparison; pick: strin
         </thead>
         <tbody>
           {comparison.candidates.map((candidate) => (
-            <tr
-              key={candidate.name}
-              class={`click ${candidate.name === pick ? 'sel' : ''}`}
-              onClick={() => settle({ pick: candidate.name })}
-            >
-              <td>
-                <label class="row">
-                  <input
-                    type="radio"
-                    name="pick"
-                    checked={candidate.name === pick}
-                    disabled={runs}
-                    onChange={() => settle({ pick: candidate.name })}
-                  />
-                  <span>{spaced(candidate.name)}</span>
-                </label>
-              </td>
+            <PickRow key={candidate.name} name={candidate.name} pick={pick} disabled={runs}>
               <td class="n">{candidate.parameters}</td>
               {candidate.error == null ? (
                 <td class="soft" colSpan={inverse ? 4 : 3}>
@@ -378,7 +361,7 @@ function Table({ comparison, pick, runs }: { comparison: Comparison; pick: strin
                   runs={runs}
                 />
               )}
-            </tr>
+            </PickRow>
           ))}
         </tbody>
       </table>
