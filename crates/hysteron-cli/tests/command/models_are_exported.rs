@@ -326,11 +326,16 @@ fn a_controller_comes_with_its_inverse() {
         .status();
     assert!(compiled.unwrap().success());
     assert!(Command::new(folder.join("selftest")).status().unwrap().success());
+    for (form, written) in [("c --float f32", "stage_controller.c"), ("rust", "src/controller.rs")] {
+        let arguments = format!("--to {form} --controller feedforward-pi {limits}");
+        let run = bench.run(&format!("export P-885_stage.json -o other {arguments}"));
+        assert_eq!(run.exit_code, 0, "{form}: {run:?}");
+        assert!(bench.path("other").join(written).exists(), "{form}: {run:?}");
+    }
     for (arguments, exit_code, part) in [
         ("--to c --controller pi --inverse", 1, "feedforward-pi, feedforward-fractional-pi"),
         ("--to c --controller predicted-pi --inverse", 1, "--predict-to HZ"),
-        ("--to c --controller feedforward-pi --inverse --float f32", 1, "--float f64"),
-        ("--to rust --controller feedforward-pi --inverse", 1, "--to c"),
+        ("--to matlab --controller feedforward-pi --inverse", 1, "--to c, rust or fmu"),
         ("--to c --controller feedforward-pi", 2, "--inverse"),
     ] {
         let range = if exit_code == 1 { "--range 0:100" } else { "" };
