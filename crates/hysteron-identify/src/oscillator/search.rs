@@ -19,7 +19,7 @@ use hysteron_model::oscillator::{Drive, Oscillator, OscillatorState};
 use hysteron_model::record::InputOutput;
 use hysteron_model::validate::{Scoring, score};
 use hysteron_numeric::display::short;
-use hysteron_optimize::{Algorithm, LeastSquaresOptions, Settings};
+use hysteron_optimize::{Algorithm, LeastSquaresOptions, OptimizeError, Settings};
 
 /// Parameters that can be held: they are coordinates of the search.
 const HOLDABLE: [(&str, usize); 3] = [("mass", 0), ("damping", 1), ("n", N)];
@@ -58,10 +58,7 @@ pub(super) fn identify(
         regression.size,
         regression.linear,
     );
-    // A given oscillator as it is, too: that of its shape alone may not be stable on these records.
-    let given = options.start.iter().map(|start| Coordinates::of(start, regression.size));
-    let coordinates = given.chain(candidates.iter().map(|candidate| candidate.coordinates));
-    let starts: Vec<Vec<f64>> = coordinates.map(|coordinates| problem.start(&coordinates)).collect();
+    let starts: Vec<Vec<f64>> = candidates.iter().map(|c| problem.start(&c.coordinates)).collect();
     let algorithm = Algorithm::LeastSquares(LeastSquaresOptions {
         starts: starts.len(),
         agreement: Some(2),
@@ -74,7 +71,16 @@ pub(super) fn identify(
         let file = OscillatorFile::new(&problem.oscillator(x), units, options.inter_sample, rate);
         hysteron_model::Model::try_from(file).ok()
     };
-    let search = engine.run("output error", &problem, &algorithm, starts, Some(&shown))?.outcome;
+    let search =
+        match (engine.run("output error", &problem, &algorithm, starts, Some(&shown)), options.start) {
+            // The oscillator of its shape alone is not stable on these records.
+            (Err(OptimizeError::NoFeasiblePoint { .. }), Some(start)) => {
+                let start = problem.start(&Coordinates::of(&start, regression.size));
+                engine.run("output error", &problem, &algorithm, vec![start], Some(&shown))?
+            }
+            (search, _) => search?,
+        }
+        .outcome;
     let oscillator = problem.oscillator(&search.best);
     let fits = problem.starts(&search.best);
     let fits = records
