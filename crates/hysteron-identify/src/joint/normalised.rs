@@ -335,8 +335,8 @@ pub(in super::super) fn nearer_with_its_memory(
 }
 
 /// Local fits from the given starts, in normalised coefficients where these apply. If the best ends outside
-/// the ranges of natural frequency and damping, all are refitted within, from their nearest points there and
-/// from the starts.
+/// the ranges of natural frequency and damping, all are refitted within, from their nearest points there; from
+/// the starts where none of these can be simulated.
 pub(in super::super) fn local_fits(
     engine: &mut Engine<'_, '_>,
     step: &str,
