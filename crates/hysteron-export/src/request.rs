@@ -85,7 +85,7 @@ pub struct Exported {
 ///
 /// # Errors
 /// [`ExportError::SampleRate`] where none is known; those of [`Subject::new`], [`Inverse::new`] and
-/// [`Form::files`].
+/// of the files of the form.
 pub fn export(
     model: &Hammerstein,
     request: &ExportRequest,
