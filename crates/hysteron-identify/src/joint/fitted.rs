@@ -10,7 +10,7 @@ use super::model::shown;
 use super::normalised::{local_fits, resolved_fit};
 use super::parameter_layout::DELAY;
 use super::problem::JointProblem;
-use super::resolution::{FINAL, information, resolution, resolved};
+use super::resolution::{FINAL, FROM_REDUCED, information, resolution, resolved};
 use super::search::Optimum;
 use super::setup::JointSetup;
 use hysteron_optimize::{LeastSquaresProblem, Problem};
@@ -129,7 +129,8 @@ fn polished(
         return Ok(None);
     }
     let whole = setup.problem(degree, Rate::Own)?;
-    let options = resolved(FINAL * resolution(&setup.problem(degree, searched)?, &best));
+    let share = if searched == Rate::Own { FINAL } else { FROM_REDUCED };
+    let options = resolved(share * resolution(&setup.problem(degree, searched)?, &best));
     let grown = |x: &[f64]| shown(&whole, x, setup);
     let polished = local_fits(engine, ALL_SAMPLES, &whole, vec![best], options, Some(&grown));
     let polished = engine.unless_stopped(polished)?.map(|search| search.outcome);

@@ -10,6 +10,9 @@ const NEGLIGIBLE: f64 = 0.1;
 /// Share of the resolution to which the optimum of a chosen structure is fitted: steps of 0.03 standard
 /// errors.
 pub(super) const FINAL: f64 = 0.01;
+/// The same for all samples from the optimum of their reduced records, which is near and costs a fraction: steps of
+/// 0.1 standard errors.
+pub(super) const FROM_REDUCED: f64 = 0.1;
 /// Largest resolution: where the residuals have few independent samples, the structure or the start is wrong,
 /// and a better one has more.
 pub(super) const COARSE: f64 = 1e-5;

@@ -159,8 +159,7 @@ fn posterior(
 
 /// Error with the predicted discrepancy over that without it, on each part left out of its fit in turn.
 fn left_out(all: &Sums, parts: &[Rows], prior: &Prior) -> Option<f64> {
-    let mut after = 0.0;
-    for k in 0..FOLDS {
+    let without = |k: usize| {
         let mut fold = Sums::new(COLUMNS);
         for (columns, residual, weight) in parts {
             let of_fold = residual.len().div_ceil(FOLDS);
@@ -168,8 +167,11 @@ fn left_out(all: &Sums, parts: &[Rows], prior: &Prior) -> Option<f64> {
             let count = to - from;
             fold.add(&columns.rows(from, count).into(), &residual.rows(from, count).into(), *weight);
         }
-        after += fold.power_left(&all.without(&fold).posterior(prior)?.mean);
-    }
+        Some(fold.power_left(&all.without(&fold).posterior(prior)?.mean))
+    };
+    // Summed in the order of the folds, independently of the threads.
+    let left: Vec<Option<f64>> = (0..FOLDS).into_par_iter().map(without).collect();
+    let after: f64 = left.into_iter().sum::<Option<f64>>()?;
     Some((after.max(0.0) / all.power).sqrt())
 }
 

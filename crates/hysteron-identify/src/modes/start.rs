@@ -1,6 +1,7 @@
 //! Initial model of the searches.
 
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 
 use super::Options;
 use super::records::{Campaign, RecordPeriod};
@@ -93,7 +94,7 @@ fn choose_poles(
     fit: &VectorFit,
     response: &FrequencyMatrix,
     (given, rate, top_hz): (Option<usize>, f64, f64),
-    is_mode: impl Fn(&Complex64) -> bool,
+    is_mode: impl Fn(&Complex64) -> bool + Sync,
     stop: &Stop,
 ) -> Result<(usize, CommonPoles), IdentifyError> {
     let poles = |count: usize| -> Result<CommonPoles, IdentifyError> {
@@ -109,17 +110,21 @@ fn choose_poles(
     if let Some(count) = given {
         return Ok((count, poles(count)?));
     }
+    // Requires twice as many equations as unknowns.
+    let tried = TRIED.into_iter().filter(|count| 4 * (2 * count + 2) <= 2 * response.len());
+    let tried: Vec<usize> = tried.collect();
+    // Each number apart from the others; the largest, which take longest, first.
+    let with_error = |&count: &usize| {
+        let found = poles(count).ok()?;
+        let error = fit.error(&found).ok()?;
+        Some((error, count, found))
+    };
+    let fitted: Vec<_> = tried.par_iter().rev().with_max_len(1).map(with_error).collect();
+    if stop.is_requested() {
+        return Err(IdentifyError::Stopped);
+    }
     let mut best: Option<(f64, usize, CommonPoles)> = None;
-    for count in TRIED {
-        if stop.is_requested() {
-            return Err(IdentifyError::Stopped);
-        }
-        // Requires twice as many equations as unknowns.
-        if 4 * (2 * count + 2) > 2 * response.len() {
-            break;
-        }
-        let Ok(found) = poles(count) else { continue };
-        let Ok(error) = fit.error(&found) else { continue };
+    for (error, count, found) in fitted.into_iter().rev().flatten() {
         let worth = |least: f64, fewer: usize| error < (1.0 - WORTH).powi((count - fewer) as i32) * least;
         if best.as_ref().is_none_or(|(least, fewer, _)| worth(*least, *fewer)) {
             best = Some((error, count, found));

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -51,16 +52,25 @@ pub struct Prospects {
 
 /// Predicts before any fit what the records together can determine.
 pub fn prospects(records: &[InputOutput]) -> Prospects {
-    let wholes: Vec<RecordFacts> = records.iter().map(|data| RecordFacts::new(data.clone())).collect();
     // Amplitudes, frequencies and phases are those of the uniformly sampled segments; creep and start those
     // of whole records.
-    let (mut facts, mut contents, mut described) = (Vec::new(), Vec::new(), Vec::new());
-    for record in records {
-        let parts: Vec<RecordFacts> = record.in_moving_segments().into_iter().map(RecordFacts::new).collect();
-        let own: Vec<Content> = parts.iter().map(Content::of).collect();
-        let words: Vec<String> =
-            own.iter().map(|content| content.describe(&record.u_unit.to_string())).collect();
+    let of_record = |record: &InputOutput| {
+        let whole = RecordFacts::new(record.clone());
+        let segments = record.in_moving_segments();
+        let parts: Vec<RecordFacts> = match &segments[..] {
+            [one] if one.time == record.time => vec![whole.clone()],
+            _ => segments.into_iter().map(RecordFacts::new).collect(),
+        };
+        let contents: Vec<Content> = parts.iter().map(Content::of).collect();
+        (whole, parts, contents)
+    };
+    let of_records: Vec<_> = records.par_iter().map(of_record).collect();
+    let (mut wholes, mut facts, mut contents, mut described) = (vec![], vec![], vec![], vec![]);
+    for (whole, parts, own) in of_records {
+        let unit = whole.data.u_unit.to_string();
+        let words: Vec<String> = own.iter().map(|content| content.describe(&unit)).collect();
         described.push(words.join("; "));
+        wholes.push(whole);
         facts.extend(parts);
         contents.extend(own);
     }

@@ -13,6 +13,9 @@ use hysteron_numeric::{Complex64, least_squares};
 /// Share of a column outside the span of the others below which poles coincide.
 const DEPENDENT: f64 = 1e-14;
 
+/// Largest move of a pole in a pass that is no longer worth another.
+const SETTLED: f64 = 1e-9;
+
 /// Imaginary part below which a pole counts as real.
 const REAL: f64 = 1e-9;
 
@@ -34,6 +37,24 @@ pub struct CommonPoles {
     pub pairs: Vec<Complex64>,
     /// Real poles, but for those held.
     pub real: Vec<f64>,
+}
+
+impl CommonPoles {
+    /// Pairs by ascending angle, real poles by value.
+    fn sort(&mut self) {
+        self.pairs.sort_by(|a, b| a.arg().total_cmp(&b.arg()));
+        self.real.sort_by(f64::total_cmp);
+    }
+
+    /// True if no pole differs by more than [`SETTLED`].
+    fn is_near(&self, other: &Self) -> bool {
+        let mut pairs = self.pairs.iter().zip(&other.pairs);
+        let mut real = self.real.iter().zip(&other.real);
+        self.pairs.len() == other.pairs.len()
+            && self.real.len() == other.real.len()
+            && pairs.all(|(a, b)| (a - b).norm() <= SETTLED)
+            && real.all(|(a, b)| (a - b).abs() <= SETTLED)
+    }
 }
 
 /// Pairs e^(2πf(i − damping)T), f equally spaced from `low_hz` to `high_hz`.
@@ -64,8 +85,8 @@ impl VectorFit {
         Self { z, entries, held }
     }
 
-    /// Poles after `passes` relocations from pairs `start`, by ascending angle; stops early once `go_on`,
-    /// called before each, is false.
+    /// Poles after at most `passes` relocations from pairs `start`, by ascending angle: fewer where no pole moves
+    /// any more, and once `go_on`, called before each, is false.
     ///
     /// # Errors
     /// [`AxesError::NoPoles`].
@@ -76,10 +97,16 @@ impl VectorFit {
         go_on: impl Fn() -> bool,
     ) -> Result<CommonPoles, AxesError> {
         let mut poles = CommonPoles { pairs: start.to_vec(), real: Vec::new() };
+        poles.sort();
         for _ in (0..passes).take_while(|_| go_on()) {
-            poles = self.relocate(&poles).ok_or(AxesError::NoPoles)?;
+            let mut moved = self.relocate(&poles).ok_or(AxesError::NoPoles)?;
+            moved.sort();
+            let is_settled = moved.is_near(&poles);
+            poles = moved;
+            if is_settled {
+                break;
+            }
         }
-        poles.pairs.sort_by(|a, b| a.arg().total_cmp(&b.arg()));
         Ok(poles)
     }
 
