@@ -40,6 +40,9 @@ def in_arguments(advice: dict[str, Any]) -> str:
         return f'say what it means: scale=["{advice["column"]}=2.5um/V"]'
     if do == "several-axes":
         return f"identify all actuators together: inputs={advice['inputs']}, outputs={advice['outputs']}"
+    if do == "dead-band":
+        beyond = f"u - {advice['threshold']} * sign(u)" if advice["excess"] else "u"
+        return f"give the drive as where(abs(u) < {advice['threshold']}, 0, {beyond})"
     if do == "widen":
         return f'widen its range: bounds={{"{advice["parameter"]}": (low, high)}}'
     if do == "hold":

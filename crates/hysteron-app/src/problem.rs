@@ -121,6 +121,10 @@ pub(crate) fn remedy(advice: &Advice) -> String {
         Advice::NarrowBand => "Restrict the range of frequencies.".to_owned(),
         Advice::OtherHysteresis => "Choose another family of hysteresis.".to_owned(),
         Advice::OtherKind { kind } => format!("Identify a model of the kind {kind}."),
+        Advice::DeadBand { threshold, excess } => format!(
+            "Identify with the dead band of {threshold}: hysteron identify --dead-{} {threshold}.",
+            if *excess { "zone" } else { "band" }
+        ),
         Advice::SeveralAxes { inputs, outputs } => format!(
             "Identify all actuators together: the inputs {}, the outputs {}.",
             inputs.join(", "),

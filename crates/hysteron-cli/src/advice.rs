@@ -47,6 +47,8 @@ pub fn in_flags_of_columns(advice: &Advice, choose_columns: &str) -> String {
         Advice::NarrowBand => "--band LOW:HIGH".to_owned(),
         Advice::OtherHysteresis => "--hysteresis FAMILY".to_owned(),
         Advice::OtherKind { kind } => format!("--structure {kind}"),
+        Advice::DeadBand { threshold, excess: false } => format!("--dead-band {threshold}"),
+        Advice::DeadBand { threshold, excess: true } => format!("--dead-zone {threshold}"),
         Advice::SeveralAxes { inputs, outputs } => {
             format!("--inputs {} --outputs {}", inputs.join(","), outputs.join(","))
         }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use hysteron_io::{IoError, ReadOptions, read_drive, read_input_output, read_record, read_reference};
 use hysteron_model::record::{
-    ChannelChoice, Driven, InputOutput, Record, RecordError, Scale, Signal, beyond_dead_band, inspect,
+    ChannelChoice, DeadBand, Driven, InputOutput, Record, RecordError, Scale, Signal, inspect,
 };
 use hysteron_model::{Advice, Finding};
 use rayon::prelude::*;
@@ -60,6 +60,14 @@ pub struct InputFlags {
     )]
     dead_band: Option<f64>,
 
+    /// Dead zone of the drive, as of a valve with overlap: smaller drives count as 0, larger ones by what
+    /// exceeds it
+    #[arg(
+        long, value_name = "DRIVE", value_parser = positive, allow_hyphen_values = true,
+        conflicts_with = "dead_band", help_heading = "Columns",
+    )]
+    dead_zone: Option<f64>,
+
     #[command(flatten)]
     time: TimeFlags,
 
@@ -112,7 +120,7 @@ impl InputFlags {
         };
         let Driven { mut drive, mut measured } = read().map_err(|e| e.at(path, "--input"))?;
         let mut told: Vec<String> = drive.notes.iter().map(advice::text).collect();
-        self.beyond_dead_band(&mut drive.samples, &mut told);
+        self.apply_dead_band(&mut drive.samples, &mut told);
         if let Some(measured) = &mut measured {
             measured.u.clone_from(&drive.samples);
         }
@@ -134,8 +142,9 @@ impl InputFlags {
         ReadOptions { cut: self.cut.cut(), ..self.time.options() }
     }
 
-    fn beyond_dead_band(&self, u: &mut [f64], told: &mut Vec<String>) {
-        told.extend(self.dead_band.map(|threshold| advice::text(&beyond_dead_band(u, threshold))));
+    fn apply_dead_band(&self, u: &mut [f64], told: &mut Vec<String>) {
+        let band = self.dead_band.map(DeadBand::Jump).or(self.dead_zone.map(DeadBand::Excess));
+        told.extend(band.map(|band| advice::text(&band.apply(u))));
     }
 
     fn scaled(&self, record: Record) -> Result<Record, Unreadable> {
@@ -247,7 +256,7 @@ impl ColumnFlags {
     fn read_told(&self, path: &Path, told: &mut Vec<String>) -> Result<InputOutput, Failure> {
         let (mut data, notes) = self.read_noted(path).map_err(|e| e.at(path, advice::INPUT_AND_OUTPUT))?;
         told.extend(notes.iter().map(advice::text));
-        self.drive.beyond_dead_band(&mut data.u, told);
+        self.drive.apply_dead_band(&mut data.u, told);
         Ok(data)
     }
 

@@ -150,6 +150,28 @@ pub enum IdentifyError {
         /// Fit of that kind to the record that it describes worst [%].
         other_percent: f64,
     },
+    /// A drive with a dead band describes the record, where hysteresis followed by linear dynamics does not.
+    #[error(
+        "hysteresis followed by linear dynamics explains {fit_percent:.1} % of record '{record}'; a drive below \
+         {threshold} {unit} moves nothing there: where it {counts}, a linear regression explains \
+         {other_percent:.1} %"
+    )]
+    DeadBand {
+        /// Record.
+        record: String,
+        /// Fit of hysteresis followed by linear dynamics [%], see [`hysteron_model::validate::Scores`].
+        fit_percent: f64,
+        /// Threshold, in the unit of the drive.
+        threshold: String,
+        /// That unit.
+        unit: String,
+        /// How the drive counts.
+        counts: &'static str,
+        /// A larger drive counts by what exceeds the threshold.
+        excess: bool,
+        /// Share of the record that a regression with the dead band explains [%].
+        other_percent: f64,
+    },
     /// A record that a model does not describe, even with the best gain, delay and offset.
     #[error(
         "record '{record}' contradicts the model: with the best gain, delay and offset it explains \
@@ -518,6 +540,9 @@ impl IdentifyError {
                 Some(Advice::ChooseColumns)
             }
             Self::OtherKind { kind, .. } => Some(Advice::OtherKind { kind: *kind }),
+            Self::DeadBand { threshold, excess, .. } => {
+                Some(Advice::DeadBand { threshold: threshold.clone(), excess: *excess })
+            }
             Self::OscillatorNotUniform { .. } => Some(Advice::Resample),
             Self::NoResponse { advice, .. } => advice.clone(),
             Self::Record(e) => e.advice(),

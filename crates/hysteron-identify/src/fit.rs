@@ -1,5 +1,6 @@
 //! Identification of a model of any kind, with its full results.
 
+mod dead_band;
 mod other_kinds;
 mod summary;
 

@@ -67,6 +67,13 @@ pub enum Advice {
         /// The kind.
         kind: Kind,
     },
+    /// Allow for a dead band of the drive.
+    DeadBand {
+        /// Threshold, in the unit of the drive.
+        threshold: String,
+        /// True if a larger drive counts by what exceeds the threshold.
+        excess: bool,
+    },
     /// Identify all actuators of the record together.
     SeveralAxes {
         /// Headers of their drives.

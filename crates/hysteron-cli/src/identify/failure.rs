@@ -8,6 +8,7 @@ use hysteron_model::axes::AxesError;
 use hysteron_model::model_file::Kind;
 use hysteron_optimize::OptimizeError;
 
+use crate::advice;
 use crate::failure::Failure;
 
 const RESUME: &str =
@@ -49,6 +50,9 @@ pub(super) fn explain(error: &IdentifyError, kind: Kind) -> Failure {
         IdentifyError::OtherKind { kind, .. } => {
             failure.hint(format!("--structure {kind}; --least-fit 0 returns the model regardless"))
         }
+        IdentifyError::DeadBand { .. } => failure
+            .hint("--least-fit 0 returns the model regardless")
+            .hint_first(error.advice().as_ref().map(advice::in_flags).unwrap_or_default()),
         IdentifyError::OscillatorClass { .. } => failure.hint(
             "look at the record with hysteron inspect; --initial free for a record cut out of motion; \
              --least-fit 0 returns the model regardless",

@@ -27,7 +27,9 @@ impl Identify {
     /// [`Self::naming_axes`] where a model of one input does not describe the records.
     pub(super) fn naming_axes_of(&self, error: &IdentifyError, failure: Failure) -> Failure {
         match error {
-            IdentifyError::ModelClass { .. } | IdentifyError::OtherKind { .. } => self.naming_axes(failure),
+            IdentifyError::ModelClass { .. }
+            | IdentifyError::OtherKind { .. }
+            | IdentifyError::DeadBand { .. } => self.naming_axes(failure),
             _ => failure,
         }
     }

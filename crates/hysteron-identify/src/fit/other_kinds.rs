@@ -1,15 +1,20 @@
 //! Kinds of models beside the one that was asked for: the kind that records call for by their quantities, and
-//! the one that describes them better than hysteresis followed by linear dynamics does.
+//! the one that describes them better than hysteresis followed by linear dynamics does; and a dead band of
+//! the drive, with which that would describe them.
 
 use hysteron_model::model_file::Kind;
-use hysteron_model::record::{InputOutput, Quantity};
+use hysteron_model::record::{DeadBand, InputOutput, Quantity};
 use hysteron_model::{Advice, Finding, FindingKind};
+use hysteron_numeric::display::short;
 
+use super::dead_band;
 use crate::{CampaignRecord, Event, Identification, IdentifyError, Options, Watch, force, oscillator};
 
 /// Share of every record \[%\] from which a model is taken as it is: other kinds are not tried.
 const GOOD_PERCENT: f64 = 90.0;
-/// Share of the error that another kind may leave where it is named beside the model.
+/// Share of every record \[%\] from which no dead band of the drive is looked for.
+const NEAR_PERCENT: f64 = 98.0;
+/// Share of the error that another kind, or a dead band, may leave where it is named beside the model.
 const BETTER: f64 = 0.5;
 /// Share of the error that another kind may leave where the model is not handed out.
 const MUCH_BETTER: f64 = 0.25;
@@ -46,7 +51,9 @@ pub(super) fn weigh(
 ) -> Result<Option<Finding>, IdentifyError> {
     let worst = found.records.iter().min_by(|a, b| a.fit_percent().total_cmp(&b.fit_percent()));
     let Some(worst) = worst.filter(|_| !found.cancelled) else { return Ok(None) };
-    let Some(other) = better(worst.fit_percent(), records, watch) else { return Ok(None) };
+    let Some(other) = better(worst.fit_percent(), records, watch) else {
+        return with_dead_band(&worst.data, worst.fit_percent(), options, watch);
+    };
     let left = |percent: f64| 100.0 - percent;
     if options.least_fit_percent > 0.0 && left(other.fit_percent) <= MUCH_BETTER * left(worst.fit_percent()) {
         return Err(refused(worst.data.name.clone(), worst.fit_percent(), &other));
@@ -69,7 +76,11 @@ pub(super) fn instead(error: IdentifyError, records: &[CampaignRecord], watch: &
         IdentifyError::ModelClass { ref record, fit_percent, .. } => {
             match better(fit_percent, records, watch) {
                 Some(other) => refused(record.clone(), fit_percent, &other),
-                None => error,
+                None => records
+                    .iter()
+                    .find(|one| one.data.name == *record)
+                    .and_then(|one| dead(&one.data, fit_percent, watch))
+                    .map_or(error, |found| found.refused()),
             }
         }
         other => other,
@@ -78,6 +89,88 @@ pub(super) fn instead(error: IdentifyError, records: &[CampaignRecord], watch: &
 
 fn refused(record: String, fit_percent: f64, other: &Other) -> IdentifyError {
     IdentifyError::OtherKind { record, fit_percent, kind: other.kind, other_percent: other.fit_percent }
+}
+
+/// A dead band that describes a record.
+struct Dead<'a> {
+    record: &'a InputOutput,
+    fit_percent: f64,
+    found: dead_band::Found,
+}
+
+impl Dead<'_> {
+    /// To four digits, as a flag takes it.
+    fn threshold(&self) -> String {
+        let four = format!("{:.3e}", self.found.band.threshold());
+        four.parse::<f64>().map_or(four, |threshold| threshold.to_string())
+    }
+
+    fn is_excess(&self) -> bool {
+        matches!(self.found.band, DeadBand::Excess(_))
+    }
+
+    /// How a drive counts.
+    fn counts(&self) -> &'static str {
+        if self.is_excess() { "counts as 0 and a larger one by what exceeds that" } else { "counts as 0" }
+    }
+
+    fn refused(&self) -> IdentifyError {
+        IdentifyError::DeadBand {
+            record: self.record.name.clone(),
+            fit_percent: self.fit_percent,
+            threshold: self.threshold(),
+            unit: self.record.u_unit.to_string(),
+            counts: self.counts(),
+            excess: self.is_excess(),
+            other_percent: 100.0 - self.found.left_percent,
+        }
+    }
+
+    fn finding(&self) -> Finding {
+        let text = format!(
+            "Record '{}' looks as if a drive below {} {} moved nothing: where it {}, a linear regression \
+             leaves {} % of it, on the drive as it is {} %, and this model {} %.",
+            self.record.name,
+            self.threshold(),
+            self.record.u_unit,
+            self.counts(),
+            short(self.found.left_percent),
+            short(self.found.without_percent),
+            short(100.0 - self.fit_percent),
+        );
+        let advice = Advice::DeadBand { threshold: self.threshold(), excess: self.is_excess() };
+        Finding::new(FindingKind::Advice, "dead band", text).with_advice(advice)
+    }
+}
+
+/// A dead band that leaves less than half of the error of a fit that explains `fit_percent` of a record, and
+/// of a regression without it.
+fn dead<'a>(record: &'a InputOutput, fit_percent: f64, watch: &Watch<'_>) -> Option<Dead<'a>> {
+    if fit_percent >= NEAR_PERCENT {
+        return None;
+    }
+    let found = dead_band::best(record, watch.stop())?;
+    let enough = BETTER * found.without_percent.min(100.0 - fit_percent);
+    (found.left_percent <= enough).then_some(Dead { record, fit_percent, found })
+}
+
+/// What there is to say of a dead band of the drive.
+///
+/// # Errors
+/// [`IdentifyError::DeadBand`] where it leaves less than a quarter of the error of a poor model, unless
+/// `options` demand nothing of the fit.
+fn with_dead_band(
+    record: &InputOutput,
+    fit_percent: f64,
+    options: &Options,
+    watch: &Watch<'_>,
+) -> Result<Option<Finding>, IdentifyError> {
+    let Some(found) = dead(record, fit_percent, watch) else { return Ok(None) };
+    let is_poor = fit_percent < GOOD_PERCENT && options.least_fit_percent > 0.0;
+    if is_poor && found.found.left_percent <= MUCH_BETTER * (100.0 - fit_percent) {
+        return Err(found.refused());
+    }
+    Ok(Some(found.finding()))
 }
 
 /// The kind with the smallest error among those that leave less than half of the error of a fit that explains

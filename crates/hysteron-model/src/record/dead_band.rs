@@ -1,11 +1,62 @@
-//! Dead band of an amplifier.
+//! Dead band of a device or an amplifier: a drive below a threshold does nothing.
 
 use crate::finding::{Finding, FindingKind};
 
-/// Sets a drive to 0 where it is smaller than `threshold`, in its unit; returns a finding with the count.
-pub fn beyond_dead_band(u: &mut [f64], threshold: f64) -> Finding {
-    let within = u.iter_mut().filter(|u| u.abs() < threshold);
-    let count = within.map(|u| *u = 0.0).count();
-    let text = format!("the drive of {count} samples is below {threshold} and counts as 0");
-    Finding::new(FindingKind::Advice, "dead band", text)
+/// What counts of a drive, by a threshold d > 0 in the unit of the drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DeadBand {
+    /// u where |u| ≥ d, else 0: an amplifier with a threshold.
+    Jump(f64),
+    /// The excess sign(u) (|u| − d) where |u| ≥ d, else 0: a valve with overlap, backlash about a centre.
+    Excess(f64),
+}
+
+impl DeadBand {
+    /// The threshold d.
+    pub fn threshold(self) -> f64 {
+        match self {
+            Self::Jump(threshold) | Self::Excess(threshold) => threshold,
+        }
+    }
+
+    /// What counts of a drive `u`.
+    pub fn of(self, u: f64) -> f64 {
+        match self {
+            _ if u.abs() < self.threshold() => 0.0,
+            Self::Jump(_) => u,
+            Self::Excess(threshold) => u - threshold.copysign(u),
+        }
+    }
+
+    /// Replaces a drive by what counts of it; returns a finding with the number of samples that count as 0.
+    pub fn apply(self, u: &mut [f64]) -> Finding {
+        let count = u.iter().filter(|u| u.abs() < self.threshold()).count();
+        u.iter_mut().for_each(|u| *u = self.of(*u));
+        let threshold = self.threshold();
+        let rest = match self {
+            Self::Jump(_) => String::new(),
+            Self::Excess(_) => format!("; that of the others is less by {threshold}"),
+        };
+        let text = format!("the drive of {count} samples is below {threshold} and counts as 0{rest}");
+        Finding::new(FindingKind::Advice, "dead band", text)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_drive_below_the_threshold_counts_as_nothing() {
+        let drive = [-3.0, -2.0, -1.0, 0.0, 1.5, 2.5];
+        for (band, expected) in [
+            (DeadBand::Jump(2.0), [-3.0, -2.0, 0.0, 0.0, 0.0, 2.5]),
+            (DeadBand::Excess(2.0), [-1.0, 0.0, 0.0, 0.0, 0.0, 0.5]),
+        ] {
+            let mut u = drive;
+            let told = band.apply(&mut u).text;
+            assert_eq!(u, expected);
+            assert!(told.contains("of 3 samples is below 2"), "{told}");
+        }
+    }
 }
