@@ -6,23 +6,16 @@ use hysteron_rig::{CampaignPlan, Truth, measure};
 /// Longest drive that is played \[samples\].
 const PLAYED: usize = 100;
 /// Longest part of a plan, or drive, that is generated \[samples\].
-const GENERATED: f64 = 1e4;
+const GENERATED: f64 = 2e3;
 
-/// A truth, then, after a byte 0, a plan.
+/// A truth, then, after a byte 0, a plan; nothing stands for one that is as it is unless said.
 pub fn truth_and_plan(data: &[u8]) {
     let mut parts = data.splitn(2, |byte| *byte == 0);
     let (first, second) = (parts.next().unwrap_or_default(), parts.next().unwrap_or_default());
-    let truth = serde_json::from_slice::<Truth>(first).unwrap_or_default();
-    let plan = serde_json::from_slice::<CampaignPlan>(second).unwrap_or(CampaignPlan {
-        sample_rate_hz: 1e3,
-        loop_hz: 50.0,
-        loop_periods: 1.0,
-        sweep_s: 0.05,
-        sweep_start_hz: 20.0,
-        sweep_end_hz: 100.0,
-        validation_hz: Vec::new(),
-        ..CampaignPlan::default()
-    });
+    // What is refused is not played.
+    let truth = if first.is_empty() { Ok(Truth::default()) } else { serde_json::from_slice(first) };
+    let plan = if second.is_empty() { Ok(short()) } else { serde_json::from_slice(second) };
+    let (Ok(truth), Ok(plan)) = (truth, plan) else { return };
     let longest = (plan.loop_periods / plan.loop_hz).max(plan.sweep_s) * plan.sample_rate_hz;
     // What is long takes its time, as asked.
     if longest > GENERATED || plan.validation_hz.len() > 3 {
@@ -34,6 +27,20 @@ pub fn truth_and_plan(data: &[u8]) {
             let samples = run.record.channels.iter().flat_map(|channel| &channel.samples);
             assert!(samples.chain(&run.y_true_um).all(|y| y.is_finite()), "a record that is not finite");
         }
+    }
+}
+
+/// A plan that is soon played.
+fn short() -> CampaignPlan {
+    CampaignPlan {
+        sample_rate_hz: 1e3,
+        loop_hz: 50.0,
+        loop_periods: 1.0,
+        sweep_s: 0.05,
+        sweep_start_hz: 20.0,
+        sweep_end_hz: 100.0,
+        validation_hz: Vec::new(),
+        ..CampaignPlan::default()
     }
 }
 

@@ -18,16 +18,40 @@ pub mod models;
 /// Largest difference over the output's size or 1 µm, in roundings: a compiler may fuse or reorder.
 const ROUNDINGS: f64 = 64.0;
 
-/// One more call for the driver: the state of a program that was just started.
-const AFRESH: &str = "if (call[0] < 0.0) {
+/// Calls that a program is sent before its answers are asked for, a change of process taking longer than a thousand
+/// of them: one input's in the tests, in the fuzzer what the pipes to the program and back hold (64 KiB).
+const AT_ONCE: usize = if cfg!(feature = "libfuzzer") { 2500 } else { 1 };
+
+/// Two more calls for the driver: for the state of a program that was just started, and for the answers.
+const MORE_CALLS: &str = "if (call[0] < -1.0) {
+            if (fflush(stdout) != 0) {
+                return 1;
+            }
+            continue;
+        }
+        if (call[0] < 0.0) {
             MODEL_init(&state);
             status = (MODEL_status)0;
         } else if (call[0] < 1.0) {";
+/// The first of these calls.
+const AFRESH: Call = [-1.0, 0.0, 0.0];
+/// The second.
+const ANSWER: Call = [-2.0, 0.0, 0.0];
+
+/// Which, and two numbers.
+type Call = [f64; 3];
 
 /// A program around an exported model, built when first used.
 struct Program {
     subject: Subject,
+    runtime: Mutex<Runtime>,
     running: Mutex<Option<Running>>,
+}
+
+/// The same model in the runtime; every input begins with its memory cleared.
+enum Runtime {
+    F64(RuntimeParts<f64>),
+    F32(RuntimeParts<f32>),
 }
 
 struct Running {
@@ -35,6 +59,18 @@ struct Running {
     _child: Child,
     input: ChildStdin,
     output: ChildStdout,
+    /// Inputs whose calls are not answered yet.
+    waiting: Vec<Waiting>,
+    /// Their calls in all.
+    calls: usize,
+}
+
+/// The calls of an input, from the beginning.
+struct Waiting {
+    calls: Vec<Call>,
+    /// Of each the runtime's status, and the output of a step that has one.
+    expected: Vec<(f64, Option<f64>)>,
+    input: Vec<u8>,
 }
 
 static PROGRAMS: LazyLock<Vec<Program>> = LazyLock::new(|| {
@@ -42,7 +78,15 @@ static PROGRAMS: LazyLock<Vec<Program>> = LazyLock::new(|| {
     let subjects = models::all()
         .into_iter()
         .flat_map(|(name, model)| precisions.map(|precision| models::subject(name, &model, precision)));
-    subjects.map(|subject| Program { subject, running: Mutex::new(None) }).collect()
+    let program = |subject: Subject| {
+        let runtime = match subject.precision {
+            Precision::F64 => RuntimeParts::new(&subject.realisation).map(Runtime::F64),
+            Precision::F32 => RuntimeParts::new(&subject.realisation).map(Runtime::F32),
+        };
+        let runtime = Mutex::new(runtime.expect("a model of the tests"));
+        Program { subject, runtime, running: Mutex::new(None) }
+    };
+    subjects.map(program).collect()
 });
 
 /// Which program, then calls.
@@ -57,33 +101,23 @@ pub fn steps(data: &[u8]) {
             _ => [0.0, bytes.number(100.0), 0.0],
         });
     }
-    let precision = program.subject.precision;
-    let expected = match precision {
-        Precision::F64 => of_runtime::<f64>(&program.subject, &calls),
-        Precision::F32 => of_runtime::<f32>(&program.subject, &calls),
+    let expected = match &mut *program.runtime.lock().unwrap_or_else(PoisonError::into_inner) {
+        Runtime::F64(parts) => of_runtime(parts, &calls),
+        Runtime::F32(parts) => of_runtime(parts, &calls),
     };
     let mut running = program.running.lock().unwrap_or_else(PoisonError::into_inner);
     let running = running.get_or_insert_with(|| built(&program.subject));
-    let answers = running.answers(&calls);
-    for (k, ([status, y], expected)) in answers.into_iter().zip(expected).enumerate() {
-        // The source tells extrapolation apart.
-        assert_eq!(status.min(0.0), expected.0, "{}: call {k} of {calls:?}", program.subject.name);
-        if let Some(wanted) = expected.1 {
-            let allowed = ROUNDINGS * precision.epsilon() * wanted.abs().max(1.0);
-            assert!(
-                (y - wanted).abs() <= allowed,
-                "{}: {y} instead of {wanted}, call {k} of {calls:?}",
-                program.subject.name
-            );
-        }
+    running.calls += 1 + calls.len();
+    running.waiting.push(Waiting { calls, expected, input: data.to_vec() });
+    if running.calls >= AT_ONCE {
+        running.compare(&program.subject);
     }
 }
 
 /// Status, and the output of a step that has one.
-fn of_runtime<T: Real + Into<f64>>(subject: &Subject, calls: &[[f64; 3]]) -> Vec<(f64, Option<f64>)> {
-    let mut parts = RuntimeParts::<T>::new(&subject.realisation).expect("a model of the tests");
+fn of_runtime<T: Real + Into<f64>>(parts: &mut RuntimeParts<T>, calls: &[Call]) -> Vec<(f64, Option<f64>)> {
     let mut model = parts.model().expect("a model of the tests");
-    let answer = |[kind, first, second]: &[f64; 3]| {
+    let answer = |[kind, first, second]: &Call| {
         let found = match *kind {
             0.0 => model.step(T::of(*first)).map(Some),
             1.0 => model.rest_at(T::of(*first)).map(Some),
@@ -102,15 +136,10 @@ fn built(subject: &Subject) -> Running {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let files = c_files(subject).expect("a model of the tests");
     write_folder(folder.path(), &files).expect("a temporary folder takes files");
-    // Answers at once, where the one of the tests is asked everything first.
     let driver = include_str!("../../crates/hysteron-export/tests/export/driver.c")
-        .replace("1, stdout) != 1", "1, stdout) != 1 || fflush(stdout) != 0")
-        .replace("if (call[0] < 1.0) {", AFRESH)
+        .replace("if (call[0] < 1.0) {", MORE_CALLS)
         .replace("MODEL", &subject.name);
-    assert!(
-        driver.contains("fflush") && driver.contains("call[0] < 0.0"),
-        "the driver of the tests of the exports has changed"
-    );
+    assert!(driver.contains("call[0] < 0.0"), "the driver of the tests of the exports has changed");
     std::fs::write(folder.path().join("driver.c"), driver).expect("a temporary folder takes files");
     let source = format!("{}.c", subject.name);
     let made = Command::new("cc")
@@ -125,18 +154,35 @@ fn built(subject: &Subject) -> Running {
         .expect("the program starts");
     let (input, output) = (child.stdin.take(), child.stdout.take());
     let (input, output) = (input.expect("a pipe"), output.expect("a pipe"));
-    Running { _folder: folder, _child: child, input, output }
+    Running { _folder: folder, _child: child, input, output, waiting: Vec::new(), calls: 0 }
 }
 
 impl Running {
-    /// From the beginning, and all at once, which the pipes hold: a change of process for each call takes
-    /// longest.
-    fn answers(&mut self, calls: &[[f64; 3]]) -> Vec<[f64; 2]> {
-        let all = std::iter::once(&[-1.0, 0.0, 0.0]).chain(calls);
-        let sent: Vec<u8> = all.flatten().flat_map(|x| x.to_ne_bytes()).collect();
-        let mut answers = vec![0; 16 * (1 + calls.len())];
+    /// The answers to all that waits beside those of the runtime. The input that a fuzzer keeps for a difference is
+    /// the last one: that of the difference is in its message.
+    fn compare(&mut self, subject: &Subject) {
+        let afresh = |waiting: &Waiting| -> Vec<Call> {
+            std::iter::once(AFRESH).chain(waiting.calls.iter().copied()).collect()
+        };
+        let all = self.waiting.iter().flat_map(afresh).chain([ANSWER]);
+        let sent: Vec<u8> = all.flatten().flat_map(f64::to_ne_bytes).collect();
+        let mut answers = vec![0; 16 * self.calls];
         self.input.write_all(&sent).and_then(|()| self.output.read_exact(&mut answers)).expect("it answers");
         let number = |bytes: &[u8]| f64::from_ne_bytes(bytes.try_into().expect("eight bytes"));
-        answers.chunks_exact(16).skip(1).map(|answer| [number(&answer[..8]), number(&answer[8..])]).collect()
+        let mut answers = answers.chunks_exact(16).map(|two| [number(&two[..8]), number(&two[8..])]);
+        let (name, roundings) = (&subject.name, ROUNDINGS * subject.precision.epsilon());
+        for Waiting { calls, expected, input } in self.waiting.drain(..) {
+            let own = answers.by_ref().skip(1).take(calls.len());
+            for (k, ([status, y], (expected, wanted))) in own.zip(expected).enumerate() {
+                let place = || format!("{name}: call {k} of {calls:?}, input {input:?}");
+                // The source tells extrapolation apart.
+                assert_eq!(status.min(0.0), expected, "{}", place());
+                if let Some(wanted) = wanted {
+                    let allowed = roundings * wanted.abs().max(1.0);
+                    assert!((y - wanted).abs() <= allowed, "{y} instead of {wanted}, {}", place());
+                }
+            }
+        }
+        self.calls = 0;
     }
 }

@@ -1,6 +1,6 @@
 //! One sample after another through every family, in both precisions, forward and back.
 
-use std::sync::LazyLock;
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 use hysteron_model::compensator::{Compensation, CompensatorOptions, CompensatorParts};
 use hysteron_model::realise::{Realisation, RealiseOptions, RuntimeParts, realise};
@@ -9,37 +9,66 @@ use hysteron_rt::Real;
 use crate::exported::models;
 use crate::numbers::Bytes;
 
+/// Voltages of the compensators \[V\].
+const RANGE: [f64; 2] = [0.0, 100.0];
+/// Their largest rates \[V/s\].
+const SLEWS: [f64; 2] = [f64::INFINITY, 2e5];
+
+/// A model and its compensators, made once: every input begins with their memory cleared.
 struct Subject {
-    realisation: Realisation,
-    compensation: Option<Compensation>,
+    double: Parts<f64>,
+    single: Parts<f32>,
 }
 
-static SUBJECTS: LazyLock<Vec<Subject>> = LazyLock::new(|| {
+struct Parts<T> {
+    forward: RuntimeParts<T>,
+    /// One of each of the slews, where there is one.
+    back: [Option<CompensatorParts<T>>; 2],
+}
+
+static SUBJECTS: LazyLock<Vec<Mutex<Subject>>> = LazyLock::new(|| {
     let subject = |(_, model)| {
         let realisation =
             realise(&model, models::RATE_HZ, &RealiseOptions::default()).expect("a model of the tests");
         let compensation = Compensation::new(&model, models::RATE_HZ, &CompensatorOptions::default()).ok();
-        Subject { realisation, compensation }
+        let (double, single) = (
+            Parts::new(&realisation, compensation.as_ref()),
+            Parts::new(&realisation, compensation.as_ref()),
+        );
+        Mutex::new(Subject { double, single })
     };
     models::all().into_iter().map(subject).collect()
 });
+
+impl<T: Real> Parts<T> {
+    fn new(realisation: &Realisation, compensation: Option<&Compensation>) -> Self {
+        let back = |slew| CompensatorParts::new(compensation?, RANGE, slew).ok();
+        Self { forward: RuntimeParts::new(realisation).expect("a model of the tests"), back: SLEWS.map(back) }
+    }
+}
 
 /// Which model, which precision, then calls.
 pub fn steps(data: &[u8]) {
     let mut bytes = Bytes(data);
     let subject = &SUBJECTS[usize::from(bytes.byte()) % SUBJECTS.len()];
+    let mut subject = subject.lock().unwrap_or_else(PoisonError::into_inner);
     let options = bytes.byte();
+    let slew = usize::from(options & 2 != 0);
     if options & 1 == 0 {
-        forward::<f64>(subject, Bytes(bytes.0));
-        back::<f64>(subject, options, bytes);
+        both(&mut subject.double, slew, bytes);
     } else {
-        forward::<f32>(subject, Bytes(bytes.0));
-        back::<f32>(subject, options, bytes);
+        both(&mut subject.single, slew, bytes);
     }
 }
 
-fn forward<T: Real + Into<f64>>(subject: &Subject, mut bytes: Bytes<'_>) {
-    let Ok(mut parts) = RuntimeParts::<T>::new(&subject.realisation) else { return };
+fn both<T: Real + Into<f64>>(parts: &mut Parts<T>, slew: usize, bytes: Bytes<'_>) {
+    forward(&mut parts.forward, Bytes(bytes.0));
+    if let Some(parts) = &mut parts.back[slew] {
+        back(parts, SLEWS[slew], bytes);
+    }
+}
+
+fn forward<T: Real + Into<f64>>(parts: &mut RuntimeParts<T>, mut bytes: Bytes<'_>) {
     let Ok(mut model) = parts.model() else { return };
     while !bytes.is_empty() {
         let found = match bytes.byte() % 16 {
@@ -57,10 +86,7 @@ fn forward<T: Real + Into<f64>>(subject: &Subject, mut bytes: Bytes<'_>) {
 }
 
 /// The voltage is within its range and slew, whatever is asked for.
-fn back<T: Real + Into<f64>>(subject: &Subject, options: u8, mut bytes: Bytes<'_>) {
-    let Some(compensation) = &subject.compensation else { return };
-    let (range, slew) = ([0.0, 100.0], if options & 2 == 0 { f64::INFINITY } else { 2e5 });
-    let Ok(mut parts) = CompensatorParts::<T>::new(compensation, range, slew) else { return };
+fn back<T: Real + Into<f64>>(parts: &mut CompensatorParts<T>, slew: f64, mut bytes: Bytes<'_>) {
     let Ok(mut compensator) = parts.compensator() else { return };
     let most = slew / models::RATE_HZ;
     let mut last: Option<f64> = None;
@@ -75,7 +101,7 @@ fn back<T: Real + Into<f64>>(subject: &Subject, options: u8, mut bytes: Bytes<'_
             1 => drop(compensator.measured_at_rest(T::of(bytes.number(50.0)))),
             _ => {
                 let voltage: f64 = compensator.step(T::of(bytes.number(50.0))).voltage.into();
-                assert!((range[0]..=range[1]).contains(&voltage), "{voltage} V");
+                assert!((RANGE[0]..=RANGE[1]).contains(&voltage), "{voltage} V");
                 if let Some(last) = last {
                     // One rounding of the subtraction here.
                     assert!((voltage - last).abs() <= most * (1.0 + 1e-6), "from {last} to {voltage} V");

@@ -16,12 +16,16 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
+use axum::body::Body;
 use axum::extract::DefaultBodyLimit;
-use axum::http::StatusCode;
+use axum::http::header::{CONTENT_TYPE, HOST};
+use axum::http::{Request, StatusCode};
 use axum::{Router, middleware};
+use http_body_util::BodyExt;
 use tokio::net::TcpListener;
 use tokio::runtime::{Builder, Runtime};
 use tokio::sync::watch;
+use tower_service::Service;
 
 pub use openapi::document;
 
@@ -66,11 +70,19 @@ pub(crate) struct Shared {
     access: Access,
 }
 
+impl Drop for Shared {
+    /// The thread of the jobs ends with the last that could ask it for one.
+    fn drop(&mut self) {
+        self.jobs.close(Duration::ZERO);
+    }
+}
+
 /// A server that listens and does not answer yet.
 pub struct App {
     runtime: Runtime,
     listener: TcpListener,
     shared: Arc<Shared>,
+    router: Router,
     close: watch::Sender<bool>,
     address: SocketAddr,
 }
@@ -99,7 +111,8 @@ impl App {
         let jobs = Jobs::open(Arc::clone(&workspace))?;
         let (close, closing) = watch::channel(false);
         let shared = Arc::new(Shared { workspace, jobs, closing, reading: Default::default(), access });
-        Ok(Self { runtime, listener, shared, close, address })
+        let router = router(Arc::clone(&shared));
+        Ok(Self { runtime, listener, shared, router, close, address })
     }
 
     /// Address of the page, with the token where one is needed. Of a server that listens on all addresses,
@@ -116,13 +129,33 @@ impl App {
         self.shared.workspace.folder()
     }
 
+    /// Answers one request of the page as [`Self::serve`] does, without a connection: status and body. The body
+    /// that is sent is JSON, or the bytes of a file.
+    ///
+    /// # Errors
+    /// For a method or a target that HTTP does not know, and an answer that breaks off.
+    pub fn answer(&self, method: &str, target: &str, body: &[u8]) -> std::io::Result<(u16, Vec<u8>)> {
+        let request = Request::builder()
+            .method(method)
+            .uri(target)
+            .header(HOST, self.address.to_string())
+            .header(CONTENT_TYPE, "application/json")
+            .body(Body::from(body.to_vec()))
+            .map_err(std::io::Error::other)?;
+        self.runtime.block_on(async {
+            let Ok(answer) = self.router.clone().call(request).await;
+            let status = answer.status().as_u16();
+            let body = answer.into_body().collect().await.map_err(std::io::Error::other)?;
+            Ok((status, body.to_bytes().to_vec()))
+        })
+    }
+
     /// Serves until SIGINT or SIGTERM, then ends within two seconds: what runs is interrupted, and kept.
     ///
     /// # Errors
     /// If the system refuses to listen for signals.
     pub fn serve(self) -> Result<(), AppError> {
-        let Self { runtime, listener, shared, close, .. } = self;
-        let router = router(Arc::clone(&shared));
+        let Self { runtime, listener, shared, router, close, .. } = self;
         let jobs = Arc::clone(&shared.jobs);
         let outcome = runtime.block_on(async {
             let mut closing = shared.closing.clone();
