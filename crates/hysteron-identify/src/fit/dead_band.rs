@@ -22,6 +22,8 @@ const LAGS: (f64, f64, i32) = (3.0, 3.3, 6);
 /// Shares of the samples within the dead bands that are tried first.
 const WITHIN: std::ops::RangeInclusive<usize> = 1..=16;
 const SHARE: f64 = 0.05;
+/// Least threshold, as a share of the largest drive: a smaller one cannot be why a model is poor.
+const LEAST: f64 = 0.02;
 /// Thresholds that are tried between the neighbours of the best of these, twice.
 const BETWEEN: usize = 8;
 
@@ -46,6 +48,7 @@ pub(super) fn best(record: &InputOutput, stop: &Stop) -> Option<Found> {
     let power = dot(&target, &target);
     let mut sizes: Vec<f64> = rows.iter().map(|k| record.u[*k].abs()).collect();
     sizes.sort_by(f64::total_cmp);
+    let largest = sizes.last().copied().unwrap_or(0.0);
     if rows.len() < 200 || power.is_nan() || power <= 0.0 {
         return None;
     }
@@ -67,7 +70,7 @@ pub(super) fn best(record: &InputOutput, stop: &Stop) -> Option<Found> {
     };
     let forms = [DeadBand::Jump, DeadBand::Excess];
     let mut found = None;
-    for within in WITHIN.filter(|within| at(*within) > 0.0) {
+    for within in WITHIN.filter(|within| at(*within) > LEAST * largest) {
         for form in forms {
             if stop.is_requested() {
                 return None;
