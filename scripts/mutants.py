@@ -142,12 +142,26 @@ def tested(package: str, jobs: int) -> str:
     if any((TREE / "crates" / package / "tests").glob("**/*.rs")):
         targets.append(["--test", "*"])
     for target in targets:
-        if cargo(jobs, "-p", package, *target, "--no-run") != "passed":
+        built = cargo(jobs, "-p", package, *target, "--no-run")
+        if built == "timeout":
+            sys.exit(f"error: the tests of {package} are not built within {MOST_S} s")
+        if built == "failed":
             return "unviable"
         ended = cargo(jobs, "-p", package, *target)
         if ended != "passed":
             return {"failed": "caught"}.get(ended, ended)
     return "missed"
+
+
+def pass_unchanged(packages: set[str], jobs: int) -> None:
+    """What fails without a change would notice any; once for a commit."""
+    passed = WORK / f"passed-{git('rev-parse', 'HEAD')}"
+    known = passed.read_text(encoding="utf-8").split() if passed.exists() else []
+    for package in sorted(packages.difference(known)):
+        if tested(package, jobs) != "missed":
+            sys.exit(f"error: {package} does not pass its tests unchanged, see {WORK / 'said.log'}")
+        with open(passed, "a", encoding="utf-8") as file:
+            file.write(f"{package}\n")
 
 
 def take(name: str, mutant: dict, jobs: int) -> str:
@@ -183,6 +197,8 @@ def main() -> None:
     if not (TOOLS / "bin/cargo-mutants").exists():
         sys.exit("error: cargo-mutants is not installed\n  try: make mutants")
     os.nice(options.nice)
+    # Ends what it started, and takes the change back.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped"))
     tree()
     drawn = sample()
     if options.sample:
@@ -191,9 +207,7 @@ def main() -> None:
     known = results()
     wanted = options.crates or {mutant["package"] for mutant in drawn.values()}
     left = [name for name in drawn if name not in known and drawn[name]["package"] in wanted][: options.most]
-    for package in sorted({drawn[name]["package"] for name in left}):
-        if tested(package, options.jobs) != "missed":
-            sys.exit(f"error: {package} does not pass its tests unchanged, see {WORK / 'said.log'}")
+    pass_unchanged({drawn[name]["package"] for name in left}, options.jobs)
     for name in left:
         print(f"{take(name, drawn[name], options.jobs)}  {name}", flush=True)
     print(table())
