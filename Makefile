@@ -4,7 +4,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .PHONY: FORCE help demo check test test-python test-fleet kept-outputs python-tools wheel docs bench-python \
   export-tools bench study article figures clean check-toolchain check-components \
-  app page page-tools browser-tools test-browser smoke-browser release-dry-run fuzz faults \
+  app page page-tools browser-tools test-browser smoke-browser release-dry-run fuzz mutants faults \
   page-figure
 
 RECORD := examples/piezo-p885-200hz/identification_1hz.csv
@@ -87,6 +87,13 @@ wheel: python-tools ## a wheel for any Linux with glibc 2.17 or newer and CPytho
 
 fuzz: check-toolchain ## every entry of fuzz/ in libFuzzer for SECONDS (60); EXECUTIONS=N until each has had so many
 	scripts/fuzz.py --jobs $(or $(JOBS),$(shell nproc)) $(if $(EXECUTIONS),--executions $(EXECUTIONS),--seconds $(or $(SECONDS),60))
+
+# Known to print changes as the script applies them.
+CARGO_MUTANTS := 27.1.0
+mutants: check-toolchain ## 150 changes of the source, one at a time: do the tests notice? (MOST=N: the next N)
+	@test -x target/tools/bin/cargo-mutants || \
+	  cargo install --quiet --locked --debug --root target/tools --version $(CARGO_MUTANTS) cargo-mutants
+	scripts/mutants.py $(if $(MOST),--most $(MOST)) $(if $(JOBS),--jobs $(JOBS))
 
 faults: python-tools ## KILLS (500) at random instants, full disks, closed pipes, two writers: nothing is lost (SEED=N)
 	cargo build --locked -p hysteron-cli

@@ -67,3 +67,40 @@ impl<T: Real> BoucWen<T> {
         Some(Dual { value: end, partials }.without_vanished(2))
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_move_on_one_side_is_that_of_any_move() {
+        let (alpha, beta, gamma) = (0.8_f64, 0.05, 0.02);
+        let law = BoucWen::new(alpha, beta, gamma, 1.0).unwrap();
+        let mut taken = 0;
+        for (value, du) in
+            [(3.0, 7.0), (9.0, -2.0), (-4.0, -11.0), (-9.0, 1.5), (1.0, -5.0), (-1.0, 5.0), (0.0, 1.0)]
+        {
+            let z = Dual { value, partials: [0.4, -0.7, 0.9] };
+            let (sign, s, d) = (libm::copysign(1.0, value), libm::copysign(1.0, du), f64::abs(du));
+            let kappa = beta + s * gamma * sign;
+            let decay = libm::exp(-kappa * d);
+            let reach = s * (1.0 - decay) / kappa;
+            let slope = s * (d * decay - (1.0 - decay) / kappa) / kappa;
+            let expected = law.advance_with_shape(z, du).unwrap();
+            match law.advance_on_one_side(sign, z, du, [decay, reach, slope]) {
+                // 1 − e^(−κd) as it stands here is less accurate than the relaxation.
+                Some(end) => {
+                    assert!((end.value - expected.value).abs() < 1e-13, "{end:?} instead of {expected:?}");
+                    for (own, expected) in end.partials.iter().zip(expected.partials) {
+                        assert!((own - expected).abs() < 1e-11, "{own} instead of {expected}");
+                    }
+                    taken += 1;
+                }
+                // From 0, or to the other side.
+                None => assert!(value == 0.0 || expected.value * value < 0.0, "{value} by {du}"),
+            }
+        }
+        assert_eq!(taken, 4);
+    }
+}
