@@ -242,6 +242,7 @@ mod tests {
             drive: &drive,
             thinning: Thinning::Pick(1),
             factor: 1,
+            every: 1,
             output: output.clone(),
             weighting: vec![1.0; drive.len()].into(),
             before: Start::Remembering { voltage_v: drive[0], memory: () },
