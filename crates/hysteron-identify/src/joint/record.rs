@@ -156,6 +156,11 @@ impl JointRecord {
         }
     }
 
+    /// Samples of the drive that the operators take.
+    pub(super) fn drive_samples(&self) -> usize {
+        self.drive.len()
+    }
+
     /// Number of samples, after reduction.
     pub(super) fn samples(&self) -> usize {
         self.weighting.weight.len()
