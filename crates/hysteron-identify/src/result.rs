@@ -80,6 +80,9 @@ pub struct Reduction {
     pub samples: usize,
     /// Samples the search worked on.
     pub searched: usize,
+    /// Samples of the last fit: fewer than all where a long record is far oversampled, low-passed and thinned to
+    /// 60 or more a swing of the drive.
+    pub fitted: usize,
     /// Largest change of a parameter from the reduced to the whole records, in standard errors.
     pub moved: f64,
 }
@@ -90,7 +93,7 @@ impl Reduction {
 
     /// Samples of the search and the change by the fit of all samples, in a sentence or two.
     pub fn describe(&self) -> String {
-        let Self { samples, searched, moved } = self;
+        let Self { samples, searched, fitted, moved } = self;
         let change = if *moved <= Self::SMALL {
             format!("moved no parameter by more than {moved:.2} standard errors.")
         } else {
@@ -100,9 +103,14 @@ impl Reduction {
                  scale from all samples, shape from the thinned ones."
             )
         };
+        let thinned = if fitted < samples {
+            format!(" (low-passed and thinned to {fitted}, at least 60 a swing of the drive)")
+        } else {
+            String::new()
+        };
         format!(
             "The search worked on {searched} of {samples} samples, low-passed and thinned where a record was \
-             oversampled. The estimates come from a last fit of all samples, which {change}"
+             oversampled. The estimates come from a last fit of all samples{thinned}, which {change}"
         )
     }
 }

@@ -76,6 +76,9 @@ pub(crate) fn assemble(mut columns: Columns, options: &ReadOptions) -> Result<As
         }
         (None, Some(rate)) => TimeBase::uniform(rate),
         (None, None) => rate.map_or(TimeBase::Unknown, |Rate { hz: sample_rate_hz, start_s, .. }| {
+            // Seconds since so long ago that no two samples have different times are of no use.
+            let is_told = start_s.abs() * f64::EPSILON * sample_rate_hz < 0.1;
+            let start_s = if is_told { start_s } else { 0.0 };
             TimeBase::Uniform { start_s, sample_rate_hz, jitter_samples: 0.0 }
         }),
     };

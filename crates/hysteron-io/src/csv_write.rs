@@ -8,6 +8,7 @@ use hysteron_model::record::Record;
 
 use crate::IoError;
 use crate::csv::loosely_number;
+use crate::read::is_recognised;
 use crate::write::{check, headers};
 
 /// Writes a record as comma-separated text that [`read_record`](crate::read_record) reads back to the same
@@ -65,7 +66,7 @@ fn push_number(line: &mut String, value: f64) {
 /// The header, in quotes where a reader would take it for something else.
 fn quoted(header: &str) -> String {
     let is_taken = header.starts_with(['#', '%'])
-        || header.starts_with("LabVIEW Measurement")
+        || is_recognised(header.as_bytes())
         || loosely_number(header.as_bytes()).is_some();
     if is_taken || header.contains([',', '"', ';', '\t']) {
         format!("\"{}\"", header.replace('"', "\"\""))

@@ -188,6 +188,11 @@ pub(crate) fn read_columns(
     read(Input { file, bytes: &mut bytes, options, file_bytes: 0, wanted: &mut wanted })
 }
 
+/// True if a reader other than that of text takes a file with these first bytes for its own.
+pub(crate) fn is_recognised(head: &[u8]) -> bool {
+    READERS.iter().any(|reader| (reader.recognises)(head))
+}
+
 /// The reader that recognises the first bytes, else the one of the extension; `None`: text.
 fn reader_of(file: &str, head: &[u8]) -> Option<&'static Reader> {
     let extension = Path::new(file).extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();

@@ -335,10 +335,13 @@ impl Model {
             Dynamics::Integer(g) | Dynamics::Fractional(g) => {
                 let rate = sample_rate_hz.ok_or(SimulationError::NoSampleRate)?;
                 let plan = SimulationPlan::new(y.len(), rate, self.scheme, Start::ZERO)?;
+                // Buffers of a long record are made once those before are gone.
+                let spectrum = plan.transform(&moved)?;
+                drop(moved);
                 let mut response = plan.empty_response(0);
                 let sampling = Sampling { reconstruction: self.inter_sample, ..Sampling::of(self.scheme) };
                 plan.response(g, self.delay_s, sampling, &mut response)?;
-                plan.apply(&response, &plan.transform(&moved)?, &mut plan.workspace(), &mut y)?;
+                plan.apply(&response, &spectrum, &mut plan.workspace(), &mut y)?;
             }
         }
         let gain = self.gain_at_rest();

@@ -115,6 +115,9 @@ pub struct ReductionSummary {
     pub samples: usize,
     /// Samples used in the search.
     pub searched: usize,
+    /// Samples of the last fit: fewer than all where a long record is far oversampled.
+    #[serde(default)]
+    pub fitted: usize,
     /// Largest change of a parameter in the fit of all samples, in standard errors.
     pub moved_std_errors: f64,
 }
@@ -177,6 +180,7 @@ impl Fit {
                 summary.reduction = found.reduction.map(|r| ReductionSummary {
                     samples: r.samples,
                     searched: r.searched,
+                    fitted: r.fitted,
                     moved_std_errors: r.moved,
                 });
             }

@@ -4,6 +4,7 @@
 //! parameters and C their covariance; a measurement adds the scatter of the residual. Offset, drift and the
 //! memory of a new record are not included: the band is that of the output about its mean, as it is scored.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use super::super::IdentifyError;
@@ -227,6 +228,7 @@ impl OutputUncertainty {
             drive: fine.as_deref().unwrap_or(drive),
             thinning,
             factor: 1,
+            every: 1,
             output: vec![0.0; drive.len()],
             weighting: vec![1.0; drive.len()].into(),
             before,
@@ -280,11 +282,21 @@ pub(super) fn give(problem: &JointProblem, known: &Knowledge, fits: &mut [Record
             }
             *sd = last;
         }
+        let std_dev = record.at_samples(&std_dev).into_owned();
         fit.band = Some(PredictionBand { std_dev, noise: fit.scores.rmse, ..PredictionBand::default() });
-        let columns: Vec<&[f64]> = own.iter().flat_map(|block| block.chunks_exact(rows.len())).collect();
+        if fit.sines.is_empty() {
+            continue;
+        }
+        let columns: Vec<Cow<'_, [f64]>> = own
+            .iter()
+            .flat_map(|block| block.chunks_exact(rows.len()))
+            .map(|column| record.at_samples(column))
+            .collect();
+        let columns: Vec<&[f64]> = columns.iter().map(AsRef::as_ref).collect();
         // Derivatives are known only where samples have weight.
+        let weights = record.at_samples(record.weights());
         let counts = |sine: &&mut SineResponse| {
-            record.weights().get(sine.samples.clone()).is_some_and(|weights| weights.iter().all(|w| *w > 0.0))
+            weights.get(sine.samples.clone()).is_some_and(|weights| weights.iter().all(|w| *w > 0.0))
         };
         let sines = fit.sines.iter_mut().filter(counts);
         sines::give_errors(sines, &fit.data, &fit.simulated, (&columns, matrix));

@@ -1,6 +1,6 @@
 //! The records of a joint fit: initial state, noise level and decimation of each.
 
-use super::super::options::{Initial, Options};
+use super::super::options::{Choice, Initial, Options};
 use super::super::static_step::{self, OFFSET};
 use super::super::{Engine, IdentifyError, RecordFacts};
 use super::drive::{TimedDrive, cycles_before};
@@ -13,9 +13,15 @@ use hysteron_model::record::{Dependence, InterSample, Timing, noise_floor, quant
 use hysteron_model::validate::{first_cycle, unfollowed_start};
 
 /// Least samples kept by reduction, per swing of the drive and per record: while the start is searched, which
-/// three harmonics of the drive determine, and afterwards, seven harmonics being in the pass band.
+/// three harmonics of the drive determine; afterwards, seven harmonics being in the pass band; and of a long
+/// record in the fit of all samples, with forty harmonics.
 const COARSE: Least = Least { a_swing: 4, a_record: 700 };
 const FINE: Least = Least { a_swing: 12, a_record: 2000 };
+const WHOLE: Least = Least { a_swing: 60, a_record: 100_000 };
+/// Largest departure of the drive from straight lines between the samples that the hysteresis takes of it, as a
+/// share of its range: of a reduced record, and in the fit of all samples.
+const STRAIGHT_IF_REDUCED: f64 = 1e-4;
+const STRAIGHT: f64 = 1e-5;
 /// Least noise assumed, as a share of the stroke.
 const LEAST_NOISE: f64 = 1e-6;
 /// Weight of the first of several cycles, with unknown history, relative to the others.
@@ -36,8 +42,22 @@ pub(in super::super) enum Rate {
     Coarse,
     /// The lowest at which the optimum is nearly that of all samples.
     Reduced,
-    /// That of the record.
+    /// That of the record; of a long one that is far oversampled the lowest that loses nothing.
     Own,
+}
+
+/// Thinning of a record.
+#[derive(Clone, Copy, Debug)]
+struct Thin {
+    /// Decimation factor.
+    factor: usize,
+    /// Samples of which the drive takes one: the operators take every sample of it. A divisor of the factor.
+    every: usize,
+}
+
+impl Thin {
+    /// Every sample.
+    const NOT: Self = Self { factor: 1, every: 1 };
 }
 
 /// One record of a joint fit.
@@ -49,12 +69,9 @@ pub(in super::super) struct JointMember<'a> {
     pub(in super::super) transients: bool,
     /// Standard deviation of the output's noise \[output unit\].
     pub(in super::super) noise: f64,
-    /// Decimation factor of the reduced record, and of the coarse one.
-    pub(in super::super) factor: usize,
-    coarse_factor: usize,
-    /// Samples of which the coarse record takes one before it is reduced, so that its drive, of which every
-    /// operator takes every sample, is as long as a reduced record.
-    picked: usize,
+    /// The coarse record, of which the output too takes one of `every` samples before it is reduced; the
+    /// reduced one; and that of all samples.
+    thin: [Thin; 3],
     pub(in super::super) rate_hz: f64,
 }
 
@@ -115,13 +132,29 @@ impl<'a> JointMember<'a> {
             _ if whole => reduction(facts, before, least),
             _ => 1,
         };
-        let [factor, coarse_factor] = [factor(&FINE), factor(&COARSE)];
-        let coarse_factor = if factor > 1 { coarse_factor } else { 1 };
-        // A staircase of fewer steps would be another drive.
-        let is_picked = !uneven && options.inter_sample() != InterSample::Hold;
-        let divides = |every: &usize| is_picked && coarse_factor.is_multiple_of(*every);
-        let picked = (1..=factor.min(coarse_factor)).rev().find(divides).unwrap_or(1);
-        Ok(Self { facts, before, transients, noise, factor, coarse_factor, picked, rate_hz })
+        let [fine, coarse] = [factor(&FINE), factor(&COARSE)];
+        let thin = |factor, most, share| match uneven {
+            true => Thin { factor, every: 1 },
+            false => taking(factor, before, |every| {
+                // A staircase of fewer steps would be another drive.
+                every <= most
+                    && options.inter_sample() != InterSample::Hold
+                    && is_straight(facts, every, share)
+            }),
+        };
+        let thin = [
+            if fine > 1 { thin(coarse, fine, f64::INFINITY) } else { Thin::NOT },
+            thin(fine, fine / 2, STRAIGHT_IF_REDUCED),
+            // Other schemes are those of the record's own rate.
+            match options.scheme {
+                Choice::Auto | Choice::Given(Scheme::BandLimited) if !uneven => {
+                    let factor = factor(&WHOLE);
+                    thin(factor, factor / 2, STRAIGHT)
+                }
+                _ => Thin::NOT,
+            },
+        ];
+        Ok(Self { facts, before, transients, noise, thin, rate_hz })
     }
 
     /// Number of initial samples that a model without dynamics cannot follow.
@@ -138,12 +171,8 @@ impl<'a> JointMember<'a> {
     }
 
     /// Decimation factor.
-    pub(super) fn factor_at(&self, rate: Rate) -> usize {
-        match rate {
-            Rate::Coarse => self.coarse_factor,
-            Rate::Reduced => self.factor,
-            Rate::Own => 1,
-        }
+    pub(in super::super) fn factor_at(&self, rate: Rate) -> usize {
+        self.thin[rate as usize].factor
     }
 
     /// The record prepared for the fit at a rate. `scale` times 1/noise is its weight.
@@ -161,14 +190,14 @@ impl<'a> JointMember<'a> {
         }
         // A reduced record is band-limited, independently of the scheme.
         let scheme = if factor > 1 { Scheme::BandLimited } else { options.scheme() };
-        let picked = if rate == Rate::Coarse { self.picked } else { 1 };
-        let (factor, timing) = (factor / picked, Timing::Rate(self.rate_hz / picked as f64));
-        let every = |x: &[f64]| x.iter().step_by(picked).copied().collect::<Vec<f64>>();
+        let Thin { every, .. } = self.thin[rate as usize];
+        let picked = if rate == Rate::Coarse { every } else { 1 };
+        let timing = Timing::Rate(self.rate_hz / every as f64);
         let data = &self.facts.data;
-        let drive = every(&data.u);
-        let samples = drive.len();
-        let held = options.demands.fixed(OFFSET);
-        let output: Vec<f64> = every(&data.y).into_iter().map(|y| y - held.unwrap_or(0.0)).collect();
+        let drive: Vec<f64> = data.u.iter().step_by(every).copied().collect();
+        let held = options.demands.fixed(OFFSET).unwrap_or(0.0);
+        let output: Vec<f64> = data.y.iter().step_by(picked).map(|y| y - held).collect();
+        let samples = output.len();
         let mut weighting = Weighting::from(vec![scale / self.noise; samples]);
         let valid: Option<Vec<bool>> =
             data.valid.as_ref().map(|valid| valid.iter().step_by(picked).copied().collect());
@@ -188,12 +217,13 @@ impl<'a> JointMember<'a> {
         Ok(JointRecord::new(Ingredients {
             drive: fine.as_ref().unwrap_or(&drive),
             thinning,
-            factor,
+            factor: factor / every,
+            every: every / picked,
             output,
             weighting,
             before: self.before,
             transients: self.transients,
-            offset_is_held: held.is_some(),
+            offset_is_held: options.demands.fixed(OFFSET).is_some(),
             nuisance,
             cycles: 1,
             degree,
@@ -255,6 +285,7 @@ impl<'a> JointMember<'a> {
             drive: fine.as_ref().unwrap_or(&drive),
             thinning,
             factor: 1,
+            every: 1,
             output: pick(&data.y).into_iter().map(|y| y - held.unwrap_or(0.0)).collect(),
             weighting,
             before,
@@ -319,6 +350,34 @@ fn is_averaged(options: &Options) -> bool {
     !super::setup::form(options).parameters().is_empty()
 }
 
+/// A decimation factor of at most `most` and the most samples of which the drive may take one.
+fn taking(most: usize, before: Start<()>, may_be: impl Fn(usize) -> bool) -> Thin {
+    let is_periodic = matches!(before, Start::Settled { .. });
+    let mut every = most;
+    while every > 1 && !((!is_periodic || most.is_multiple_of(every)) && may_be(every)) {
+        // A longer way down takes longer than it saves.
+        every = if is_periodic || every < 8 { every - 1 } else { every * 7 / 8 };
+    }
+    Thin { factor: most / every.max(1) * every.max(1), every: every.max(1) }
+}
+
+/// True if the drive departs from straight lines between every so many samples by no more than this share of its
+/// range; behind the last of them from their continuation.
+fn is_straight(facts: &RecordFacts, every: usize, share: f64) -> bool {
+    let (u, most) = (&facts.data.u, share * facts.range_v());
+    let starts = (0..u.len()).step_by(every);
+    let slope = |from: usize| match (u.get(from + every), from.checked_sub(every)) {
+        (Some(to), _) => (to - u[from]) / every as f64,
+        (None, Some(before)) => (u[from] - u[before]) / every as f64,
+        (None, None) => 0.0,
+    };
+    most.is_infinite()
+        || starts.map(|from| (from, slope(from))).all(|(from, slope)| {
+            let next = &u[from..u.len().min(from + every)];
+            next.iter().enumerate().all(|(k, x)| (x - u[from] - k as f64 * slope).abs() <= most)
+        })
+}
+
 /// Largest decimation factor that resolves every swing of the drive. An initial step is not band-limited, and
 /// the first samples determine its response.
 fn reduction(facts: &RecordFacts, before: Start<()>, least: &Least) -> usize {
@@ -330,3 +389,6 @@ fn reduction(facts: &RecordFacts, before: Start<()>, least: &Least) -> usize {
         Start::AsIdentified | Start::Rest { .. } | Start::Remembering { .. } => most,
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -8,7 +8,7 @@ use super::super::static_step::OFFSET;
 use super::super::{IdentifyError, RecordFacts, findings};
 use super::band::{self, OutputUncertainty};
 use super::between;
-use super::campaign::JointMember;
+use super::campaign::{JointMember, Rate};
 use super::fitted::{ALL_SAMPLES, FittedOptimum, REDUCED};
 use super::intervals::intervals;
 use super::knowledge::{self, Covariance};
@@ -76,11 +76,11 @@ pub(in super::super) fn identify(
     check_demands(options, &form, facts.len())?;
     let is_static = form.parameters().is_empty();
     let left_out: Vec<usize> = members.iter().map(|m| if is_static { m.unfollowed() } else { 0 }).collect();
-    let masked: Vec<RecordFacts> =
-        facts.iter().zip(&left_out).map(|(facts, &samples)| facts.without_first(samples)).collect();
-    let members: Vec<JointMember<'_>> =
-        members.iter().zip(&masked).map(|(m, facts)| m.masked(facts)).collect();
-    let facts = &masked[..];
+    let masked = left_out.iter().any(|samples| *samples > 0).then(|| -> Vec<RecordFacts> {
+        facts.iter().zip(&left_out).map(|(facts, &samples)| facts.without_first(samples)).collect()
+    });
+    let facts = masked.as_deref().unwrap_or(facts);
+    let members: Vec<JointMember<'_>> = members.iter().zip(facts).map(|(m, facts)| m.masked(facts)).collect();
     let scheme = Choice::Given(setup::scheme(options, &members));
     // Under slow drive alone a delay cannot be distinguished from loop width.
     let shows_delay = !is_static
@@ -90,7 +90,7 @@ pub(in super::super) fn identify(
     let delay_s = if shows_delay || asked_delay != Choice::Auto { asked_delay } else { Choice::Given(0.0) };
     let options = &Options { scheme, delay_s, ..options.clone() };
     let setup = JointSetup::new(&members, form, options).stopped_by(engine.stop());
-    let reduced = members.iter().any(|member| member.factor > 1);
+    let reduced = members.iter().any(|member| member.factor_at(Rate::Reduced) > 1);
     let optimum = search(setup, reduced, &mut engine)?;
     let others = between::others(&optimum.setup, options);
     let fitted = FittedOptimum::on_all_samples(optimum, reduced, &others, &mut engine)?;
@@ -111,6 +111,7 @@ pub(in super::super) fn identify(
         },
         || thinned.as_ref().filter(|_| certain).and_then(|(thinned, at)| knowledge::knowledge(thinned, at)),
     );
+    problem.free_scratch();
     let solution = match &linearisation {
         Some(linearisation) => problem.solution(&x, &linearisation.coefficients),
         None => problem.solve(&x),

@@ -13,7 +13,7 @@ use super::problem::JointProblem;
 use super::resolution::{FINAL, FROM_REDUCED, information, resolution, resolved};
 use super::search::Optimum;
 use super::setup::JointSetup;
-use hysteron_optimize::{LeastSquaresProblem, Problem};
+use hysteron_optimize::Problem;
 
 pub(super) const REDUCED: &str = "reduced records";
 pub(super) const ALL_SAMPLES: &str = "all samples";
@@ -75,9 +75,11 @@ impl<'a> FittedOptimum<'a> {
             }
         }
         (search.outcome.cost, search.outcome.best) = (cost, x.clone());
-        let samples = whole.residual_count();
-        let reduction =
-            thinned.as_ref().map(|(thinned, _)| Reduction { samples, searched: thinned.valid(), moved: 0.0 });
+        let samples = setup.members.iter().map(|member| member.facts.data.len()).sum();
+        let reduction = thinned.as_ref().map(|(thinned, _)| {
+            let fitted = if setup.is_thinned() { whole.valid() } else { samples };
+            Reduction { samples, searched: thinned.valid(), fitted, moved: 0.0 }
+        });
         Ok(Self { setup, problem: whole, x, thinned, search, degree, degrees, between, reduction })
     }
 

@@ -27,6 +27,10 @@ const PROFILE: f64 = 12.0;
 const STEPS: [f64; 2] = [18.0, 60.0];
 /// Cost of a residual of a record on time stamps over that of a uniform one, simulated by FFT.
 const ON_STAMPS: usize = 4;
+/// Samples of the drive for a residual whose simulation is part of its cost, and samples beyond them that cost as
+/// much as one residual differentiated with respect to one parameter.
+const OF_DRIVE: usize = 8;
+const BEYOND: usize = 2;
 
 /// A 95 % confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -115,7 +119,9 @@ pub(in super::super) fn intervals(
     let whole_fit =
         || WholeProblem { problem, eliminated: &known.linearisation.eliminated, ws: problem.workspace() };
     let a_row = if problem.records().iter().any(JointRecord::is_on_stamps) { ON_STAMPS } else { 1 };
-    let linearisation = problem.residual_count() * at.len() * a_row;
+    let drive: usize = problem.records().iter().map(JointRecord::drive_samples).sum();
+    let beyond = drive.saturating_sub(OF_DRIVE * problem.residual_count()) / BEYOND;
+    let linearisation = problem.residual_count() * at.len() * a_row + beyond;
     let left = WORK as f64 / linearisation.max(1) as f64;
     let mut curved: Vec<(f64, usize)> = Vec::new();
     let mut looked_at: Vec<(usize, Profiled<'_>)> =
@@ -242,6 +248,7 @@ mod tests {
             drive: &drive,
             thinning: Thinning::Pick(1),
             factor: 1,
+            every: 1,
             output: output.clone(),
             weighting: vec![1.0; drive.len()].into(),
             before: Start::Remembering { voltage_v: drive[0], memory: () },

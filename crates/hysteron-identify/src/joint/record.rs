@@ -24,6 +24,7 @@ use hysteron_model::hysteresis::{Columns, DriveGrid, HysteresisForm};
 use hysteron_model::record::Pace;
 use hysteron_optimize::Stop;
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 mod derivatives;
 mod operators;
@@ -44,7 +45,7 @@ pub(in super::super) struct JointRecord {
     /// Rate and duration of the move to each sample of the drive, where sampling is non-uniform.
     paces: Option<Vec<Pace>>,
     thinning: Thinning,
-    reduction: Option<Reduction>,
+    reduction: Option<InputsAndOutput>,
     /// Start of the record; an unknown memory at rest at u(0) is a parameter of the fit.
     before: Start<()>,
     /// Cycles in the record; 1 where it has none.
@@ -64,6 +65,13 @@ pub(in super::super) struct JointRecord {
     powers: Vec<PlanInput>,
     transients: Vec<PlanInput>,
     spare: Spare,
+}
+
+/// The same low-pass and decimation for inputs, which may be of every few samples only, and for the output.
+#[derive(Debug)]
+struct InputsAndOutput {
+    inputs: Reduction,
+    output: Reduction,
 }
 
 /// The nonlinear part of a candidate.
@@ -138,6 +146,19 @@ impl JointRecord {
     /// Columns of offset and drift.
     pub(super) fn local_columns(&self) -> usize {
         self.nuisance.len()
+    }
+
+    /// A column at the samples of the record, by straight lines where it is reduced.
+    pub(super) fn at_samples<'c>(&self, column: &'c [f64]) -> Cow<'c, [f64]> {
+        match &self.reduction {
+            Some(reduction) => reduction.output.at_samples(column).into(),
+            None => column.into(),
+        }
+    }
+
+    /// Samples of the drive that the operators take.
+    pub(super) fn drive_samples(&self) -> usize {
+        self.drive.len()
     }
 
     /// Number of samples, after reduction.
@@ -389,7 +410,7 @@ impl JointRecord {
     /// Subtracts from a response its part beyond the end of the record.
     fn end(&self, column: &mut [f64]) {
         if let Some(reduction) = &self.reduction {
-            reduction.end(column);
+            reduction.output.end(column);
         }
     }
 }

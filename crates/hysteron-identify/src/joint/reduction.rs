@@ -124,6 +124,23 @@ impl Reduction {
         model[start..].iter_mut().zip(&cut).for_each(|(x, cut)| *x -= cut);
     }
 
+    /// Values at the samples of the record by straight lines between reduced ones, at its ends by those of the
+    /// nearest of which F reaches neither end.
+    pub(super) fn at_samples(&self, reduced: &[f64]) -> Vec<f64> {
+        let inside = self.samples.div_ceil(self.factor);
+        let own = &reduced[self.lead()..self.lead() + inside];
+        let margin = if self.periodic { 0 } else { REACH.min((inside - 1) / 2) };
+        let value = |row: usize| match row {
+            row if row == inside && self.periodic => own[0],
+            row => own[row.clamp(margin, inside - 1 - margin)],
+        };
+        let at = |k: usize| {
+            let (row, share) = (k / self.factor, (k % self.factor) as f64 / self.factor as f64);
+            (1.0 - share) * value(row) + share * value(row + 1)
+        };
+        (0..self.samples).map(at).collect()
+    }
+
     /// Weights of the reduced samples from those of the record: 0 beyond its ends, and where F covers an
     /// excluded sample.
     pub(super) fn weights(&self, weight: &[f64]) -> Vec<f64> {

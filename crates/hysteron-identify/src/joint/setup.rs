@@ -126,6 +126,11 @@ impl<'a> JointSetup<'a> {
         (reach >= 0.499 * self.scales.range_v).then(|| Self { reach: Some(reach), ..self.clone() })
     }
 
+    /// True if a record is so far oversampled that the fit of all samples too is of a thinned one.
+    pub(super) fn is_thinned(&self) -> bool {
+        self.members.iter().any(|member| member.factor_at(Rate::Own) > 1)
+    }
+
     /// True if uniformly sampled records have fewer than `samples` samples per cycle of the fastest drive and
     /// the model has dynamics.
     pub(super) fn samples_coarsely(&self, samples: f64) -> bool {

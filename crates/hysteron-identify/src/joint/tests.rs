@@ -47,6 +47,7 @@ fn records(scheme: Scheme, transients: bool, before: [Start<()>; 2], factor: usi
                 drive: fine.as_ref().unwrap_or(drive),
                 thinning,
                 factor,
+                every: 1,
                 output,
                 weighting: weight.into(),
                 before,

@@ -80,6 +80,13 @@ impl Drop for JointWorkspace {
 }
 
 impl JointProblem {
+    /// Frees the scratch that is not in use: of a long record a large part of all memory.
+    pub(in super::super) fn free_scratch(&self) {
+        let mut spare = std::mem::take(&mut *self.spare.lock().unwrap_or_else(PoisonError::into_inner));
+        spare.iter_mut().for_each(|workspace| workspace.home = Weak::new());
+        self.records.iter().for_each(JointRecord::free_operators);
+    }
+
     /// True if columns, sensitivities and residual in the workspace are those at `x`.
     pub(super) fn is_at(&self, x: &[f64], ws: &mut JointWorkspace) -> bool {
         if x.is_empty() || ws.at != x {

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::super::drive::Thinning;
 use super::super::reduction::Reduction;
-use super::{Candidate, Derivatives, JointRecord, Lane, RecordWorkspace, is_stopped};
+use super::{Candidate, Derivatives, InputsAndOutput, JointRecord, Lane, RecordWorkspace, is_stopped};
 
 /// Outputs of the operators, and the inputs of the dynamics from them.
 #[derive(Debug, Default)]
@@ -88,6 +88,11 @@ impl Drop for LentOperators {
 }
 
 impl JointRecord {
+    /// Frees the pooled operators.
+    pub(in super::super) fn free_operators(&self) {
+        self.spare.lock().unwrap_or_else(PoisonError::into_inner).clear();
+    }
+
     /// Input of the dynamics: `scale` times the output `x` of an operator less its value `before` the first
     /// sample.
     pub(super) fn prepare_input(&self, x: &[f64], before: f64, scale: f64, lane: &mut Lane) -> bool {
@@ -95,7 +100,7 @@ impl JointRecord {
         match (&self.reduction, self.thinning) {
             (None, Thinning::Pick(_)) => input.copy_from_slice(x),
             (None, Thinning::Means) => self.thinning.apply(x, input),
-            (Some(reduction), _) => self.reduce(reduction, (x, before), x.len(), own, input),
+            (Some(reduction), _) => self.reduce(&reduction.inputs, (x, before), x.len(), own, input),
         }
         input.iter_mut().for_each(|x| *x = scale * (*x - before));
         self.plan.prepare_into(input, plan, prepared).is_ok()
@@ -145,7 +150,7 @@ impl JointRecord {
         prepared.resize(count, false);
         prepared.iter_mut().zip(&columns.changed).for_each(|(prepared, changed)| *prepared &= *changed == 0);
         let mut done = true;
-        if let Some(reduction) = &self.reduction {
+        if let Some(InputsAndOutput { inputs: reduction, .. }) = &self.reduction {
             // Filled one by one: allocating dozens at once would delay a stop.
             reduced.resize_with(count, Vec::new);
             let share = count.div_ceil(lanes.len().max(1)).max(1);

@@ -5,7 +5,7 @@ use super::super::super::projection::Projection;
 use super::super::drive::Thinning;
 use super::super::reduction::Reduction;
 use super::super::weighting::Weighting;
-use super::{JointRecord, Spare, rest_voltage};
+use super::{InputsAndOutput, JointRecord, Spare, rest_voltage};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{
     DynamicsError, KnotTimes, RecordPlan, Sampling, Scheme, SimulationPlan, StampedPlan,
@@ -28,13 +28,15 @@ pub(crate) enum Clock {
     },
 }
 
-/// Data of a joint record, all of it at the record's own rate.
+/// Data of a joint record, all of it at the record's own rate, but for a drive of which samples are left out.
 pub(crate) struct Ingredients<'a> {
     /// Drive, which may be on a finer grid.
     pub(crate) drive: &'a [f64],
     pub(crate) thinning: Thinning,
-    /// Decimation factor.
+    /// Decimation factor of the inputs.
     pub(crate) factor: usize,
+    /// Samples of the output for one of the drive.
+    pub(crate) every: usize,
     /// Measured output, less a held offset.
     pub(crate) output: Vec<f64>,
     /// Weight of each sample.
@@ -60,24 +62,29 @@ impl JointRecord {
         let count = parts.output.len();
         // Samples of the inputs before reduction.
         let inputs = match &parts.clock {
-            Clock::Rate(_) => count,
+            Clock::Rate(_) => count.div_ceil(parts.every),
             Clock::Stamps { knots, .. } => knots.times_s.len(),
         };
         debug_assert_eq!(inputs, parts.thinning.samples(parts.drive.len()));
-        let reduction = (parts.factor > 1).then(|| Reduction::new(parts.factor, count, periodic));
-        let reduced = |x: Vec<f64>, filter: fn(&Reduction, &[f64], &mut [f64])| match &reduction {
+        // Without a reduction of the inputs those of the output would differ by the low-pass.
+        debug_assert!(parts.every == 1 || parts.factor > 1);
+        let reduction = (parts.factor > 1).then(|| InputsAndOutput {
+            inputs: Reduction::new(parts.factor, inputs, periodic),
+            output: Reduction::new(parts.factor * parts.every, count, periodic),
+        });
+        let reduced = |x: Vec<f64>, filter: fn(&InputsAndOutput, &[f64], &mut [f64])| match &reduction {
             None => x,
             Some(reduction) => {
-                let mut out = vec![0.0; reduction.rows()];
+                let mut out = vec![0.0; reduction.output.rows()];
                 filter(reduction, &x, &mut out);
                 out
             }
         };
-        let input = |x| reduced(x, |reduction, x, out| reduction.input(x, 0.0, out));
-        let output = |x| reduced(x, Reduction::output);
+        let input = |x| reduced(x, |reduction, x, out| reduction.inputs.input(x, 0.0, out));
+        let output = |x| reduced(x, |reduction, x, out| reduction.output.output(x, out));
         let weighting = match &reduction {
             None => parts.weighting,
-            Some(reduction) => reduction.weights(&parts.weighting.weight).into(),
+            Some(reduction) => reduction.output.weights(&parts.weighting.weight).into(),
         };
         let samples = weighting.weight.len();
         let weighted = |mut x: Vec<f64>| {

@@ -22,6 +22,7 @@ fn record(drive: &[f64], rule: InterSample, before: Start<()>, factor: usize) ->
         drive: fine.as_deref().unwrap_or(drive),
         thinning,
         factor,
+        every: 1,
         output: vec![0.0; drive.len()],
         weighting: vec![1.0; drive.len()].into(),
         before,
@@ -195,5 +196,24 @@ proptest! {
         let mut other = x.clone();
         other[..changed].iter_mut().for_each(|x| *x += 1.0);
         prop_assert_eq!(&reduced(&other, reduction.rows())[rows..], &whole[rows..]);
+    }
+}
+
+#[test]
+fn a_reduced_column_at_the_samples_is_what_it_was_made_of() {
+    let slow = |k: usize| 3.0 + 1e-3 * k as f64 + (TAU * k as f64 / 900.0).sin();
+    for (samples, periodic) in [(4001, false), (3600, true)] {
+        let reduction = Reduction::new(8, samples, periodic);
+        let whole: Vec<f64> =
+            (0..samples).map(|k| slow(k) - if periodic { 1e-3 * k as f64 } else { 0.0 }).collect();
+        let mut reduced = vec![0.0; reduction.rows()];
+        reduction.output(&whole, &mut reduced);
+        let again = reduction.at_samples(&reduced);
+        let ends = if periodic { 0 } else { 8 * REACH };
+        assert_eq!(again.len(), samples);
+        for k in ends..samples - ends {
+            assert!((again[k] - whole[k]).abs() < 1e-3, "{periodic}, {k}: {} {}", again[k], whole[k]);
+        }
+        assert!(again.iter().all(|x| (1.9..9.0).contains(x)));
     }
 }
