@@ -41,8 +41,7 @@ def in_arguments(advice: dict[str, Any]) -> str:
     if do == "several-axes":
         return f"identify all actuators together: inputs={advice['inputs']}, outputs={advice['outputs']}"
     if do == "dead-band":
-        beyond = f"u - {advice['threshold']} * sign(u)" if advice["excess"] else "u"
-        return f"give the drive as where(abs(u) < {advice['threshold']}, 0, {beyond})"
+        return f"read the record with dead_{'zone' if advice['excess'] else 'band'}={advice['threshold']}"
     if do == "widen":
         return f'widen its range: bounds={{"{advice["parameter"]}": (low, high)}}'
     if do == "hold":

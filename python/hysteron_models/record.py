@@ -50,6 +50,8 @@ class Record:
         input: which channel is the input, where that is not clear from the names.
         output: which channel is the output.
         rate: which channel is the measured rate of the input, for a model of the kind ``force``.
+        dead_band: threshold below which the input counts as 0, in its unit: ``u`` is then what counts.
+        dead_zone: the same, where a larger input counts by what exceeds the threshold.
 
     Raises:
         ModelError: samples that are not finite, arrays of different lengths, decreasing times.
@@ -70,6 +72,8 @@ class Record:
         input: str | None = None,
         output: str | None = None,
         rate: str | None = None,
+        dead_band: float | None = None,
+        dead_zone: float | None = None,
     ) -> None:
         if isinstance(u, Mapping):
             if y is not None:
@@ -84,6 +88,7 @@ class Record:
         times = None if t is None else as_samples(t, "t")
         mask = None if valid is None else np.ascontiguousarray(valid, dtype=np.bool_)
         native = _native.Record(name, channels, fs, start, times, mask)
+        native = _counted(native, input, output, dead_band, dead_zone)
         self._native = native if rate is None else native.with_rate(rate)
         self._input, self._output, self._rate = input, output, rate
 
@@ -244,6 +249,18 @@ def _rebuilt(state: dict[str, Any]) -> Record:
     return Record._of(native, state["input"], state["output"], state["rate"])
 
 
+def _counted(
+    native: _native.Record,
+    input: str | None,
+    output: str | None,
+    dead_band: float | None,
+    dead_zone: float | None,
+) -> _native.Record:
+    if dead_band is None and dead_zone is None:
+        return native
+    return native.with_dead_band(dead_band, dead_zone, input, output)
+
+
 def _reading(
     time: str | None,
     input: str | None,
@@ -293,6 +310,8 @@ def read(
     rename: Mapping[str, str] | None = ...,
     drop: Sequence[str] = ...,
     max_bytes: int | None = ...,
+    dead_band: float | None = ...,
+    dead_zone: float | None = ...,
 ) -> Record: ...
 @overload
 def read(
@@ -310,6 +329,8 @@ def read(
     rename: Mapping[str, str] | None = ...,
     drop: Sequence[str] = ...,
     max_bytes: int | None = ...,
+    dead_band: float | None = ...,
+    dead_zone: float | None = ...,
 ) -> list[Record]: ...
 def read(
     path: PathLike | list[PathLike] | tuple[PathLike, ...],
@@ -326,6 +347,8 @@ def read(
     rename: Mapping[str, str] | None = None,
     drop: Sequence[str] = (),
     max_bytes: int | None = None,
+    dead_band: float | None = None,
+    dead_zone: float | None = None,
 ) -> Record | list[Record]:
     """Read a record, or a list of records, of any format; the format is detected by the content.
 
@@ -343,14 +366,21 @@ def read(
         rename: new names of columns.
         drop: columns that are not read.
         max_bytes: largest file that is read.
+        dead_band: threshold below which the input counts as 0, in its unit, as of a valve or an amplifier.
+        dead_zone: the same, where a larger input counts by what exceeds the threshold.
 
     Raises:
+        OptionError: both thresholds, or one that is not positive.
         FileError: with ``file``, ``line``, ``column`` and ``hint``.
     """
     options = _reading(time, input, output, fs, start, stop, where, turns, rename or {}, drop, max_bytes)
+
+    def made(native: _native.Record, own: str | None, other: str | None) -> Record:
+        return Record._of(_counted(native, own, other, dead_band, dead_zone), own, other, rate)
+
     if isinstance(path, str | os.PathLike):
-        return Record._of(*_native.read([path], options)[0], rate)
-    return [Record._of(*found, rate) for found in _native.read(list(path), options)]
+        return made(*_native.read([path], options)[0])
+    return [made(*found) for found in _native.read(list(path), options)]
 
 
 @dataclass(frozen=True)

@@ -38,6 +38,22 @@ def test_times_may_be_uneven_and_channels_many() -> None:
         record["z"]
 
 
+def test_a_drive_below_a_threshold_counts_as_nothing(tmp_path: Path) -> None:
+    u = np.array([-3.0, -1.0, 0.5, 2.0, 2.5])
+    made = hy.Record(u, u, fs=10, dead_band=2)
+    assert np.array_equal(made.u, [-3, 0, 0, 2, 2.5]) and np.array_equal(made.y, u)
+    file = tmp_path / "valve.csv"
+    hy.Record({"y_um": u, "u_mV": 1000 * u}, fs=10).save(file)
+    read = hy.read(file, dead_zone=2)
+    assert np.allclose(read.u, [-1, 0, 0, 0, 0.5]) and read.units == ("V", "um")
+    assert np.allclose(pickle.loads(pickle.dumps(read)).u, read.u)
+    assert [np.allclose(one.u, read.u) for one in hy.read([file, file], dead_zone=2)] == [True, True]
+    with pytest.raises(hy.OptionError, match="not both"):
+        hy.read(file, dead_band=1, dead_zone=1)
+    with pytest.raises(hy.OptionError, match="positive threshold"):
+        hy.read(file, dead_band=0)
+
+
 def test_files_are_read_and_written(tmp_path: Path) -> None:
     u = np.sin(np.arange(200) / 10)
     record = hy.Record(u, 3 * u, fs=1000, start=0.5)

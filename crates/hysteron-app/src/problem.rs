@@ -122,7 +122,7 @@ pub(crate) fn remedy(advice: &Advice) -> String {
         Advice::OtherHysteresis => "Choose another family of hysteresis.".to_owned(),
         Advice::OtherKind { kind } => format!("Identify a model of the kind {kind}."),
         Advice::DeadBand { threshold, excess } => format!(
-            "Identify with the dead band of {threshold}: hysteron identify --dead-{} {threshold}.",
+            "Give the record a dead {} of the drive of {threshold}.",
             if *excess { "zone" } else { "band" }
         ),
         Advice::SeveralAxes { inputs, outputs } => format!(

@@ -158,12 +158,33 @@ fn what_is_said_of_a_record_is_kept_beside_it_and_never_in_it() {
         json!({"continues": "loop.csv"}),
         json!({"sample_rate_hz": -1.0}),
         json!({"scales": ["y"]}),
+        json!({"dead_band": 0.0}),
+        json!({"dead_band": 1.0, "dead_zone": 1.0}),
         json!([1]),
     ] {
         let refused = server.send("PATCH", "/api/v1/records/loop.csv", &wrong);
         assert!((400..500).contains(&refused.status), "{wrong}");
     }
     assert_eq!(std::fs::read(server.path("loop.csv")).unwrap(), loops(1200).as_bytes());
+}
+
+#[test]
+fn a_drive_below_the_threshold_said_counts_as_nothing() {
+    let server = Server::start();
+    server.upload("loop.csv", loops(1200).as_bytes()).done();
+    let largest = || {
+        let range = &server.get("/api/v1/records/loop.csv").done()["inspection"]["input"];
+        range["high"].as_f64().unwrap()
+    };
+    let whole = largest();
+    let (above, below) = (json!({"dead_zone": whole / 2.0}), json!({"dead_zone": null, "dead_band": 1.0}));
+    server.send("PATCH", "/api/v1/records/loop.csv", &above).done();
+    assert!((largest() - whole / 2.0).abs() < 1e-9);
+    let command = &server.get("/api/v1/records/loop.csv").done()["command"];
+    assert!(command["shell"].as_str().unwrap().contains(&format!("--dead-zone {}", whole / 2.0)));
+    assert!(command["python"].as_str().unwrap().contains(&format!("dead_zone={}", whole / 2.0)));
+    server.send("PATCH", "/api/v1/records/loop.csv", &below).done();
+    assert!((largest() - whole).abs() < 1e-9);
 }
 
 #[test]

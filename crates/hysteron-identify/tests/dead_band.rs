@@ -28,7 +28,7 @@ fn drive() -> Vec<f64> {
 /// Six plays of what counts of the drive, a lag of 10 ms and noise of ±5 nm.
 fn device(band: Option<DeadBand>) -> InputOutput {
     let u = drive();
-    let mut state = 1u64;
+    let mut noise = noise();
     let (mut plays, mut x) = ([0.0_f64; 6], 0.0);
     let decay = (-1.0 / (RATE_HZ * 0.01)).exp();
     let y = u
@@ -39,22 +39,54 @@ fn device(band: Option<DeadBand>) -> InputOutput {
                 *play = play.clamp(v - r, v + r);
             }
             x = decay * x + (1.0 - decay) * (v + 0.05 * plays.iter().sum::<f64>());
-            // Uniform noise, by a linear congruence.
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            x + 0.005 * ((state >> 11) as f64 / (1u64 << 52) as f64 - 1.0)
+            x + 0.005 * noise()
         })
         .collect();
     InputOutput::new("device", TimeBase::uniform(RATE_HZ), u, y).unwrap()
 }
 
+/// Uniform noise from −1 to 1, by a linear congruence.
+fn noise() -> impl FnMut() -> f64 {
+    let mut state = 1u64;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
+
+/// A process of lags of 0.3 to 30 s, driven to 1 V and back once, with noise of ±5 nm.
+fn process(band: Option<DeadBand>) -> InputOutput {
+    let rate_hz = 20.0;
+    let u: Vec<f64> = (0..1001)
+        .map(|k| {
+            let t = f64::from(k) / rate_hz;
+            (t / 10.0).min(1.0).min(((25.0 - t) / 10.0).max(0.0))
+        })
+        .collect();
+    let mut noise = noise();
+    let lags_s = [0.3, 1.0, 3.0, 10.0, 30.0];
+    let mut states = [0.0; 5];
+    let y = u
+        .iter()
+        .map(|u| {
+            let v = band.map_or(*u, |band| band.of(*u));
+            for (x, lag_s) in states.iter_mut().zip(lags_s) {
+                *x += (1.0 - f64::exp(-1.0 / (rate_hz * lag_s))) * (v - *x);
+            }
+            0.2 * states.iter().sum::<f64>() + 0.005 * noise()
+        })
+        .collect();
+    InputOutput::new("process", TimeBase::uniform(rate_hz), u, y).unwrap()
+}
+
 fn fitted(data: InputOutput, least_fit_percent: f64) -> Result<Vec<Finding>, IdentifyError> {
+    let options = Options { dynamics: DynamicsChoice::Integer, order: 1, ..Options::default() };
+    fitted_with(data, Options { least_fit_percent, ..options })
+}
+
+fn fitted_with(data: InputOutput, options: Options) -> Result<Vec<Finding>, IdentifyError> {
     let records = FitRecords::Single(vec![CampaignRecord { data, role: None }]);
-    let task = Task::Hammerstein(Box::new(Options {
-        dynamics: DynamicsChoice::Integer,
-        order: 1,
-        least_fit_percent,
-        ..Options::default()
-    }));
+    let task = Task::Hammerstein(Box::new(options));
     let maker = Maker { program: "test".to_owned(), created: None, command: None };
     assert_eq!(task.kind(), Kind::Hammerstein);
     hysteron_identify::fit(&records, &task, &Watch::silent(), None, &maker).map(|fit| fit.findings)
@@ -99,4 +131,14 @@ fn none_is_named_where_there_is_none() {
     let of = |k: usize| 1.5 * (TAU * 2.7 * k as f64 / RATE_HZ).sin();
     other.y.iter_mut().enumerate().for_each(|(k, y)| *y += of(k));
     assert_eq!(named(&fitted(other, 0.0).unwrap()), None);
+}
+
+/// One move up and one down, which a regression of many columns follows with any drive.
+#[test]
+fn a_dead_band_is_named_from_one_move() {
+    let refused = fitted_with(process(Some(DeadBand::Jump(0.25))), Options::default()).unwrap_err();
+    let IdentifyError::DeadBand { threshold, excess: false, .. } = &refused else { panic!("{refused}") };
+    assert!((threshold.parse::<f64>().unwrap() - 0.25).abs() < 0.01, "{refused}");
+    let findings = fitted_with(process(None), Options { least_fit_percent: 0.0, ..Options::default() });
+    assert_eq!(named(&findings.unwrap()), None);
 }

@@ -7,7 +7,7 @@ use hysteron_identify::structure::prospects;
 use hysteron_io::read_part;
 use hysteron_model::force::with_rate;
 use hysteron_model::hammerstein::SimulationError;
-use hysteron_model::record::{Channel, ChannelChoice, Cut, InputOutput, Prepare, TimeBase, Turns};
+use hysteron_model::record::{Channel, ChannelChoice, Cut, DeadBand, InputOutput, Prepare, TimeBase, Turns};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use rayon::prelude::*;
@@ -80,6 +80,28 @@ impl Record {
     /// The record with the measured rate of its input in this column.
     fn with_rate(&self, column: String) -> Self {
         Self { inner: self.inner.clone(), rate: Some(column) }
+    }
+
+    /// The record with what counts of its input, by a dead band or a dead zone.
+    #[pyo3(signature = (dead_band, dead_zone, input=None, output=None))]
+    fn with_dead_band(
+        &self,
+        dead_band: Option<f64>,
+        dead_zone: Option<f64>,
+        input: Option<String>,
+        output: Option<String>,
+    ) -> PyResult<Self> {
+        let band = match (dead_band, dead_zone) {
+            (Some(threshold), None) => DeadBand::Jump(threshold),
+            (None, Some(threshold)) => DeadBand::Excess(threshold),
+            _ => return Err(option("give dead_band or dead_zone, not both")),
+        };
+        let threshold = band.threshold();
+        if !(threshold.is_finite() && threshold > 0.0) {
+            return Err(option(format!("expected a positive threshold of the drive, found {threshold}")));
+        }
+        let (inner, _) = self.inner.with_dead_band(band, &ChannelChoice { input, output }).map_err(raised)?;
+        Ok(Self { inner, rate: self.rate.clone() })
     }
 
     #[getter]

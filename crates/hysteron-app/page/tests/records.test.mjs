@@ -43,6 +43,13 @@ test('zoom, mask, cut, role, delete and undo', async () => {
     await page.click('button:has-text("show the whole file")');
     await page.waitForSelector('.rhead:has-text("40.1 s")');
 
+    await page.click('summary:has-text("Dead band")');
+    await page.fill('.stretches label:has-text("below") input', '2');
+    await page.click('button:has-text("Set it")');
+    await page.waitForSelector('text=A drive below 2 V counts as 0');
+    await page.click('p:has-text("A drive below") button');
+    await page.waitForSelector('text=A drive below', { state: 'detached' });
+
     await page.selectOption('.rhead label:has-text("role") select', 'validate');
     await page.waitForSelector('.chip:has-text("validate")');
 

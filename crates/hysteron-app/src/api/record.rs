@@ -4,7 +4,7 @@ use hysteron_identify::RecordRole;
 use hysteron_identify::structure::Prospects;
 use hysteron_model::Finding;
 use hysteron_model::model_file::Kind;
-use hysteron_model::record::InspectionSummary;
+use hysteron_model::record::{DeadBand, InspectionSummary};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -88,12 +88,23 @@ pub struct RecordSettings {
     pub sample_rate_hz: Option<f64>,
     /// Scales of columns: `y=2.5um/V`.
     pub scales: Vec<String>,
+    /// Dead band of the drive, in its unit: a smaller drive counts as 0.
+    pub dead_band: Option<f64>,
+    /// Dead zone of the drive, in its unit: a smaller drive counts as 0, a larger one by what exceeds it.
+    pub dead_zone: Option<f64>,
     /// First time kept \[s\].
     pub from_s: Option<f64>,
     /// Last time kept \[s\].
     pub to_s: Option<f64>,
     /// Masked stretches \[s\]: simulated, not scored.
     pub masks: Vec<[f64; 2]>,
+}
+
+impl RecordSettings {
+    /// What counts of the drive, where not all of it.
+    pub(crate) fn band(&self) -> Option<DeadBand> {
+        self.dead_band.map(DeadBand::Jump).or(self.dead_zone.map(DeadBand::Excess))
+    }
 }
 
 /// Use of a record.

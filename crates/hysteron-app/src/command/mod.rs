@@ -61,7 +61,7 @@ impl Words {
         if condition { self.flag(flag) } else { self }
     }
 
-    /// Columns, scales and cut of the first record; [`beside`] says so where others have their own.
+    /// Columns, scales, dead band and cut of the first record; [`beside`] says so where others have their own.
     fn columns(self, records: &[RecordEntry]) -> Self {
         let Some(first) = records.first().map(|record| &record.settings) else { return self };
         let mut words = self
@@ -74,7 +74,7 @@ impl Words {
         for scale in &first.scales {
             words = words.with("--scale", scale);
         }
-        words
+        words.maybe("--dead-band", first.dead_band).maybe("--dead-zone", first.dead_zone)
     }
 
     fn done(self) -> String {
@@ -123,7 +123,9 @@ fn read(records: &[RecordEntry]) -> String {
         .text("output", settings.output.as_ref())
         .value("fs", settings.sample_rate_hz)
         .value("start", settings.from_s)
-        .value("stop", settings.to_s);
+        .value("stop", settings.to_s)
+        .value("dead_band", settings.dead_band)
+        .value("dead_zone", settings.dead_zone);
     format!("hy.read({})", arguments.done())
 }
 

@@ -84,7 +84,12 @@ pub(crate) fn simulate(
     let first = records.first().map(|record| record.settings.clone()).unwrap_or_default();
     let rate = options.rate.as_ref().or(first.rate.as_ref().filter(|_| is_force));
     let words = words.maybe("--rate", rate);
-    let shell = words.maybe("--time", first.time).maybe("--input", first.input).done();
+    let shell = words
+        .maybe("--time", first.time)
+        .maybe("--input", first.input)
+        .maybe("--dead-band", first.dead_band)
+        .maybe("--dead-zone", first.dead_zone)
+        .done();
     let of = match options.band {
         BandOf::Measurement => Some("\"measurement\""),
         _ => None,

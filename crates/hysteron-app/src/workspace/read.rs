@@ -200,7 +200,12 @@ pub(super) fn read_as_said(path: &Path, id: &str, settings: &RecordSettings) -> 
         let scale: Scale = text.parse().map_err(Problem::from)?;
         record = scale.apply(&record).map_err(Problem::from)?;
     }
-    let notes = record.select(&choice).map(|selection| selection.notes).unwrap_or_default();
+    let mut notes = record.select(&choice).map(|selection| selection.notes).unwrap_or_default();
+    if let Some(band) = settings.band() {
+        let (counted, told) = record.with_dead_band(band, &choice).map_err(Problem::from)?;
+        record = counted;
+        notes.push(told);
+    }
     let data = record.input_output(&choice).map(|data| masked(data, &settings.masks));
     let data = data.map_err(Problem::from).and_then(|data| match &settings.rate {
         Some(column) => with_rate(data, &record, column).map_err(|e| Problem::new(e, None)),

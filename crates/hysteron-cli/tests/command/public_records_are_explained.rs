@@ -77,11 +77,10 @@ fn soft_actuator_is_said_to_be_described_poorly() {
                    fractional --degree 3 -o soft.json --json";
     let refused = bench.run(command);
     assert_eq!(refused.exit_code, 1, "{}", refused.stderr);
-    for part in
-        ["does not describe record 'sine_3p5Hz.csv'", "--least-fit 0", "implausible for a piezo actuator"]
-    {
+    for part in ["does not describe record 'sine_3p5Hz.csv'", "--least-fit 0"] {
         assert!(refused.stderr.contains(part), "{part} in {}", refused.stderr);
     }
+    assert!(!refused.stderr.contains("implausible"), "{}", refused.stderr);
     assert!(!bench.path("soft.json").exists());
     let run = bench.run(&format!("{command} --least-fit 0"));
     assert_eq!(run.exit_code, 0, "{}", run.stderr);

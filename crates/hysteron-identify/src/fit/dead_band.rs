@@ -4,13 +4,16 @@
 //! y = c₀ + Σᵢⱼ cᵢⱼ (hⱼ ∗ fᵢ)(v), v = [`DeadBand::of`] (u), fᵢ the powers v, v², v³ and plays of v, hⱼ the
 //! identity and lags of 3, 10, … intervals, is compared with the same regression on the drive itself: both
 //! have the same number of columns, so that what is gained is the dead band's.
+//!
+//! Compared is what a regression on the rest of the record, with a small penalty on c, leaves of each tenth of
+//! it. The residual of all of it cannot tell in a record of few moves: as many columns follow anything there.
+//! It must not be larger with the dead band, though: what is left out of few moves is large by chance.
 
 use hysteron_model::record::{DeadBand, InputOutput, TimeBase, range_of};
-use hysteron_numeric::dot;
 use hysteron_rt::play;
+use nalgebra::{DMatrix, DVector};
 
 use crate::Stop;
-use crate::projection::Projection;
 
 /// Samples of the record that are filtered, and rows of the regression.
 const MOST: usize = 100_000;
@@ -19,19 +22,23 @@ const ROWS: usize = 2500;
 const WIDTHS: [f64; 3] = [0.1, 0.3, 0.6];
 /// The shortest lag in intervals, the factor from one to the next, and their number at most.
 const LAGS: (f64, f64, i32) = (3.0, 3.3, 6);
-/// Shares of the samples within the dead bands that are tried first.
-const WITHIN: std::ops::RangeInclusive<usize> = 1..=16;
+/// Shares of the samples within the dead bands that are tried first, and one above them.
+const WITHIN: std::ops::RangeInclusive<usize> = 1..=17;
 const SHARE: f64 = 0.05;
 /// Least threshold, as a share of the largest drive: a smaller one cannot be why a model is poor.
 const LEAST: f64 = 0.02;
 /// Thresholds that are tried between the neighbours of the best of these, twice.
 const BETWEEN: usize = 8;
+/// Parts of the record that are left out one by one.
+const PARTS: usize = 10;
+/// Penalty on the square of a coefficient, for a row and a column of unit variance.
+const PENALTY: f64 = 1e-5;
 
 /// A dead band and what regressions leave of the record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Found {
     pub(super) band: DeadBand,
-    /// Rms residual with the dead band, in % of the standard deviation of the output.
+    /// Rms error on the parts left out with the dead band, in % of the standard deviation of the output.
     pub(super) left_percent: f64,
     /// The same without it.
     pub(super) without_percent: f64,
@@ -42,54 +49,58 @@ pub(super) fn best(record: &InputOutput, stop: &Stop) -> Option<Found> {
     let record = record.first_samples(MOST);
     let rows: Vec<usize> = (0..record.len()).filter(|k| record.is_valid(*k)).collect();
     let rows: Vec<usize> = rows.iter().step_by(rows.len().div_ceil(ROWS).max(1)).copied().collect();
-    let mut target: Vec<f64> = rows.iter().map(|k| record.y[*k]).collect();
-    let mean = target.iter().sum::<f64>() / target.len() as f64;
-    target.iter_mut().for_each(|y| *y -= mean);
-    let power = dot(&target, &target);
-    let mut sizes: Vec<f64> = rows.iter().map(|k| record.u[*k].abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    let largest = sizes.last().copied().unwrap_or(0.0);
+    let target = DVector::from_iterator(rows.len(), rows.iter().map(|k| record.y[*k]));
+    let power = target.variance() * rows.len() as f64;
     if rows.len() < 200 || power.is_nan() || power <= 0.0 {
         return None;
     }
     let decays = decays(&record);
-    let left = |band: Option<DeadBand>| {
-        let v: Vec<f64> = record.u.iter().map(|u| band.map_or(*u, |band| band.of(*u))).collect();
-        100.0 * (residual_power(&v, &decays, (&rows, &target)) / power).sqrt()
+    let left = |of: &dyn Fn(f64) -> f64| {
+        let v: Vec<f64> = record.u.iter().map(|u| of(*u)).collect();
+        errors(&v, &decays, (&rows, &target)).map(|square| 100.0 * (square / power).sqrt())
     };
-    let without_percent = left(None);
-    let at =
-        |within: usize| sizes[((within as f64 * SHARE * sizes.len() as f64) as usize).min(sizes.len() - 1)];
-    let mut best: Option<(Found, usize)> = None;
-    let mut consider = |band: DeadBand, within: usize| {
-        let left_percent = left(Some(band));
-        if best.is_none_or(|(found, _)| left_percent < found.left_percent) {
-            best = Some((Found { band, left_percent, without_percent }, within));
-        }
-        best
-    };
-    let forms = [DeadBand::Jump, DeadBand::Excess];
-    let mut found = None;
-    for within in WITHIN.filter(|within| at(*within) > LEAST * largest) {
-        for form in forms {
+    let [without_percent, most] = left(&|u| u);
+    let best_of = |bands: Vec<DeadBand>, so_far: Option<Found>| {
+        bands.into_iter().try_fold(so_far, |best, band| {
             if stop.is_requested() {
                 return None;
             }
-            found = consider(form(at(within)), within);
-        }
-    }
-    let (first, within) = found?;
-    let form = forms[usize::from(matches!(first.band, DeadBand::Excess(_)))];
-    let (mut low, mut high) = (if within > 1 { at(within - 1) } else { 0.0 }, at(within + 1));
+            let [left_percent, fitted] = left(&|u| band.of(u));
+            let is_better = best.is_none_or(|best| left_percent < best.left_percent);
+            Some(if is_better && fitted <= most {
+                Some(Found { band, left_percent, without_percent })
+            } else {
+                best
+            })
+        })?
+    };
+    let (least, thresholds) = thresholds(rows.iter().map(|k| record.u[*k].abs()).collect());
+    let forms = [DeadBand::Jump, DeadBand::Excess];
+    let first = thresholds.iter().take(thresholds.len().saturating_sub(1));
+    let mut best = best_of(first.flat_map(|at| forms.map(|form| form(*at))).collect(), None)?;
+    let form = forms[usize::from(matches!(best.band, DeadBand::Excess(_)))];
+    let place = thresholds.partition_point(|at| *at < best.band.threshold());
+    let mut low = place.checked_sub(1).map_or(least, |before| thresholds[before]);
+    let mut high = thresholds[place + 1];
     for _ in 0..2 {
         let step = (high - low) / (BETWEEN + 1) as f64;
-        for k in 1..=BETWEEN {
-            found = consider(form(low + k as f64 * step), within);
-        }
-        let middle = found.map_or(low, |(found, _)| found.band.threshold());
-        (low, high) = ((middle - step).max(0.0), middle + step);
+        best = best_of((1..=BETWEEN).map(|k| form(low + k as f64 * step)).collect(), Some(best))?;
+        let middle = best.band.threshold();
+        (low, high) = ((middle - step).max(least), middle + step);
     }
-    found.map(|(found, _)| found)
+    Some(best)
+}
+
+/// The least threshold that is tried, and those tried first from the sizes of the drive, with one more above
+/// them.
+fn thresholds(mut sizes: Vec<f64>) -> (f64, Vec<f64>) {
+    sizes.sort_by(f64::total_cmp);
+    let least = LEAST * sizes.last().copied().unwrap_or(0.0);
+    let at =
+        |within: usize| sizes[((within as f64 * SHARE * sizes.len() as f64) as usize).min(sizes.len() - 1)];
+    let mut all: Vec<f64> = WITHIN.map(at).filter(|at| *at > least).collect();
+    all.dedup();
+    (least, all)
 }
 
 /// exp(−Δt/T) of every interval, lag by lag.
@@ -109,12 +120,34 @@ fn decays(record: &InputOutput) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// Squared residual of the regression of `target` at `rows` on a drive `v`.
-fn residual_power(v: &[f64], decays: &[Vec<f64>], (rows, target): (&[usize], &[f64])) -> f64 {
+/// Squared errors of the regression of `target` at `rows` on a drive `v`: on the parts left out, and where all
+/// are fitted.
+fn errors(v: &[f64], decays: &[Vec<f64>], (rows, target): (&[usize], &DVector<f64>)) -> [f64; 2] {
+    let Some(columns) = columns(v, decays, rows) else { return [f64::INFINITY; 2] };
+    let samples = rows.len();
+    let (normal, moments) = (columns.tr_mul(&columns), columns.tr_mul(target));
+    // Of rows `from` to `to`, where `out` of all are left out.
+    let of_rows = |from: usize, to: usize, out: usize| {
+        let (own, y) = (columns.rows(from, to - from), target.rows(from, to - from));
+        let left_out = (columns.rows(from, out), target.rows(from, out));
+        let mut rest = &normal - left_out.0.tr_mul(&left_out.0);
+        // All but the mean.
+        (1..columns.ncols()).for_each(|k| rest[(k, k)] += PENALTY * samples as f64);
+        let coefficients = rest.cholesky()?.solve(&(&moments - left_out.0.tr_mul(&left_out.1)));
+        Some((y - own * coefficients).norm_squared())
+    };
+    let parts = (0..PARTS).map(|part| (part * samples / PARTS, (part + 1) * samples / PARTS));
+    let left_out = parts.map(|(from, to)| of_rows(from, to, to - from)).sum::<Option<f64>>();
+    [left_out, of_rows(0, samples, 0)].map(|square| square.unwrap_or(f64::INFINITY))
+}
+
+/// Columns of the regression on a drive `v` at `rows`: 1, then the others with the mean 0 and the variance 1;
+/// `None` for a drive that does not move.
+fn columns(v: &[f64], decays: &[Vec<f64>], rows: &[usize]) -> Option<DMatrix<f64>> {
     let (low, high) = range_of(v);
     let half = 0.5 * (high - low);
     if half.is_nan() || half <= 0.0 {
-        return f64::INFINITY;
+        return None;
     }
     let scaled = |v: &f64| (v - low) / half - 1.0;
     let of_plays = |width: f64| {
@@ -125,12 +158,17 @@ fn residual_power(v: &[f64], decays: &[Vec<f64>], (rows, target): (&[usize], &[f
         });
         moved.collect::<Vec<f64>>()
     };
-    let mut columns = Projection::new(rows.len(), 1 + (3 + WIDTHS.len()) * (1 + decays.len()));
-    columns.push(|column| column.fill(1.0));
     let powers = (1..=3).map(|power| v.iter().map(|v| scaled(v).powi(power)).collect());
+    let mut columns = vec![DVector::repeat(rows.len(), 1.0)];
     for f in powers.chain(WIDTHS.into_iter().map(of_plays)) {
         let f: Vec<f64> = f;
-        columns.push(|column| column.iter_mut().zip(rows).for_each(|(x, k)| *x = f[*k]));
+        let at_rows = |x: &[f64]| {
+            let mut column = DVector::from_iterator(rows.len(), rows.iter().map(|k| x[*k]));
+            column.add_scalar_mut(-column.mean());
+            let deviation = column.variance().sqrt();
+            column / if deviation > 0.0 { deviation } else { 1.0 }
+        };
+        columns.push(at_rows(&f));
         for decay in decays {
             let mut state = f.first().copied().unwrap_or(0.0);
             let lagged: Vec<f64> = f
@@ -141,10 +179,8 @@ fn residual_power(v: &[f64], decays: &[Vec<f64>], (rows, target): (&[usize], &[f
                     state
                 })
                 .collect();
-            columns.push(|column| column.iter_mut().zip(rows).for_each(|(x, k)| *x = lagged[*k]));
+            columns.push(at_rows(&lagged));
         }
     }
-    let mut rest = target.to_vec();
-    columns.project(&mut rest);
-    dot(&rest, &rest)
+    Some(DMatrix::from_columns(&columns))
 }

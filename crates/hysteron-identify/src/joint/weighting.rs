@@ -9,6 +9,7 @@
 use std::ops::Range;
 
 use hysteron_model::record::{InputOutput, UniformSegment, oscillation_hz, span, turning_points};
+use hysteron_numeric::dot;
 
 /// Model error, as a share of the swing.
 const MISFIT: f64 = 0.002;
@@ -35,9 +36,9 @@ pub(in super::super) struct Weighting {
 /// A period with different weights for its mean and the deviation from it.
 #[derive(Clone, Debug, PartialEq)]
 pub(in super::super) struct Level {
-    /// Its samples, whose weights are equal or 0.
+    /// Its samples; those of weight 0 do not count.
     pub(in super::super) rows: Range<usize>,
-    /// Weight of the mean over that of the samples, above 0.
+    /// Weight of the weighted mean over that of the deviations from it, above 0.
     pub(in super::super) share: f64,
 }
 
@@ -77,16 +78,19 @@ impl Weighting {
         Self { weight: weight.collect(), periods: self.periods.iter().map(level).collect() }
     }
 
+    /// Scales the mean of every period in a weighted column, Σ w² x / Σ w² of the x that were weighted: what is
+    /// kept by thinning has the weight of the samples that it represents, and these differ at turning points.
     fn scale_levels(&self, column: &mut [f64], factor: impl Fn(f64) -> f64) {
         for Level { rows, share } in &self.periods {
             let (Some(own), Some(weight)) = (column.get_mut(rows.clone()), self.weight.get(rows.clone()))
             else {
                 continue;
             };
-            let counted = weight.iter().filter(|w| **w > 0.0).count().max(1);
-            let mean = own.iter().sum::<f64>() / counted as f64;
-            let change = (factor(*share) - 1.0) * mean;
-            own.iter_mut().zip(weight).filter(|(_, w)| **w > 0.0).for_each(|(x, _)| *x += change);
+            let power = dot(weight, weight);
+            if power > 0.0 {
+                let change = (factor(*share) - 1.0) * dot(own, weight) / power;
+                own.iter_mut().zip(weight).for_each(|(x, w)| *x += change * w);
+            }
         }
     }
 }
@@ -166,5 +170,21 @@ mod tests {
         assert_eq!(column, [7.0, -0.5, 1.5, 0.0, 3.5]);
         weighting.undo(&mut column);
         assert_eq!(column, [7.0, 2.0, 3.0, 0.0, 4.0]);
+    }
+
+    /// A kept sample that stands for four of the record counts as these in the mean of its period.
+    #[test]
+    fn thinning_keeps_the_mean_of_a_period() {
+        let whole = Weighting { weight: vec![3.0; 10], periods: vec![Level { rows: 1..10, share: 0.1 }] };
+        let kept = [0, 1, 5, 6];
+        let thin = whole.of_rows(&kept);
+        let values = [4.0, 7.0, 7.0, 7.0, 7.0, -1.0, 2.0, 2.0, 2.0, 2.0];
+        let (mut all, mut few) = (values, kept.map(|k| values[k]));
+        whole.apply(&mut all);
+        thin.apply(&mut few);
+        let power = |column: &[f64]| dot(column, column);
+        assert!((power(&all) - power(&few)).abs() < 1e-12 * power(&all), "{all:?} {few:?}");
+        thin.undo(&mut few);
+        assert!(few.iter().zip(kept).all(|(x, k)| (x - values[k]).abs() < 1e-12), "{few:?}");
     }
 }

@@ -1,5 +1,7 @@
 //! Dead band of a device or an amplifier: a drive below a threshold does nothing.
 
+use super::selection::in_base_unit;
+use super::{ChannelChoice, Record, RecordError};
 use crate::finding::{Finding, FindingKind};
 
 /// What counts of a drive, by a threshold d > 0 in the unit of the drive.
@@ -42,9 +44,50 @@ impl DeadBand {
     }
 }
 
+impl Record {
+    /// This record with what counts of its input in place of it, in the base unit that the threshold has too
+    /// (V for a column in mV); and the finding of [`DeadBand::apply`].
+    ///
+    /// # Errors
+    /// Those of [`Record::drive`], where the choice does not determine the input.
+    pub fn with_dead_band(
+        &self,
+        band: DeadBand,
+        choice: &ChannelChoice,
+    ) -> Result<(Self, Finding), RecordError> {
+        let selected = self.select(choice).map(|selection| selection.input);
+        let input = selected.or_else(|_| self.input_position(choice.input.as_deref()))?;
+        let mut counted = self.clone();
+        let channel = &mut counted.channels[input];
+        (channel.samples, channel.unit) = in_base_unit(channel);
+        let told = band.apply(&mut channel.samples);
+        Ok((counted, told))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::{Channel, TimeBase};
+
+    #[test]
+    fn the_input_of_a_record_is_replaced_by_what_counts() {
+        let channels =
+            vec![Channel::new("y", "um", vec![1.0, 2.0]), Channel::new("u", "mV", vec![1500.0, -2500.0])];
+        let record = Record::new("r", TimeBase::uniform(1.0), channels).unwrap();
+        let (counted, told) =
+            record.with_dead_band(DeadBand::Excess(2.0), &ChannelChoice::default()).unwrap();
+        assert_eq!(counted.channels[1].header(), "u_V");
+        assert_eq!(counted.channels[1].samples, [0.0, -0.5]);
+        assert_eq!(counted.channels[0], record.channels[0]);
+        assert!(told.text.contains("of 1 samples is below 2"), "{}", told.text);
+        let other = ChannelChoice { input: Some("z".to_owned()), output: None };
+        assert!(record.with_dead_band(DeadBand::Jump(2.0), &other).is_err());
+        // A drive alone.
+        let drive = Record { channels: vec![record.channels[1].clone()], ..record };
+        let (counted, _) = drive.with_dead_band(DeadBand::Jump(2.0), &ChannelChoice::default()).unwrap();
+        assert_eq!(counted.channels[0].samples, [0.0, -2.5]);
+    }
 
     #[test]
     fn a_drive_below_the_threshold_counts_as_nothing() {

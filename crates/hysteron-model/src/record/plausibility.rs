@@ -3,7 +3,8 @@
 //! Limits, with room to spare on either side of what is sold: strokes of amplified stacks and benders end at
 //! about 1 to 2 mm, of tip-tilt stages at about 50 mrad; nothing is identified from a nanometre; stacks are
 //! driven with up to 200 V, high-voltage stacks, tubes and macro-fibre patches with up to 1.5 kV;
-//! displacement sensors end at some 10 kHz. Crossing a limit is a question to the user, never a refusal.
+//! displacement sensors end at some 10 kHz. Crossing a limit is a question to the user, never a refusal; crossing
+//! those of drive and stroke at once is no question, where a soft electrostatic actuator does so.
 
 use hysteron_numeric::display::short;
 
@@ -14,6 +15,9 @@ const STROKE_UM: (f64, f64) = (1e-3, 2e3);
 const STROKE_URAD: (f64, f64) = (1e-3, 2e5);
 /// Largest |u| \[V\].
 const LARGEST_V: f64 = 2e3;
+/// Largest drive \[V\] and stroke \[µm\] of soft electrostatic actuators (dielectric elastomers, HASEL), which
+/// are beyond both limits of a piezo actuator at once: kilovolts move millimetres.
+const SOFT: (f64, f64) = (2e4, 1e5);
 /// A sample rate \[Hz\] that is doubted where the drive takes more than [`SAMPLES_A_CYCLE`] for its fastest
 /// cycle.
 const FAST_SAMPLING_HZ: f64 = 1e5;
@@ -24,7 +28,31 @@ const SLOWEST_CYCLE_S: f64 = 600.0;
 /// Quantities of a record that are implausible for a piezo actuator, in plain words. `fastest_hz`: the
 /// drive's highest frequency, if known.
 pub fn implausible_units(data: &InputOutput, fastest_hz: Option<f64>) -> Vec<String> {
-    [stroke(data), voltage(data), time(data, fastest_hz)].into_iter().flatten().collect()
+    let of_piezo = if is_soft(data) { [None, None] } else { [stroke(data), voltage(data)] };
+    of_piezo.into_iter().chain([time(data, fastest_hz)]).flatten().collect()
+}
+
+/// True for drive and stroke of a soft electrostatic actuator.
+fn is_soft(data: &InputOutput) -> bool {
+    let ((u, to_v), (y, to_um)) = (data.u_unit.base(), data.y_unit.base());
+    let within = |value: f64, least: f64, most: f64| value > least && value <= most;
+    (u, y) == (Quantity::Voltage, Quantity::Length)
+        && within(to_v * largest(data), LARGEST_V, SOFT.0)
+        && within(to_um * moved(data), STROKE_UM.1, SOFT.1)
+}
+
+/// Largest drive, in its unit.
+fn largest(data: &InputOutput) -> f64 {
+    let (low, high) = range_of(&data.u);
+    high.abs().max(low.abs())
+}
+
+/// Range of the valid output, in its unit.
+fn moved(data: &InputOutput) -> f64 {
+    let valid = |k: usize| data.is_valid(k);
+    let output: Vec<f64> = data.y.iter().enumerate().filter(|(k, _)| valid(*k)).map(|(_, y)| *y).collect();
+    let (low, high) = range_of(&output);
+    high - low
 }
 
 fn stroke(data: &InputOutput) -> Option<String> {
@@ -34,10 +62,7 @@ fn stroke(data: &InputOutput) -> Option<String> {
         Quantity::Angle => (STROKE_URAD, &ANGLES),
         _ => return None,
     };
-    let valid = |k: usize| data.is_valid(k);
-    let output: Vec<f64> = data.y.iter().enumerate().filter(|(k, _)| valid(*k)).map(|(_, y)| *y).collect();
-    let (low, high) = range_of(&output);
-    let stroke = factor * (high - low);
+    let stroke = factor * moved(data);
     // A constant output is another matter.
     if !(stroke > 0.0 && stroke.is_finite()) || (smallest..=largest).contains(&stroke) {
         return None;
@@ -58,8 +83,7 @@ fn voltage(data: &InputOutput) -> Option<String> {
     if !matches!(data.y_unit.base().0, Quantity::Length | Quantity::Angle) {
         return None;
     }
-    let (low, high) = range_of(&data.u);
-    let largest = factor * high.abs().max(low.abs());
+    let largest = factor * largest(data);
     (largest > LARGEST_V && largest.is_finite()).then(|| {
         format!(
             "A drive of {} kV is implausible for a piezo actuator (expected at most 2 kV): is the column \
@@ -116,7 +140,8 @@ mod tests {
 
     #[test]
     fn ordinary_records_pass_and_a_wrong_unit_is_asked_about() {
-        for data in [record(49.0, 100.0, 1.0), record(0.01, 1.0, 1.0), record(1500.0, 1500.0, 20.0)] {
+        let soft = record(21e3, 8e3, 1.0);
+        for data in [record(49.0, 100.0, 1.0), record(0.01, 1.0, 1.0), record(1500.0, 1500.0, 20.0), soft] {
             assert_eq!(implausible_units(&data, Some(1.0)), Vec::<String>::new());
         }
         for (data, part) in [

@@ -445,7 +445,7 @@ fn is_preferred(lower_name: &str, role: Role) -> bool {
     marks.iter().any(|m| lower_name.ends_with(m))
 }
 
-fn in_base_unit(channel: &Channel) -> (Vec<f64>, Unit) {
+pub(super) fn in_base_unit(channel: &Channel) -> (Vec<f64>, Unit) {
     let (quantity, factor) = channel.unit.base();
     let samples = if quantity == Quantity::Other || factor == 1.0 {
         channel.samples.clone()

@@ -33,6 +33,8 @@ export interface RecordSettings {
   rate: string | null;
   sample_rate_hz: number | null;
   scales: string[];
+  dead_band: number | null;
+  dead_zone: number | null;
   from_s: number | null;
   to_s: number | null;
   masks: [number, number][];

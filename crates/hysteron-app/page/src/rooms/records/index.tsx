@@ -10,6 +10,7 @@ import { count, fileName, prose } from '../../format';
 import { address, go, route } from '../../route';
 import { useSignal } from '../../signal';
 import { Curves } from './Curves';
+import { DeadBand } from './DeadBand';
 import { DropField, useDropped } from './Drop';
 import { DriveMaker } from './DriveMaker';
 import { Determines, Facts, Remarks } from './Facts';
@@ -119,6 +120,7 @@ function Detail({
           <div>
             <Facts record={record} />
             <Stretches record={record} />
+            {record.inspection && <DeadBand record={record} />}
           </div>
           {prospects ? (
             <Determines prospects={prospects} of={together ? fit.length : 1} />
