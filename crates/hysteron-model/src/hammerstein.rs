@@ -338,7 +338,7 @@ impl Model {
                 // Buffers of a long record are made once those before are gone.
                 let spectrum = plan.transform(&moved)?;
                 drop(moved);
-                let mut response = plan.empty_response(0);
+                let mut response = plan.empty_values();
                 let sampling = Sampling { reconstruction: self.inter_sample, ..Sampling::of(self.scheme) };
                 plan.response(g, self.delay_s, sampling, &mut response)?;
                 plan.apply(&response, &spectrum, &mut plan.workspace(), &mut y)?;

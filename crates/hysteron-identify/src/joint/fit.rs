@@ -243,8 +243,12 @@ fn simulated(
         }
         let is_whole = !stopped || matches!(start, Start::Settled { .. });
         let samples = if is_whole { data.len() } else { member.facts.beginning(BEGINNING) };
-        let part = data.cropped(0..samples)?;
-        let mut simulated = model.simulate(&part.u, &part.time, &start)?;
+        let mut simulated = if samples == data.len() {
+            model.simulate(&data.u, &data.time, &start)?
+        } else {
+            let part = data.cropped(0..samples)?;
+            model.simulate(&part.u, &part.time, &start)?
+        };
         if samples < data.len() {
             simulated.resize(data.len(), f64::NAN);
             data.valid.get_or_insert_with(|| vec![true; simulated.len()])[samples..].fill(false);

@@ -76,6 +76,7 @@ pub struct Workspace {
     time: Vec<f64>,
     pub(super) spectrum: Vec<Complex64>,
     scratch: Vec<Complex64>,
+    /// Of [`SimulationPlan::simulate`]; empty before its first call.
     input: InputSpectrum,
 }
 
@@ -161,12 +162,12 @@ impl SimulationPlan {
             time: vec![0.0; self.fft.len()],
             spectrum: vec![Complex64::ZERO; self.bins()],
             scratch: vec![Complex64::ZERO; scratch],
-            input: self.empty_spectrum(),
+            input: InputSpectrum::none(),
         }
     }
 
     /// Simulates `tf` over `input`; `input` and `output` have [`SimulationPlan::samples`] samples. Allocates
-    /// nothing.
+    /// nothing after the first call with a workspace.
     ///
     /// # Errors
     /// Those of [`SimulationPlan::transform`] and [`SimulationPlan::simulate_spectrum`].
@@ -178,6 +179,9 @@ impl SimulationPlan {
         output: &mut [f64],
     ) -> Result<(), DynamicsError> {
         let mut spectrum = std::mem::replace(&mut workspace.input, InputSpectrum::none());
+        if spectrum.bins.is_empty() {
+            spectrum = self.empty_spectrum();
+        }
         let result = self
             .transform_into(input, workspace, &mut spectrum)
             .and_then(|()| self.simulate_spectrum(tf, &spectrum, workspace, output));

@@ -70,9 +70,17 @@ impl Response {
 impl SimulationPlan {
     /// Buffers for the response of a form with `parameters` parameters and its derivatives.
     pub fn empty_response(&self, parameters: usize) -> Response {
-        let bins = vec![Complex64::ZERO; self.bins()];
-        let tangents = vec![Tangent::new(bins.len()); parameters + 1];
-        Response { values: bins, tangents, differentiated: false, images: Box::new([Complex64::ZERO; SUMS]) }
+        self.response_with(vec![Tangent::new(self.bins()); parameters + 1])
+    }
+
+    /// Buffers for a response without derivatives.
+    pub fn empty_values(&self) -> Response {
+        self.response_with(vec![Tangent::new(0)])
+    }
+
+    fn response_with(&self, tangents: Vec<Tangent>) -> Response {
+        let values = vec![Complex64::ZERO; self.bins()];
+        Response { values, tangents, differentiated: false, images: Box::new([Complex64::ZERO; SUMS]) }
     }
 
     /// The frequency response of `tf` with a delay \[s\]. Allocates nothing, except tables that a plan makes
@@ -111,8 +119,9 @@ impl SimulationPlan {
         response: &mut Response,
     ) -> Result<(), DynamicsError> {
         let expected = linearised.parameters() + 1;
-        if response.tangents.len() != expected {
-            return Err(DynamicsError::Tangents { expected, found: response.tangents.len() });
+        let found = response.tangents.iter().filter(|tangent| tangent.bins.len() == self.bins()).count();
+        if found != expected || response.tangents.len() != expected {
+            return Err(DynamicsError::Tangents { expected, found });
         }
         self.respond(&linearised.transfer_function, Some(linearised), delay_s, sampling, response)
     }
