@@ -153,8 +153,9 @@ pub enum IdentifyError {
     /// A drive with a dead band describes the record, where hysteresis followed by linear dynamics does not.
     #[error(
         "hysteresis followed by linear dynamics explains {fit_percent:.1} % of record '{record}'; a drive below \
-         {threshold} {unit} moves nothing there: where it {counts}, a linear regression explains \
-         {other_percent:.1} %"
+         {threshold}{space}{unit} moves nothing there: where it {counts}, a linear regression explains \
+         {other_percent:.1} %",
+        space = if .unit.is_empty() { "" } else { " " }
     )]
     DeadBand {
         /// Record.

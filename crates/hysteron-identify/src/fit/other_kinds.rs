@@ -128,11 +128,10 @@ impl Dead<'_> {
 
     fn finding(&self) -> Finding {
         let text = format!(
-            "Record '{}' looks as if a drive below {} {} moved nothing: where it {}, a linear regression \
+            "Record '{}' looks as if a drive below {} moved nothing: where it {}, a linear regression \
              leaves {} % of it, on the drive as it is {} %, and this model {} %.",
             self.record.name,
-            self.threshold(),
-            self.record.u_unit,
+            format!("{} {}", self.threshold(), self.record.u_unit).trim_end(),
             self.counts(),
             short(self.found.left_percent),
             short(self.found.without_percent),
