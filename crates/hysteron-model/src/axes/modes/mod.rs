@@ -44,6 +44,7 @@ pub use streaming::Streaming;
 pub use trajectory::Trajectory;
 
 use crate::axes::AxesError;
+use crate::record::RATES_HZ;
 use hysteron_numeric::Complex64;
 use serde::{Deserialize, Serialize};
 
@@ -213,7 +214,13 @@ impl ScheduledModes {
         whole("outputs", self.outputs, 64)?;
         whole("modes", self.modes, 512)?;
         whole("steps", self.steps, 64)?;
-        positive("sample_rate_hz", self.sample_rate_hz)?;
+        if !RATES_HZ.contains(&self.sample_rate_hz) {
+            return Err(AxesError::Value {
+                what: "sample_rate_hz",
+                value: self.sample_rate_hz,
+                expected: "a rate from 1e-9 to 1e12 Hz",
+            });
+        }
         let (n, m, x) = (self.inputs, self.outputs, self.states());
         for (what, list, expected) in [
             ("transition", &self.transition, x),

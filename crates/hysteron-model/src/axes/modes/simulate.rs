@@ -266,7 +266,7 @@ impl ScheduledModes {
         let y = match settled {
             Some(period_samples) => self.simulate_settled(u, &rows, rule, period_samples)?,
             None => {
-                let second = (self.sample_rate_hz as usize).max(1) * self.inputs;
+                let second = (self.sample_rate_hz as usize).max(1).saturating_mul(self.inputs);
                 let before = level(&rows[..second.min(rows.len())], self.inputs);
                 self.simulate_from_rest(&rows, rule, before)?
             }
