@@ -1,7 +1,7 @@
 // What counts of the drive: one below a threshold as nothing, a larger one whole or by what exceeds it.
 import { useState } from 'preact/hooks';
 import type { RecordDetail, RecordSettings } from '../../api/types';
-import { significant, unitText } from '../../format';
+import { unitText } from '../../format';
 import { settings } from './roles';
 
 type Counts = 'dead_band' | 'dead_zone';
@@ -52,7 +52,7 @@ export function DeadBand({ record }: { record: RecordDetail }) {
       </form>
       {threshold != null && (
         <p>
-          A drive below {significant(threshold, 4)} {unit} counts as 0, a larger one{' '}
+          A drive below {threshold} {unit} counts as 0, a larger one{' '}
           {zone != null ? 'by what exceeds it' : 'as it is'}{' '}
           <button type="button" class="link" onClick={() => set({ dead_band: null, dead_zone: null })}>
             clear
