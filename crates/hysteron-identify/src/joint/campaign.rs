@@ -183,20 +183,19 @@ impl<'a> JointMember<'a> {
         degree: usize,
         options: &Options,
     ) -> Result<JointRecord, IdentifyError> {
-        let factor = self.factor_at(rate);
+        let Thin { factor, every } = self.thin[rate as usize];
         let (timing, _) = self.facts.require_timing()?;
         if matches!(timing, Timing::Stamps(_)) {
             return self.prepare_stamps(factor > 1, scale, degree, options);
         }
         // A reduced record is band-limited, independently of the scheme.
         let scheme = if factor > 1 { Scheme::BandLimited } else { options.scheme() };
-        let Thin { every, .. } = self.thin[rate as usize];
         let picked = if rate == Rate::Coarse { every } else { 1 };
         let timing = Timing::Rate(self.rate_hz / every as f64);
         let data = &self.facts.data;
         let drive: Vec<f64> = data.u.iter().step_by(every).copied().collect();
-        let held = options.demands.fixed(OFFSET).unwrap_or(0.0);
-        let output: Vec<f64> = data.y.iter().step_by(picked).map(|y| y - held).collect();
+        let held = options.demands.fixed(OFFSET);
+        let output: Vec<f64> = data.y.iter().step_by(picked).map(|y| y - held.unwrap_or(0.0)).collect();
         let samples = output.len();
         let mut weighting = Weighting::from(vec![scale / self.noise; samples]);
         let valid: Option<Vec<bool>> =
@@ -223,7 +222,7 @@ impl<'a> JointMember<'a> {
             weighting,
             before: self.before,
             transients: self.transients,
-            offset_is_held: options.demands.fixed(OFFSET).is_some(),
+            offset_is_held: held.is_some(),
             nuisance,
             cycles: 1,
             degree,
@@ -350,7 +349,7 @@ fn is_averaged(options: &Options) -> bool {
     !super::setup::form(options).parameters().is_empty()
 }
 
-/// A decimation factor of at most `most` and the most samples of which the drive may take one.
+/// A decimation factor of at most `most`, 1 or more, and the most samples of which the drive may take one.
 fn taking(most: usize, before: Start<()>, may_be: impl Fn(usize) -> bool) -> Thin {
     let is_periodic = matches!(before, Start::Settled { .. });
     let mut every = most;
@@ -358,7 +357,7 @@ fn taking(most: usize, before: Start<()>, may_be: impl Fn(usize) -> bool) -> Thi
         // A longer way down takes longer than it saves.
         every = if is_periodic || every < 8 { every - 1 } else { every * 7 / 8 };
     }
-    Thin { factor: most / every.max(1) * every.max(1), every: every.max(1) }
+    Thin { factor: most / every * every, every }
 }
 
 /// True if the drive departs from straight lines between every so many samples by no more than this share of its
