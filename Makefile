@@ -53,8 +53,11 @@ python-tools: check-toolchain
 	  $(PYTHON)/bin/pip install --quiet --disable-pip-version-check --no-deps sysidentpy==0.9.0 && \
 	  cp python/requirements-test.txt $(PYTHON)/installed.txt; }
 
+# Of the whole workspace, as the tests are: with the dependencies of the command alone all would be built once more.
+COMMAND := cargo build --locked --workspace --bin hysteron
+
 test-python: python-tools ## the Python package: built beside the command, linted, type-checked, tested
-	cargo build --locked -p hysteron-cli
+	$(COMMAND)
 	VIRTUAL_ENV=$(abspath $(PYTHON)) $(PYTHON)/bin/maturin develop --locked --quiet
 	@python/tests/install-tools.sh
 	$(PYTHON)/bin/ruff check python && $(PYTHON)/bin/ruff format --check python
@@ -72,7 +75,7 @@ kept-outputs: python-tools
 	$(PYTHON)/bin/python -m pytest python/tests/test_pictures.py --renew-pictures
 
 docs: python-tools ## the documentation as a site that works offline, in out/site
-	cargo build --locked -p hysteron-cli
+	$(COMMAND)
 	NO_MKDOCS_2_WARNING=1 $(PYTHON)/bin/mkdocs build --quiet
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
 	@mkdir -p $(OUT)/site && rm -rf $(OUT)/site/rust && cp -r target/doc $(OUT)/site/rust
@@ -96,7 +99,7 @@ mutants: check-toolchain ## 150 changes of the source, one at a time: do the tes
 	scripts/mutants.py $(if $(MOST),--most $(MOST)) $(if $(JOBS),--jobs $(JOBS))
 
 faults: python-tools ## KILLS (500) at random instants, full disks, closed pipes, two writers: nothing is lost (SEED=N)
-	cargo build --locked -p hysteron-cli
+	$(COMMAND)
 	VIRTUAL_ENV=$(abspath $(PYTHON)) $(PYTHON)/bin/maturin develop --locked --quiet
 	python3 scripts/faults target/debug/hysteron --kills $(or $(KILLS),500) $(if $(SEED),--seed $(SEED)) \
 	  --fleet $(PYTHON)/bin/python
@@ -154,7 +157,7 @@ test-browser: browser-tools ## the page in a real browser: newcomer, keyboard, a
 	  echo "  try: your system's package, e.g. 'apt-get install chromium'"; exit 1; }
 	$(MAKE) page-tools
 	cd $(PAGE) && npm run --silent check
-	cargo build --locked -p hysteron-cli
+	$(COMMAND)
 	cd $(PAGE) && CHROMIUM=$(CHROMIUM) HYSTERON=$(abspath target/debug/hysteron) \
 	  OUT=$(abspath $(OUT))/browser node --test --test-concurrency=1 $(SCENARIOS)
 

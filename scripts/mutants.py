@@ -11,8 +11,9 @@
 
 The changes are those of cargo-mutants (`make mutants` installs it), drawn by SEED from the rooms below; what else
 changes in a file draws no others. The commit that is checked out is taken, in a clone of its own, and must pass
-unchanged first. Results are kept a line each in scripts/mutants.tsv: `caught`, `missed`, `timeout` (noticed too),
-`unviable` (refused by the compiler).
+unchanged first. The unit tests of the changed module run first, then all of them, then `tests/`, up to the first that
+fails. Results are kept a line each in scripts/mutants.tsv: `caught`, `missed`, `timeout` (noticed too), `unviable`
+(refused by the compiler).
 """
 
 import argparse
@@ -40,8 +41,8 @@ ROOMS = {
     "crates/hysteron-model/src/validate": "hysteron-model, validate",
     "crates/hysteron-optimize/src": "hysteron-optimize",
 }
-# Longest build, and longest run of the tests [s].
-MOST_S = 1800
+# Longest build, and longest run of the tests unchanged [s]; changed they may take so many times as long, and a minute.
+MOST_S, SLOWER = 1800, 4
 
 
 def tool(*arguments: str) -> str:
@@ -112,65 +113,89 @@ def table() -> str:
     return "\n".join(rows)
 
 
-def cargo(jobs: int, *arguments: str) -> str:
+def cargo(jobs: int, most_s: float, *arguments: str) -> str:
     """`passed`, `failed` or `timeout`, the end of what was said in target/mutants/said.log."""
     environment = {
         **os.environ,
         "CARGO_TARGET_DIR": str(BUILD),
         "CARGO_BUILD_JOBS": str(jobs),
         "RUST_TEST_THREADS": str(jobs),
+        # One place changes: little is compiled anew, and less is linked.
+        "CARGO_INCREMENTAL": "1",
+        "CARGO_PROFILE_DEV_DEBUG": "0",
     }
-    with open(WORK / "said.log", "wb") as said:
+    log = WORK / "said.log"
+    with open(log, "wb") as said:
         process = subprocess.Popen(
             ["cargo", "test", "--locked", *arguments],
             cwd=TREE, env=environment, stdout=said, stderr=said, start_new_session=True,
         )  # fmt: skip
-        try:
-            return "failed" if process.wait(MOST_S) else "passed"
-        except subprocess.TimeoutExpired:
-            return "timeout"
-        finally:
-            # A test that does not end outlives its cargo.
-            if process.poll() is None:
-                os.killpg(process.pid, signal.SIGKILL)
-                process.wait()
+    end = time.monotonic() + most_s
+    try:
+        while process.poll() is None:
+            # A test that failed says enough; the others of its program would go on.
+            if b"... FAILED" in log.read_bytes():
+                return "failed"
+            if time.monotonic() > end:
+                return "timeout"
+            time.sleep(0.2)
+        return "failed" if process.returncode else "passed"
+    finally:
+        # A test that does not end outlives its cargo.
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
 
 
-def tested(package: str, jobs: int) -> str:
-    """`caught`, `missed`, `timeout` or `unviable`: the unit tests first, which are soon built."""
+def stages(package: str, file: str | None) -> list[list[str]]:
+    """Arguments of `cargo test`, the soonest done first; of all tests where no file is named."""
     targets = [["--lib"]]
     if any((TREE / "crates" / package / "tests").glob("**/*.rs")):
         targets.append(["--test", "*"])
-    for target in targets:
-        built = cargo(jobs, "-p", package, *target, "--no-run")
+    module = Path(file).relative_to(f"crates/{package}/src").parts[0].removesuffix(".rs") if file else "lib"
+    return targets if module == "lib" else [["--lib", "--", f"{module}::"], *targets]
+
+
+def tested(package: str, jobs: int, file: str | None, most_s: dict[str, float]) -> str:
+    """`caught`, `missed`, `timeout` or `unviable`."""
+    for stage in stages(package, file):
+        target = stage[: stage.index("--")] if "--" in stage else stage
+        built = cargo(jobs, MOST_S, "-p", package, *target, "--no-run")
         if built == "timeout":
             sys.exit(f"error: the tests of {package} are not built within {MOST_S} s")
         if built == "failed":
             return "unviable"
-        ended = cargo(jobs, "-p", package, *target)
+        ended = cargo(jobs, most_s.get(target[0], MOST_S), "-p", package, *stage)
         if ended != "passed":
             return {"failed": "caught"}.get(ended, ended)
     return "missed"
 
 
-def pass_unchanged(packages: set[str], jobs: int) -> None:
-    """What fails without a change would notice any; once for a commit."""
-    passed = WORK / f"passed-{git('rev-parse', 'HEAD')}"
-    known = passed.read_text(encoding="utf-8").split() if passed.exists() else []
-    for package in sorted(packages.difference(known)):
-        if tested(package, jobs) != "missed":
-            sys.exit(f"error: {package} does not pass its tests unchanged, see {WORK / 'said.log'}")
-        with open(passed, "a", encoding="utf-8") as file:
-            file.write(f"{package}\n")
+def pass_unchanged(package: str, jobs: int) -> dict[str, float]:
+    """What fails without a change would notice any; once for a commit. Longest times of the tests when changed [s]."""
+    passed = WORK / f"passed-{git('rev-parse', 'HEAD')}.json"
+    known = json.loads(passed.read_text(encoding="utf-8")) if passed.exists() else {}
+    if package not in known:
+        known[package] = {}
+        for target in stages(package, None):
+            if cargo(jobs, MOST_S, "-p", package, *target, "--no-run") != "passed":
+                sys.exit(f"error: the tests of {package} are not built, see {WORK / 'said.log'}")
+            begun = time.monotonic()
+            if cargo(jobs, MOST_S, "-p", package, *target) != "passed":
+                sys.exit(f"error: {package} does not pass its tests unchanged, see {WORK / 'said.log'}")
+            known[package][target[0]] = 60 + SLOWER * (time.monotonic() - begun)
+        passed.write_text(json.dumps(known), encoding="utf-8")
+    return known[package]
 
 
 def take(name: str, mutant: dict, jobs: int) -> str:
+    most_s = pass_unchanged(mutant["package"], jobs)
     begun = time.monotonic()
     diff = mutant["diff"]
     command = ["patch", "--quiet", "--no-backup-if-mismatch", str(TREE / mutant["file"])]
     try:
         subprocess.run(command, input=diff, text=True, check=True)
-        result = tested(mutant["package"], jobs)
+        result = tested(mutant["package"], jobs, mutant["file"], most_s)
     finally:
         clean()
     with open(KEPT, "a", encoding="utf-8") as kept:
@@ -207,7 +232,6 @@ def main() -> None:
     known = results()
     wanted = options.crates or {mutant["package"] for mutant in drawn.values()}
     left = [name for name in drawn if name not in known and drawn[name]["package"] in wanted][: options.most]
-    pass_unchanged({drawn[name]["package"] for name in left}, options.jobs)
     for name in left:
         print(f"{take(name, drawn[name], options.jobs)}  {name}", flush=True)
     print(table())

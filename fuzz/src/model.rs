@@ -28,7 +28,7 @@ static FILES: LazyLock<Vec<Value>> = LazyLock::new(|| {
 
 pub fn file(data: &[u8]) {
     if let Ok(model) = Model::from_json(data) {
-        use_it(&model, data.iter().fold(0, |sum: u8, byte| sum.wrapping_add(*byte)));
+        use_it(&model, data);
     }
 }
 
@@ -36,7 +36,6 @@ pub fn file(data: &[u8]) {
 pub fn numbers(data: &[u8]) {
     let mut bytes = Bytes(data);
     let mut file = FILES[usize::from(bytes.byte()) % FILES.len()].clone();
-    let realised = bytes.byte();
     for _ in 0..8 {
         if bytes.is_empty() {
             break;
@@ -46,7 +45,7 @@ pub fn numbers(data: &[u8]) {
     }
     let text = file.to_string();
     if let Ok(model) = Model::from_json(text.as_bytes()) {
-        use_it(&model, realised);
+        use_it(&model, data);
     }
 }
 
@@ -96,7 +95,7 @@ fn nth<'v>(value: &'v mut Value, left: &mut usize) -> Option<&'v mut Value> {
 }
 
 /// A model that was read is written and read the same, and simulates to finite numbers or is refused.
-fn use_it(model: &Model, realised: u8) {
+fn use_it(model: &Model, data: &[u8]) {
     let text = model.to_json().expect("a model that was read is written");
     let again = match Model::from_json(text.as_bytes()) {
         Ok(again) => again,
@@ -106,8 +105,9 @@ fn use_it(model: &Model, realised: u8) {
     if let Ok(found) = model.simulate(&signals(model), Start::AsIdentified) {
         assert!(found.outputs.iter().flatten().all(|y| y.is_finite()), "the simulation is not finite");
     }
-    // Takes longer than all else together.
-    if realised % 64 == 1
+    // Takes longer than all else together: one in 64, by no byte of its own, or all that is kept would have it.
+    let sum = data.iter().fold(0, |sum: u8, byte| sum.wrapping_mul(31).wrapping_add(*byte));
+    if sum % 64 == 1
         && let Model::Hammerstein(body) = model
     {
         let rate = model.sample_rate_hz().unwrap_or(1e4);
