@@ -1,6 +1,6 @@
 """How long a stop takes: Ctrl-C (SIGINT) at several instants of every command that computes for long.
 
-    python3 scripts/faults/stops.py target/release/hysteron             every command, three instants each
+    python3 scripts/faults/stops.py target/release/hysteron             every command, three instants or five
     python3 scripts/faults/stops.py target/release/hysteron compare     those whose line begins so
 
 Prints the longest time from the signal to the end, and the processor time in between by thread, which other
@@ -25,8 +25,8 @@ FAMILIES = (
     "generalised-plays", "krasnoselskii-pokrovskii", "preisach", "preisach-density", "jiles-atherton", "takacs",
 )  # fmt: skip
 LONGEST_S = 1.0
-# Instants of the signals [s].
-INSTANTS = (0.3, 1.5, 4.0)
+# Instants of the signals [s], and on the long record, which takes some seconds to be read.
+INSTANTS, ON_LONG = (0.3, 1.5, 4.0), (0.5, 4.0, 10.0, 20.0, 40.0)
 
 
 def lines() -> list[str]:
@@ -36,6 +36,10 @@ def lines() -> list[str]:
         "identify loop.csv sweep.csv --dynamics fractional -o m.json --report r.html",
         "identify loop.csv sweep.csv --structure oscillator -o m.json",
         "compare loop.csv sweep.csv fast.csv -o m.json --report r.html",
+        "identify long.csv --least-fit 0 -o m.json",
+        "identify long.csv --dynamics none --hysteresis prandtl-ishlinskii --least-fit 0 -o m.json",
+        "compare long.csv -o m.json",
+        "inspect long.csv",
         "validate kept.json long.csv",
         "simulate kept.json long.csv -o out.csv",
         "adapt kept.json long.csv -o m.json",
@@ -121,7 +125,8 @@ def main() -> None:
                     print(f"{k / 1000:.3f},{body[k % len(body)].split(',', 1)[1]}", file=out)
         print("| command | stops | longest [s] | of a processor, by thread [s] |\n| --- | --: | --: | --: |")
         for line in filter(lambda line: line.startswith(options.beginning), lines()):
-            found = [stopped(program, line, after, place) for after in INSTANTS]
+            instants = ON_LONG if " long.csv" in line else INSTANTS
+            found = [stopped(program, line, after, place) for after in instants]
             times = [both for both in found if both is not None]
             longest = max((took for took, _ in times), default=0.0)
             used = max((used for _, used in times), default=0.0)

@@ -11,7 +11,7 @@ use hysteron_model::control::ControlError;
 use hysteron_model::invert::InversionError;
 use hysteron_model::model::{RunError, Unsupported};
 use hysteron_model::model_file::ModelFileError;
-use hysteron_model::record::RecordError;
+use hysteron_model::record::{DeadBandError, RecordError};
 
 use crate::api::{Line, Problem};
 
@@ -70,7 +70,7 @@ macro_rules! said {
     };
 }
 
-said!(RunError, ModelFileError, Unsupported, InversionError, ControlError, ExportError);
+said!(DeadBandError, RunError, ModelFileError, Unsupported, InversionError, ControlError, ExportError);
 
 /// The lines of a text file around one of them; none of a file that is no text.
 fn around(path: &Path, line: u64) -> Vec<Line> {

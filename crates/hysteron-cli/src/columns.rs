@@ -120,7 +120,7 @@ impl InputFlags {
         };
         let Driven { mut drive, mut measured } = read().map_err(|e| e.at(path, "--input"))?;
         let mut told: Vec<String> = drive.notes.iter().map(advice::text).collect();
-        self.apply_dead_band(&mut drive.samples, &mut told);
+        self.apply_dead_band(&mut drive.samples, &mut told)?;
         if let Some(measured) = &mut measured {
             measured.u.clone_from(&drive.samples);
         }
@@ -142,9 +142,11 @@ impl InputFlags {
         ReadOptions { cut: self.cut.cut(), ..self.time.options() }
     }
 
-    fn apply_dead_band(&self, u: &mut [f64], told: &mut Vec<String>) {
-        let band = self.dead_band.map(DeadBand::Jump).or(self.dead_zone.map(DeadBand::Excess));
+    fn apply_dead_band(&self, u: &mut [f64], told: &mut Vec<String>) -> Result<(), Failure> {
+        let band = DeadBand::given(self.dead_band, self.dead_zone);
+        let band = band.map_err(|e| Failure::new(e.to_string()))?;
         told.extend(band.map(|band| advice::text(&band.apply(u))));
+        Ok(())
     }
 
     fn scaled(&self, record: Record) -> Result<Record, Unreadable> {
@@ -256,7 +258,7 @@ impl ColumnFlags {
     fn read_told(&self, path: &Path, told: &mut Vec<String>) -> Result<InputOutput, Failure> {
         let (mut data, notes) = self.read_noted(path).map_err(|e| e.at(path, advice::INPUT_AND_OUTPUT))?;
         told.extend(notes.iter().map(advice::text));
-        self.drive.apply_dead_band(&mut data.u, told);
+        self.drive.apply_dead_band(&mut data.u, told)?;
         Ok(data)
     }
 

@@ -91,15 +91,9 @@ impl Record {
         input: Option<String>,
         output: Option<String>,
     ) -> PyResult<Self> {
-        let band = match (dead_band, dead_zone) {
-            (Some(threshold), None) => DeadBand::Jump(threshold),
-            (None, Some(threshold)) => DeadBand::Excess(threshold),
-            _ => return Err(option("give dead_band or dead_zone, not both")),
+        let Some(band) = DeadBand::given(dead_band, dead_zone).map_err(option)? else {
+            return Ok(Self { inner: self.inner.clone(), rate: self.rate.clone() });
         };
-        let threshold = band.threshold();
-        if !(threshold.is_finite() && threshold > 0.0) {
-            return Err(option(format!("expected a positive threshold of the drive, found {threshold}")));
-        }
         let (inner, _) = self.inner.with_dead_band(band, &ChannelChoice { input, output }).map_err(raised)?;
         Ok(Self { inner, rate: self.rate.clone() })
     }

@@ -4,7 +4,7 @@ use hysteron_identify::RecordRole;
 use hysteron_identify::structure::Prospects;
 use hysteron_model::Finding;
 use hysteron_model::model_file::Kind;
-use hysteron_model::record::{DeadBand, InspectionSummary};
+use hysteron_model::record::{DeadBand, DeadBandError, InspectionSummary};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -102,8 +102,8 @@ pub struct RecordSettings {
 
 impl RecordSettings {
     /// What counts of the drive, where not all of it.
-    pub(crate) fn band(&self) -> Option<DeadBand> {
-        self.dead_band.map(DeadBand::Jump).or(self.dead_zone.map(DeadBand::Excess))
+    pub(crate) fn band(&self) -> Result<Option<DeadBand>, DeadBandError> {
+        DeadBand::given(self.dead_band, self.dead_zone)
     }
 }
 

@@ -201,7 +201,7 @@ pub(super) fn read_as_said(path: &Path, id: &str, settings: &RecordSettings) -> 
         record = scale.apply(&record).map_err(Problem::from)?;
     }
     let mut notes = record.select(&choice).map(|selection| selection.notes).unwrap_or_default();
-    if let Some(band) = settings.band() {
+    if let Some(band) = settings.band().map_err(Problem::from)? {
         let (counted, told) = record.with_dead_band(band, &choice).map_err(Problem::from)?;
         record = counted;
         notes.push(told);

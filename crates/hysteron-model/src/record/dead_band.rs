@@ -13,7 +13,34 @@ pub enum DeadBand {
     Excess(f64),
 }
 
+/// Thresholds that are none of a drive.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum DeadBandError {
+    /// Two thresholds of one drive.
+    #[error("a drive has a dead band or a dead zone, not both")]
+    Both,
+    /// A threshold that is not positive.
+    #[error("expected a positive threshold of the drive, found {0}")]
+    NotPositive(f64),
+}
+
 impl DeadBand {
+    /// A dead band ([`DeadBand::Jump`]) or a dead zone ([`DeadBand::Excess`]), where one is given.
+    ///
+    /// # Errors
+    /// [`DeadBandError`] where both are given, or the threshold is not positive.
+    pub fn given(dead_band: Option<f64>, dead_zone: Option<f64>) -> Result<Option<Self>, DeadBandError> {
+        let band = match (dead_band, dead_zone) {
+            (None, None) => return Ok(None),
+            (Some(threshold), None) => Self::Jump(threshold),
+            (None, Some(threshold)) => Self::Excess(threshold),
+            (Some(_), Some(_)) => return Err(DeadBandError::Both),
+        };
+        let threshold = band.threshold();
+        let is_positive = threshold.is_finite() && threshold > 0.0;
+        if is_positive { Ok(Some(band)) } else { Err(DeadBandError::NotPositive(threshold)) }
+    }
+
     /// The threshold d.
     pub fn threshold(self) -> f64 {
         match self {
@@ -87,6 +114,15 @@ mod tests {
         let drive = Record { channels: vec![record.channels[1].clone()], ..record };
         let (counted, _) = drive.with_dead_band(DeadBand::Jump(2.0), &ChannelChoice::default()).unwrap();
         assert_eq!(counted.channels[0].samples, [0.0, -2.5]);
+    }
+
+    #[test]
+    fn a_drive_has_one_positive_threshold_or_none() {
+        assert_eq!(DeadBand::given(None, None), Ok(None));
+        assert_eq!(DeadBand::given(None, Some(2.0)), Ok(Some(DeadBand::Excess(2.0))));
+        assert_eq!(DeadBand::given(Some(2.0), Some(2.0)), Err(DeadBandError::Both));
+        assert_eq!(DeadBand::given(Some(-0.5), None), Err(DeadBandError::NotPositive(-0.5)));
+        assert!(DeadBand::given(Some(f64::NAN), None).is_err());
     }
 
     #[test]

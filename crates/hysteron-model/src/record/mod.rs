@@ -51,7 +51,7 @@ mod unit;
 
 pub use channel::{header_of, split_header};
 pub use cut::{Admitted, Condition, Cut, CutError, Turns};
-pub use dead_band::DeadBand;
+pub use dead_band::{DeadBand, DeadBandError};
 pub use delay::{
     DelayFinding, Response, delay_from_phase, find_delay, fundamental_response, low_frequency_responses,
 };

@@ -195,13 +195,7 @@ fn check(workspace: &Workspace, id: &str, settings: &RecordSettings) -> Answer<(
     if settings.sample_rate_hz.is_some_and(|rate| rate <= 0.0) {
         return Err(Refused::bad("the sample rate must be positive"));
     }
-    let mut thresholds = settings.dead_band.iter().chain(&settings.dead_zone);
-    if !thresholds.all(|threshold| threshold.is_finite() && *threshold > 0.0) {
-        return Err(Refused::bad("the threshold of a dead band or dead zone is positive"));
-    }
-    if settings.dead_band.is_some() && settings.dead_zone.is_some() {
-        return Err(Refused::bad("a drive has a dead band or a dead zone, not both"));
-    }
+    settings.band().map_err(Refused::bad)?;
     for scale in &settings.scales {
         scale.parse::<hysteron_model::record::Scale>().map_err(Refused::bad)?;
     }
