@@ -9,7 +9,6 @@
 
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hysteresis::HysteresisForm;
-use hysteron_model::record::span;
 
 use super::facts::RecordFacts;
 use super::options::{Choice, DynamicsChoice, FamilyChoice, Method, Options};
@@ -23,7 +22,7 @@ const DEGREE: usize = 2;
 /// is none.
 pub(super) fn beside_wide_moves(facts: &[RecordFacts]) -> Option<(f64, f64)> {
     let of = |facts: &RecordFacts| {
-        let wide = 0.5 * span(&facts.data.u);
+        let wide = 0.5 * facts.range_v();
         let oscillations = facts.data.segments().into_iter().filter(|s| s.gain.is_some());
         let smallest = oscillations.map(|s| s.amplitude).reduce(f64::min)?;
         (smallest < SMALL * wide).then_some((smallest, wide))

@@ -2,7 +2,8 @@
 
 use super::IdentifyError;
 use hysteron_model::record::{
-    InputOutput, Periods, Swings, TimeBase, Timing, find_periods, shortest_swing, span, turning_points,
+    InputOutput, Periods, Swings, TimeBase, Timing, find_periods, range_of, shortest_swing, span,
+    turning_points,
 };
 use hysteron_model::validate::{first_cycle, settled_period, settling_samples};
 
@@ -26,6 +27,8 @@ const AT_REST: f64 = 0.01;
 #[derive(Clone, Debug)]
 pub(super) struct RecordFacts {
     pub(super) data: InputOutput,
+    /// Lowest and highest value of the drive.
+    pub(super) ends: (f64, f64),
     pub(super) periods: Option<Periods>,
     /// Shortest time between two reversals of the drive, in samples (its 10 % quantile).
     pub(super) shortest_swing: usize,
@@ -35,11 +38,12 @@ pub(super) struct RecordFacts {
 
 impl RecordFacts {
     pub(super) fn new(data: InputOutput) -> Self {
+        let ends = range_of(&data.u);
         let periods = find_periods(&data).ok();
         let shortest_swing = shortest_swing(&data.u);
         let uneven = matches!(data.time, TimeBase::NonUniform { .. });
         let swings = if uneven { Swings::of(&data.u, &data.time) } else { None };
-        Self { data, periods, shortest_swing, swings }
+        Self { data, ends, periods, shortest_swing, swings }
     }
 
     /// These facts with the first `samples` not valid.
@@ -59,7 +63,7 @@ impl RecordFacts {
     }
 
     pub(super) fn range_v(&self) -> f64 {
-        span(&self.data.u)
+        self.ends.1 - self.ends.0
     }
 
     /// The drive's samples.

@@ -9,7 +9,6 @@ use super::campaign::JointMember;
 use super::setup::JointSetup;
 use hysteron_model::Start;
 use hysteron_model::hysteresis::{DriveSpan, Search, ShapeNumber};
-use hysteron_model::record::range_of;
 use hysteron_optimize::Range;
 
 /// Exponent to start from where it is searched.
@@ -71,12 +70,11 @@ impl JointSetup<'_> {
     /// from there to the farther end of the range; half of the range for a steady state.
     pub(super) fn farthest(&self) -> f64 {
         let of_member = |member: &JointMember<'_>| {
-            let u = &member.facts.data.u;
-            let (low, high) = range_of(u);
+            let (low, high) = member.facts.ends;
             let first = match member.before {
                 Start::Rest { voltage_v } => voltage_v,
                 _ if member.before == Start::PERIODIC => 0.5 * (low + high),
-                _ => u[0],
+                _ => member.facts.data.u[0],
             };
             (high - first).max(first - low)
         };
@@ -102,13 +100,13 @@ impl JointSetup<'_> {
 
     /// Lowest and highest voltage of all records.
     fn span(&self) -> (f64, f64) {
-        let spans = self.members.iter().map(|member| range_of(&member.facts.data.u));
+        let spans = self.members.iter().map(|member| member.facts.ends);
         spans.fold((f64::MAX, f64::MIN), |(low, high), (l, h)| (low.min(l), high.max(h)))
     }
 
     /// Search range of the memory of a record.
     pub(super) fn memory_range(&self, record: usize) -> (f64, f64) {
-        let ends = range_of(&self.members[record].facts.data.u).into();
+        let ends = self.members[record].facts.ends.into();
         self.hysteresis.description().memory_range(ends, self.scales.range_v).into()
     }
 
@@ -120,8 +118,8 @@ impl JointSetup<'_> {
     /// Memory to start a record from: fresh at its first sample, or `settled` on loops like those of the
     /// record.
     pub(super) fn first_memory(&self, shape: &[f64], settled: bool, record: usize) -> f64 {
-        let u = &self.members[record].facts.data.u;
+        let facts = self.members[record].facts;
         let family = self.hysteresis.description();
-        family.first_memory(shape, u[0], range_of(u).into(), self.scales.range_v, settled)
+        family.first_memory(shape, facts.data.u[0], facts.ends.into(), self.scales.range_v, settled)
     }
 }

@@ -23,7 +23,6 @@ use hysteron_model::Start;
 use hysteron_model::dynamics::DynamicForm;
 use hysteron_model::hammerstein::Model;
 use hysteron_model::model_file::polynomial_name;
-use hysteron_model::record::range_of;
 use hysteron_model::validate::{Scoring, choose_start, mean_residual, score};
 use hysteron_optimize::{OptimizeError, Problem};
 use rayon::prelude::*;
@@ -229,7 +228,7 @@ fn simulated(
 ) -> Result<Vec<RecordFit>, IdentifyError> {
     let range_v = members
         .iter()
-        .map(|m| range_of(&m.facts.data.u))
+        .map(|m| m.facts.ends)
         .fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
     let simulate = |(index, member): (usize, &JointMember<'_>)| {
         let mut data = member.facts.data.clone();
@@ -253,20 +252,25 @@ fn simulated(
             simulated.resize(data.len(), f64::NAN);
             data.valid.get_or_insert_with(|| vec![true; simulated.len()])[samples..].fill(false);
         }
-        Ok((data, start, simulated))
+        Ok((data, start, simulated, samples))
     };
     // The first error in the order of the records, independently of the threads.
     let outputs: Vec<Result<_, IdentifyError>> = members.par_iter().enumerate().map(simulate).collect();
     let mut outputs = outputs.into_iter().collect::<Result<Vec<_>, _>>()?;
     if options.demands.fixed(OFFSET).is_none() {
         model.offset = mean_residual(&outputs[0].0, &outputs[0].2)?;
-        outputs.iter_mut().flat_map(|(.., simulated)| simulated).for_each(|y| *y += model.offset);
+        outputs.iter_mut().flat_map(|(_, _, simulated, _)| simulated).for_each(|y| *y += model.offset);
     }
     let fits: Vec<_> = outputs
         .into_par_iter()
         .zip(roles)
-        .map(|((data, start, simulated), role)| {
-            let scores = score(&data, &simulated, &Scoring::default())?;
+        .map(|((data, start, simulated, samples), role)| {
+            let scores = match data.len() {
+                all if samples < all => {
+                    score(&data.cropped(0..samples)?, &simulated[..samples], &Scoring::default())?
+                }
+                _ => score(&data, &simulated, &Scoring::default())?,
+            };
             let sines = SineResponse::of_record(&data, &simulated);
             Ok(RecordFit { data, role: *role, start, scores, simulated, band: None, sines })
         })

@@ -47,8 +47,12 @@ impl<'a> FittedOptimum<'a> {
         let Optimum { mut setup, problem, mut search, degree, best, degrees } = optimum;
         let searched = if reduced { Rate::Reduced } else { Rate::Own };
         let best = if reduced { finely(&setup, (degree, best), engine)? } else { best };
-        let mut thinned =
-            if reduced { Some((setup.problem(degree, Rate::Reduced)?, best.clone())) } else { None };
+        // A stop leaves no time for a problem that nobody asks anymore.
+        let mut thinned = if reduced && !engine.is_stopped() {
+            Some((setup.problem(degree, Rate::Reduced)?, best.clone()))
+        } else {
+            None
+        };
         let Some((mut whole, mut x, mut cost)) = polished(&setup, (degree, best), searched, engine)? else {
             let (x, degree) = (search.outcome.best.clone(), problem.degree());
             let (between, reduction) = (None, None);

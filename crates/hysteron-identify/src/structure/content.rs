@@ -1,7 +1,7 @@
 //! Content of a record's drive: amplitudes, frequencies, and their variation along the record.
 
 use super::super::RecordFacts;
-use hysteron_model::record::{ExcitationKind, excitation_kind, range_of, turning_points};
+use hysteron_model::record::{ExcitationKind, excitation_kind, turning_points};
 
 /// Amplitudes, middles or frequencies that differ by less than this share are the same.
 pub(super) const SAME: f64 = 0.05;
@@ -24,7 +24,7 @@ pub struct Content {
 impl Content {
     pub(in super::super) fn of(facts: &RecordFacts) -> Self {
         let u = &facts.data.u;
-        let (low, high) = range_of(u);
+        let (low, high) = facts.ends;
         let turns = turning_points(u, SMALLEST_SWING * (high - low));
         let swings = turns.windows(2).map(|w| 0.5 * (w[1].value - w[0].value).abs());
         let (mut smallest, mut largest) = (f64::INFINITY, 0f64);
