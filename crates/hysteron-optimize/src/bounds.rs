@@ -134,6 +134,17 @@ mod tests {
     }
 
     #[test]
+    fn a_value_within_a_billionth_of_the_range_from_a_bound_is_at_it() {
+        for range in [Range::linear("a", -0.1, 0.7), Range::logarithmic("b", 3e-4, 7e5)] {
+            for (t, at_end) in [(0.0, true), (1e-10, true), (1e-6, false), (0.5, false), (1.0 - 1e-6, false)]
+            {
+                assert_eq!(range.is_end(range.from_unit(t)), at_end, "{t}");
+            }
+            assert!(range.is_end(range.from_unit(1.0 - 1e-10)) && range.is_end(range.high));
+        }
+    }
+
+    #[test]
     fn middle_of_a_logarithmic_range_is_the_geometric_mean() {
         let range = Range::logarithmic("b", 1e-2, 1e4);
         assert!((range.from_unit(0.5) - 10.0).abs() < 1e-13);

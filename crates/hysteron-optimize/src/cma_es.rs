@@ -295,6 +295,20 @@ mod tests {
         assert!((c.expected_length - 3.084_746).abs() < 1e-4, "{}", c.expected_length);
     }
 
+    /// In the first generation p_σ has the length √(c_σ (2 − c_σ) μ_eff) ‖Σ w z‖, its stationary length that share of
+    /// √(1 − (1 − c_σ)²): beyond (1.4 + 2/(n + 1)) E‖N(0, I)‖ the covariance path stands still.
+    #[test]
+    fn covariance_path_stands_still_after_a_long_first_step() {
+        let constants = Constants::new(6, 2);
+        let longest = (1.4 + 2.0 / 3.0) * constants.expected_length / constants.effective.sqrt();
+        for (share, stands_still) in [(0.95, false), (1.05, true)] {
+            let mut distribution = Distribution::around(vec![0.5; 2], &CmaEsOptions::default(), 0);
+            let bz = DMatrix::from_fn(2, 6, |row, _| if row == 0 { share * longest } else { 0.0 });
+            distribution.adapt(&constants, &[0, 1, 2, 3, 4, 5], &bz, &bz);
+            assert_eq!(distribution.covariance_path == [0.0, 0.0], stands_still, "{share}");
+        }
+    }
+
     #[test]
     fn space_is_the_box_mirrored_at_its_walls() {
         for (t, place) in [(0.25, 0.25), (1.25, 0.75), (-0.25, 0.25), (2.25, 0.25), (-1.5, 0.5), (3.0, 1.0)] {

@@ -192,3 +192,38 @@ impl<P: LeastSquaresProblem> EvaluateResiduals for Evaluator<'_, P> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicUsize;
+    use std::time::{Duration, Instant};
+
+    use super::super::test_problems::{Cost, cube};
+    use super::*;
+
+    static BEGUN: AtomicUsize = AtomicUsize::new(0);
+
+    /// 0 where the other one begins while this one waits.
+    fn waiting(_: &[f64]) -> f64 {
+        BEGUN.fetch_add(1, Ordering::SeqCst);
+        let end = Instant::now() + Duration::from_secs(20);
+        while BEGUN.load(Ordering::SeqCst) < 2 {
+            if Instant::now() > end {
+                return 1.0;
+            }
+            std::thread::yield_now();
+        }
+        0.0
+    }
+
+    #[test]
+    fn two_threads_compute_at_the_same_time() {
+        let problem = Cost { bounds: cube(1, 0.0, 1.0), cost: waiting };
+        let mut points = Points::new(1);
+        points.push(&[0.25]);
+        points.push(&[0.75]);
+        let mut costs = Vec::new();
+        Evaluator::new(&problem, Some(2), None).unwrap().costs(&points, &mut costs);
+        assert_eq!(costs, [0.0, 0.0]);
+    }
+}

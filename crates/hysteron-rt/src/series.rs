@@ -239,6 +239,21 @@ mod tests {
     }
 
     #[test]
+    fn derivatives_of_the_relaxation_are_those_of_its_definition() {
+        for (kappa, d) in [(0.3, 1.7), (-2.5, 0.8), (4.0, 0.01)] {
+            let of = |value: f64, index: usize| crate::Dual::<f64, 2>::variable(value, index);
+            let (decay, reach) = relaxation(of(kappa, 0), of(d, 1));
+            let e = libm::exp(-kappa * d);
+            let wanted = [[-d * e, -kappa * e], [(d * e - (1.0 - e) / kappa) / kappa, e]];
+            for (found, wanted) in [decay, reach].iter().zip(wanted) {
+                for (found, wanted) in found.partials.iter().zip(wanted) {
+                    assert!((found - wanted).abs() < 1e-11 * wanted.abs(), "{kappa} {d}: {found} {wanted}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn slope_of_the_relaxation_is_its_series_on_every_tier() {
         // d² E'(x), E'(x) = Σ (−1)ᵏ k xᵏ⁻¹/(k+1)!: up to |x| = 2 the series is an oracle good to a few units.
         for k in -4000..=4000_i32 {

@@ -180,6 +180,29 @@ fn a_start_that_is_refused_does_not_move_the_drive() {
     let drive = compensator.step(6.0);
     assert!((drive.voltage - 3.0).abs() < 1e-12 && drive.limited == Limited::No, "{drive:?}");
     assert_eq!(compensator.rest_after(f64::NAN, 3.0), Err(ModelError::NotFinite));
+    assert_eq!(compensator.rest_after(3.0, f64::NAN), Err(ModelError::NotFinite));
+    assert_eq!((compensator.voltage(), compensator.displacement()), (drive.voltage, 6.0));
+}
+
+#[test]
+fn a_saved_compensator_goes_on_with_the_same_bits() {
+    for kind in KINDS {
+        let (mut parts, mut other) = (Parts::<f64>::new(kind), Parts::<f64>::new(kind));
+        let (mut compensator, mut twin) = (parts.compensator(kind, LIMITS), other.compensator(kind, LIMITS));
+        compensator.rest_at(4.0).unwrap();
+        compensator.measured_at_rest(motion(0)).unwrap();
+        for k in 0..57 {
+            compensator.step(motion(k));
+        }
+        let mut bytes = vec![0; compensator.saved_bytes()];
+        compensator.save(7, &mut bytes).unwrap();
+        twin.restore(7, &bytes).unwrap();
+        assert_eq!(twin.displacement().to_bits(), compensator.displacement().to_bits());
+        for k in 57..200 {
+            let [own, restored] = [compensator.step(motion(k)), twin.step(motion(k))];
+            assert_eq!(own, restored, "{kind:?} {k}");
+        }
+    }
 }
 
 #[test]

@@ -221,6 +221,20 @@ fn a_rest_is_a_rest_and_a_start_has_no_jump() {
     assert!((model.step(2.5).unwrap() - before).abs() < 1e-12);
 }
 
+/// With means the offset is added, not multiplied: at the end of a run of equal voltages the displacement is that at
+/// rest.
+#[test]
+fn means_leave_what_is_at_rest() {
+    let mut block = Block::<f64>::new();
+    let hysteresis = Hysteresis::new(&[0.8], Operator::None).unwrap();
+    let mut model = Model::new(hysteresis, block.linear(), 3.5).unwrap().with_means().unwrap();
+    let rest = model.rest_at(2.0).unwrap();
+    assert!((rest - (3.5 + 1.6 * Block::<f64>::rest_gain())).abs() < 1e-12, "{rest}");
+    for _ in 0..10 {
+        assert!((model.step(2.0).unwrap() - rest).abs() < 1e-12);
+    }
+}
+
 #[test]
 fn half_way_is_where_two_half_moves_meet() {
     let operators = [1.0, 2.0].map(|n| BoucWen::new(0.5, 0.11, 0.02, n).unwrap());

@@ -89,12 +89,17 @@ pub(super) fn weights(
     Some(FittedSections { taps: all_taps, poles })
 }
 
-/// Least squares with columns of unit length, small singular values left out.
+/// Least squares with columns of unit length, small singular values left out; `None` where a response is beyond
+/// all numbers.
 fn solve(mut matrix: DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
     if matrix.ncols() == 0 {
         return Some(DVector::zeros(0));
     }
-    let lengths: Vec<f64> = matrix.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
+    let lengths: Vec<f64> = matrix.column_iter().map(|c| c.norm()).collect();
+    if !lengths.iter().all(|length| length.is_finite()) {
+        return None;
+    }
+    let lengths: Vec<f64> = lengths.into_iter().map(|length| length.max(f64::MIN_POSITIVE)).collect();
     for (mut column, length) in matrix.column_iter_mut().zip(&lengths) {
         column /= *length;
     }

@@ -109,3 +109,23 @@ fn difference_into_an_infeasible_region_is_taken_to_the_other_side() {
     let error = residual_jacobian(&point, &[0.5], Differences::default()).unwrap_err();
     assert!(matches!(error, OptimizeError::NotDifferentiable { .. }), "{error}");
 }
+
+/// Where the first step of a parameter is infeasible the other side takes an evaluation of the budget, and the second
+/// half of a central difference does not begin.
+#[test]
+fn central_differences_keep_to_the_budget() {
+    let wall = |x: &[f64], out: &mut [f64]| {
+        out[0] = x[0] + x[1];
+        x[0] <= 0.5
+    };
+    let problem = Residuals { bounds: cube(2, 0.0, 1.0), count: 1, residuals: wall };
+    let at = [0.5, 0.5];
+    let settings = Settings { starts: vec![at.to_vec()], budget: Some(4), ..Settings::default() };
+    let mut evaluator = Evaluator::new(&problem, None, None).unwrap();
+    let mut residuals = UnitResiduals::new(&problem.bounds, &mut evaluator);
+    let mut ledger = Ledger::new(2);
+    assert!(residuals.load(&at));
+    let ended = residuals.differentiate(&at, Differences::central(), &settings, &mut ledger);
+    assert!(matches!(ended, Err(LocalStatus::Budget)));
+    assert_eq!(ledger.evaluations, 3);
+}

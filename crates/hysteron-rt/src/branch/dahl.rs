@@ -44,3 +44,19 @@ impl<S: Scalar> BranchLaw<S> for Dahl<S> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// For i < 1 the state reaches its end within finite way, and stays; from beyond it returns there.
+    #[test]
+    fn a_state_at_its_end_stays() {
+        let law = Dahl { reach: 2.0_f64, exponent: 0.5 };
+        for (y, from, to, moved) in
+            [(2.0, 0.0, 1.0, 0.0), (-2.0, 1.0, 0.0, 0.0), (2.25, 0.0, 1.0, -0.25), (-2.25, 0.0, -1.0, 0.25)]
+        {
+            assert_eq!(law.increment(y, from, to), moved);
+        }
+    }
+}

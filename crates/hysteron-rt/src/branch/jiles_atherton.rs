@@ -277,6 +277,46 @@ fn slope_at<T: Real>(x: T, value: T) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Dual;
+
+    /// A loop much wider than a and k: long panels and parts of short ones.
+    #[test]
+    fn a_move_is_the_sum_of_its_parts() {
+        let law = JilesAtherton { anhysteretic: 0.2_f64, pinning: 0.1, reversibility: 0.3, coupling: 0.05 };
+        let (mut p, mut u) = (0.0, 0.0);
+        for to in [0.5, -0.3, 0.4] {
+            let whole = law.increment(p, u, to);
+            let (start, from) = (p, u);
+            for k in 1..=400 {
+                let next = from + (to - from) * f64::from(k) / 400.0;
+                p += law.increment(p, u, next);
+                u = next;
+            }
+            assert!((p - start - whole).abs() < 1e-11, "to {to}: {:e}", p - start - whole);
+        }
+    }
+
+    #[test]
+    fn derivatives_are_central_differences() {
+        let numbers = [1.0, 0.5, 0.2, 0.8, 1.3];
+        let moved = |[anhysteretic, pinning, reversibility, coupling, to]: [f64; 5]| {
+            JilesAtherton { anhysteretic, pinning, reversibility, coupling }.increment(0.1, 0.2, to)
+        };
+        let at = |index: usize| Dual::<f64, 5>::variable(numbers[index], index);
+        let law =
+            JilesAtherton { anhysteretic: at(0), pinning: at(1), reversibility: at(2), coupling: at(3) };
+        let found = law.increment(Dual::constant(0.1), Dual::constant(0.2), at(4));
+        assert!((found.value - moved(numbers)).abs() < 1e-14);
+        for (k, slope) in found.partials.into_iter().enumerate() {
+            let beside = |step: f64| {
+                let mut numbers = numbers;
+                numbers[k] += step;
+                moved(numbers)
+            };
+            let want = (beside(1e-5) - beside(-1e-5)) / 2e-5;
+            assert!((slope - want).abs() < 1e-8, "{k}: {slope} {want}");
+        }
+    }
 
     #[test]
     fn langevin_function_by_its_series_and_by_its_definition() {

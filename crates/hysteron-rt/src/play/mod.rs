@@ -259,3 +259,28 @@ impl<'a, T: Real> PlayBank<'a, T> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Dual;
+
+    /// max(low, min(high, state)) and the derivative of the one that it is, where sides cross too.
+    #[test]
+    fn a_play_takes_the_derivative_of_the_side_that_holds_it() {
+        let at = |value: f64, index: usize| Dual::<f64, 3>::variable(value, index);
+        for (low, high, state, holds) in [
+            (-1.0, 2.0, 5.0, 1),
+            (-1.0, 2.0, -5.0, 0),
+            (-1.0, 2.0, 0.5, 2),
+            (3.0, 2.0, 5.0, 0),
+            (3.0, 2.0, 1.0, 0),
+        ] {
+            let found = between([at(low, 0), at(high, 1)], at(state, 2));
+            assert_eq!(found.value, f64::max(low, f64::min(high, state)));
+            assert_eq!(found.value, between([low, high], state));
+            let expected = [0, 1, 2].map(|k| f64::from(u8::from(k == holds)));
+            assert_eq!(found.partials, expected, "{low} {high} {state}");
+        }
+    }
+}

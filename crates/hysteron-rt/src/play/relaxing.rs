@@ -210,3 +210,24 @@ fn soft_least<S: Scalar>(sigma: S, a: S, b: S) -> S {
 fn not_negative<S: Scalar>(x: S) -> S {
     if x.value() < S::Real::of(0.0) { S::constant(S::Real::of(0.0)) } else { x }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Closed forms of ∫ (1 − x)², ∫ 2x(1 − x), ∫ x² over a range of 3; straight with the slope at the end beyond it.
+    #[test]
+    fn integrals_of_the_bernstein_polynomials() {
+        let [low, span] = [-1.0, 3.0];
+        for x in [-0.5_f64, 0.0, 0.25, 0.7, 1.0, 1.5] {
+            let inner = x.clamp(0.0, 1.0);
+            let [square, cube] = [inner * inner, inner * inner * inner];
+            let [below, above] = [x.min(0.0), (x - 1.0).max(0.0)];
+            let wanted = [inner - square + cube / 3.0 + below, square - 2.0 / 3.0 * cube, cube / 3.0 + above];
+            let found = bernstein_integrals([low, low + span], low + span * x);
+            for (found, wanted) in found.into_iter().zip(wanted) {
+                assert!((found - span * wanted).abs() < 1e-15, "{x}: {found} {}", span * wanted);
+            }
+        }
+    }
+}
