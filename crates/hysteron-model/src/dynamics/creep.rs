@@ -209,3 +209,14 @@ fn logarithmic<S: Number, const T: usize>(per_decade: S, start: S) -> (Sum<S, T>
         Sum::whole(d.iter().zip(powers).map(|(d, power)| power.scale(*d))),
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn elements_are_those_of_the_kind_that_has_them() {
+        assert_eq!(Creep::KelvinVoigt { elements: 3 }.elements(), 3);
+        assert_eq!([Creep::None.elements(), Creep::Fractional.elements()], [0, 0]);
+    }
+}

@@ -159,6 +159,20 @@ mod tests {
         assert_eq!(delayed(&[], 1.0, 1.0, InterSample::BandLimited, 0.0).unwrap(), [0.0; 0]);
     }
 
+    /// The record goes on past its end with its value and slope: only a bend is left there.
+    #[test]
+    fn band_limited_does_not_ring_where_a_record_ends_on_its_way() {
+        let way = |t: f64| 2.0 + if t > 0.0 { 1.0 - (0.03 * t).cos() } else { 0.0 };
+        let signal: Vec<f64> = (0..600).map(|k| way(k as f64)).collect();
+        for shift in [0.37, 2.5] {
+            let found = delayed(&signal, shift * 1e-3, 1000.0, InterSample::BandLimited, 2.0).unwrap();
+            for (k, y) in found.iter().enumerate().skip(500) {
+                let expected = way(k as f64 - shift);
+                assert!((y - expected).abs() < 1e-3, "{shift} {k}: {y} {expected}");
+            }
+        }
+    }
+
     #[test]
     fn band_limited_is_exact_for_a_smooth_pulse() {
         let pulse = |t: f64| 2.0 + (-((t - 300.0) / 12.0).powi(2)).exp() * (0.9 * t).sin();

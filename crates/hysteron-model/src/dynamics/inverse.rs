@@ -139,3 +139,39 @@ impl SimulationPlan {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Scheme;
+    use super::*;
+    use crate::Start;
+
+    fn plan() -> SimulationPlan {
+        SimulationPlan::new(40, 1000.0, Scheme::BandLimited, Start::PERIODIC).unwrap()
+    }
+
+    /// e^(−iωτ) b: the delay turns every frequency backwards, and half the sample rate is real.
+    #[test]
+    fn a_delayed_gain_turns_the_phase() {
+        let plan = plan();
+        let gain = Arx { a: vec![], b: vec![2.0] };
+        let mut response = plan.empty_values();
+        plan.arx_response(&gain, 0.0013, &mut response).unwrap();
+        for (bin, value) in response.values.iter().enumerate().take(20) {
+            let wanted = Complex64::from_polar(2.0, -2.0 * PI * bin as f64 / 40.0 * 1.3);
+            assert!((value - wanted).norm() < 1e-12, "{bin}: {value} {wanted}");
+        }
+        assert_eq!(response.values.len(), 21);
+        assert!((response.values[20] - 2.0 * (PI * 1.3).cos()).norm() < 1e-12);
+    }
+
+    #[test]
+    fn what_has_no_gain_at_the_bandwidth_is_refused_by_the_highest_frequency() {
+        let plan = plan();
+        let mut response = plan.empty_values();
+        response.values.fill(Complex64::ZERO);
+        let refused = plan.inverse(&response, InverseAim { bandwidth_hz: 100.0, error: 0.1 }).unwrap_err();
+        let DynamicsError::Bandwidth { bandwidth_hz, highest_hz } = refused else { panic!("{refused}") };
+        assert_eq!((bandwidth_hz, highest_hz), (100.0, 500.0));
+    }
+}

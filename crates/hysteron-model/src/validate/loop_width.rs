@@ -82,3 +82,20 @@ impl Mean {
         (self.count > 0).then(|| self.sum / self.count as f64)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A curved loop of few samples: upwards y passes the middle half-way from 1 to 2, downwards from 2.6 to 1.8.
+    #[test]
+    fn opening_is_read_between_the_samples_beside_the_middle() {
+        let u = [-1.0, -0.3, 0.3, 1.0, 0.3, -0.3, -1.0];
+        let y = [0.0, 1.0, 2.0, 3.0, 2.6, 1.8, 0.0];
+        let found = loop_opening(&u, &y, &[true; 7]).unwrap();
+        assert!((found - (2.2 - 1.5)).abs() < 1e-14, "{found}");
+        let reversed: Vec<f64> = y.iter().rev().copied().collect();
+        assert!((loop_opening(&u, &reversed, &[true; 7]).unwrap() + found).abs() < 1e-14);
+        assert_eq!(loop_opening(&u, &y, &[true, true, true, true, true, false, true]), None);
+    }
+}
