@@ -180,8 +180,20 @@ fn a_start_that_is_refused_does_not_move_the_drive() {
     let drive = compensator.step(6.0);
     assert!((drive.voltage - 3.0).abs() < 1e-12 && drive.limited == Limited::No, "{drive:?}");
     assert_eq!(compensator.rest_after(f64::NAN, 3.0), Err(ModelError::NotFinite));
-    assert_eq!(compensator.rest_after(3.0, f64::NAN), Err(ModelError::NotFinite));
-    assert_eq!((compensator.voltage(), compensator.displacement()), (drive.voltage, 6.0));
+}
+
+#[test]
+fn a_start_that_is_no_number_changes_nothing() {
+    for kind in KINDS {
+        let (mut parts, mut other) = (Parts::<f64>::new(kind), Parts::<f64>::new(kind));
+        let (mut compensator, mut twin) = (parts.compensator(kind, LIMITS), other.compensator(kind, LIMITS));
+        for k in 0..200 {
+            let wanted = motion(k);
+            assert_eq!(compensator.step(wanted), twin.step(wanted), "{kind:?} {k}");
+            assert_eq!(compensator.rest_after(3.0, f64::NAN), Err(ModelError::NotFinite));
+            assert_eq!(compensator.rest_after(f64::INFINITY, 3.0), Err(ModelError::NotFinite));
+        }
+    }
 }
 
 #[test]
