@@ -176,3 +176,22 @@ impl Ray<'_> {
         Ok(turned - (here.value * last.unit.conj()).arg())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 1/(1 + d s + s²): a damping ratio of d/2 is an undamped oscillation up to 1e-11.
+    #[test]
+    fn a_pole_counts_as_on_the_axis_up_to_1e11_of_the_terms() {
+        let of_damping = |d| {
+            let terms = [Term::new(1.0, 0.0), Term::new(d, 1.0), Term::new(1.0, 2.0)];
+            stability(&TransferFunction::new(vec![Term::new(1.0, 0.0)], terms.to_vec()).unwrap())
+        };
+        let Stability::Marginal { frequency_hz } = of_damping(1e-11) else {
+            panic!("{:?}", of_damping(1e-11));
+        };
+        assert!((frequency_hz * TAU - 1.0).abs() < 1e-9, "{frequency_hz} Hz");
+        assert_eq!(of_damping(8e-11), Stability::Stable);
+    }
+}
