@@ -116,8 +116,8 @@ def main() -> None:
             record(place / record_name, samples, rate_hz, phase)
         made = "identify loop.csv sweep.csv --dynamics integer --least-fit 0 -o kept.json"
         subprocess.run([program, *made.split()], cwd=place, check=True, capture_output=True)
-        # As many samples as asked, of the short record again and again.
-        body = (place / "loop.csv").read_text().splitlines()[1:]
+        # As many samples as asked, of loop and sweep again and again: of a loop alone nothing can be compared.
+        body = [row for name in ("loop", "sweep") for row in (place / f"{name}.csv").read_text().splitlines()[1:]]
         if any(" long.csv" in line and line.startswith(options.beginning) for line in lines()):
             with open(place / "long.csv", "w", encoding="utf-8") as out:
                 print("t_s,u_V,y_um", file=out)
