@@ -98,11 +98,11 @@ impl<'a, 'w> Engine<'a, 'w> {
         self.cancelled
     }
 
-    /// The search, or `None` where it failed because of a stop.
-    pub(super) fn unless_stopped<E>(&mut self, search: Result<Search, E>) -> Result<Option<Search>, E> {
-        match search {
+    /// What was found, or `None` where it failed because of a stop.
+    pub(super) fn unless_stopped<T, E>(&mut self, found: Result<T, E>) -> Result<Option<T>, E> {
+        match found {
             Err(_) if self.is_stopped() => Ok(None),
-            search => search.map(Some),
+            found => found.map(Some),
         }
     }
 

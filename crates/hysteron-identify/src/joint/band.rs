@@ -24,7 +24,7 @@ use hysteron_model::model::{BandScore, Remark, Score};
 use hysteron_model::record::{InputOutput, InterSample, Timing};
 use hysteron_model::{Finding, Start};
 use hysteron_numeric::normal::quantile;
-use hysteron_optimize::{Bounds, Problem};
+use hysteron_optimize::{Bounds, Problem, Stop};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -224,23 +224,26 @@ impl OutputUncertainty {
             }
             _ => TimedDrive::new((drive, ends), timing, scheme, self.inter_sample, depends_on)?,
         };
-        let record = JointRecord::new(Ingredients {
-            drive: fine.as_deref().unwrap_or(drive),
-            thinning,
-            factor: 1,
-            every: 1,
-            output: vec![0.0; drive.len()],
-            weighting: vec![1.0; drive.len()].into(),
-            before,
-            transients: false,
-            offset_is_held: false,
-            nuisance: Vec::new(),
-            cycles: 1,
-            degree: self.layout.polynomial.len(),
-            clock,
-            scheme: self.scheme,
-            sampling: Sampling { reconstruction: self.inter_sample, ..Sampling::of(self.scheme) },
-        })?;
+        let record = JointRecord::new(
+            Ingredients {
+                drive: fine.as_deref().unwrap_or(drive),
+                thinning,
+                factor: 1,
+                every: 1,
+                output: vec![0.0; drive.len()],
+                weighting: vec![1.0; drive.len()].into(),
+                before,
+                transients: false,
+                offset_is_held: false,
+                nuisance: Vec::new(),
+                cycles: 1,
+                degree: self.layout.polynomial.len(),
+                clock,
+                scheme: self.scheme,
+                sampling: Sampling { reconstruction: self.inter_sample, ..Sampling::of(self.scheme) },
+            },
+            &Stop::new(),
+        )?;
         let layout = JointLayout { memory: vec![Role::Fixed(memory)], ..self.layout.clone() };
         let problem = JointProblem::new(
             vec![record].into(),

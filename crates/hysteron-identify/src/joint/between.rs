@@ -151,7 +151,8 @@ pub(super) fn compared<'a>(
     let mut best: Option<Better> = None;
     for (index, options) in others.iter().enumerate() {
         let rule = options.inter_sample();
-        let problem = setup.anew(options).problem(degree, Rate::Own)?;
+        let problem = setup.anew(options).problem(degree, Rate::Own);
+        let Some(problem) = engine.unless_stopped(problem)? else { return Ok(None) };
         let fit = resolved_fit(engine, &format!("between samples: {rule}"), &problem, vec![x.to_vec()], None);
         let Some(fit) = engine.unless_stopped(fit)?.filter(|_| !engine.is_stopped()) else { return Ok(None) };
         costs.push((rule, fit.outcome.cost));

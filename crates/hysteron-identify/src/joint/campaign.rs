@@ -11,6 +11,7 @@ use hysteron_model::dynamics::{Sampling, Scheme};
 use hysteron_model::hysteresis::{Hysteresis, RecordEnds};
 use hysteron_model::record::{Dependence, InterSample, Timing, noise_floor, quantisation_step};
 use hysteron_model::validate::{first_cycle, unfollowed_start};
+use hysteron_optimize::Stop;
 
 /// Least samples kept by reduction, per swing of the drive and per record: while the start is searched, which
 /// three harmonics of the drive determine; afterwards, seven harmonics being in the pass band; and of a long
@@ -181,12 +182,12 @@ impl<'a> JointMember<'a> {
         rate: Rate,
         scale: f64,
         degree: usize,
-        options: &Options,
+        (options, stop): (&Options, &Stop),
     ) -> Result<JointRecord, IdentifyError> {
         let Thin { factor, every } = self.thin[rate as usize];
         let (timing, _) = self.facts.require_timing()?;
         if matches!(timing, Timing::Stamps(_)) {
-            return self.prepare_stamps(factor > 1, scale, degree, options);
+            return self.prepare_stamps(factor > 1, scale, degree, (options, stop));
         }
         // A reduced record is band-limited, independently of the scheme.
         let scheme = if factor > 1 { Scheme::BandLimited } else { options.scheme() };
@@ -213,7 +214,7 @@ impl<'a> JointMember<'a> {
             options.inter_sample(),
             Dependence::Order,
         )?;
-        Ok(JointRecord::new(Ingredients {
+        let parts = Ingredients {
             drive: fine.as_ref().unwrap_or(&drive),
             thinning,
             factor: factor / every,
@@ -229,7 +230,8 @@ impl<'a> JointMember<'a> {
             clock,
             scheme,
             sampling: Sampling { reconstruction: options.inter_sample(), ..Sampling::of(scheme) },
-        })?)
+        };
+        JointRecord::new(parts, stop)
     }
 
     /// [`Self::prepare`] for a non-uniformly sampled record. `thin`: only samples that resolve every swing.
@@ -238,7 +240,7 @@ impl<'a> JointMember<'a> {
         thin: bool,
         scale: f64,
         degree: usize,
-        options: &Options,
+        (options, stop): (&Options, &Stop),
     ) -> Result<JointRecord, IdentifyError> {
         let data = &self.facts.data;
         let depends_on = options.family().depends_on();
@@ -280,7 +282,7 @@ impl<'a> JointMember<'a> {
             options.inter_sample(),
             depends_on,
         )?;
-        Ok(JointRecord::new(Ingredients {
+        let parts = Ingredients {
             drive: fine.as_ref().unwrap_or(&drive),
             thinning,
             factor: 1,
@@ -296,7 +298,8 @@ impl<'a> JointMember<'a> {
             clock,
             scheme,
             sampling: Sampling { reconstruction: options.inter_sample(), ..Sampling::of(scheme) },
-        })?)
+        };
+        JointRecord::new(parts, stop)
     }
 
     /// The first start tried for an unknown memory.

@@ -65,11 +65,12 @@ impl<'a> FittedOptimum<'a> {
         if let Some(better) = better.flatten() {
             setup = setup.anew(&others[better.index]);
             if reduced {
-                let problem = setup.problem(degree, Rate::Reduced)?;
-                let fit = resolved_fit(engine, ALL_SAMPLES, &problem, vec![better.x.clone()], None);
-                let fit = engine.unless_stopped(fit)?.map(|fit| fit.outcome.best);
-                let before = thinned.map_or_else(Vec::new, |(_, x)| x);
-                thinned = Some((problem, fit.unwrap_or(before)));
+                let before = thinned.take().map_or_else(Vec::new, |(_, x)| x);
+                if let Some(problem) = engine.unless_stopped(setup.problem(degree, Rate::Reduced))? {
+                    let fit = resolved_fit(engine, ALL_SAMPLES, &problem, vec![better.x.clone()], None);
+                    let fit = engine.unless_stopped(fit)?.map(|fit| fit.outcome.best);
+                    thinned = Some((problem, fit.unwrap_or(before)));
+                }
             }
             (whole, x, cost) = (better.problem, better.x, better.cost);
             let options = resolved(FINAL * resolution(&whole, &x));
@@ -134,7 +135,7 @@ fn polished(
     if engine.is_stopped() {
         return Ok(None);
     }
-    let whole = setup.problem(degree, Rate::Own)?;
+    let Some(whole) = engine.unless_stopped(setup.problem(degree, Rate::Own))? else { return Ok(None) };
     let share = if searched == Rate::Own { FINAL } else { FROM_REDUCED };
     let options = resolved(share * resolution(&setup.problem(degree, searched)?, &best));
     let grown = |x: &[f64]| shown(&whole, x, setup);

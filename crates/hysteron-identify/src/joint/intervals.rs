@@ -230,7 +230,7 @@ mod tests {
     use hysteron_model::Start;
     use hysteron_model::dynamics::{Creep, DynamicForm, Modes, Sampling, Scheme};
     use hysteron_model::hysteresis::HysteresisForm;
-    use hysteron_optimize::Bounds;
+    use hysteron_optimize::{Bounds, Stop};
     use rand::Rng;
     use rand_xoshiro::Xoshiro256PlusPlus;
     use rand_xoshiro::rand_core::SeedableRng;
@@ -244,23 +244,26 @@ mod tests {
             .iter()
             .map(|u| 3.0 + 2.0 * u + (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64)
             .collect();
-        let record = JointRecord::new(Ingredients {
-            drive: &drive,
-            thinning: Thinning::Pick(1),
-            factor: 1,
-            every: 1,
-            output: output.clone(),
-            weighting: vec![1.0; drive.len()].into(),
-            before: Start::Remembering { voltage_v: drive[0], memory: () },
-            transients: false,
-            offset_is_held: false,
-            nuisance: Vec::new(),
-            cycles: 1,
-            degree: 1,
-            clock: Clock::Rate(1000.0),
-            scheme: Scheme::Tustin,
-            sampling: Sampling::of(Scheme::Tustin),
-        })
+        let record = JointRecord::new(
+            Ingredients {
+                drive: &drive,
+                thinning: Thinning::Pick(1),
+                factor: 1,
+                every: 1,
+                output: output.clone(),
+                weighting: vec![1.0; drive.len()].into(),
+                before: Start::Remembering { voltage_v: drive[0], memory: () },
+                transients: false,
+                offset_is_held: false,
+                nuisance: Vec::new(),
+                cycles: 1,
+                degree: 1,
+                clock: Clock::Rate(1000.0),
+                scheme: Scheme::Tustin,
+                sampling: Sampling::of(Scheme::Tustin),
+            },
+            &Stop::new(),
+        )
         .unwrap();
         let layout = JointLayout {
             polynomial: vec![Role::Projected],

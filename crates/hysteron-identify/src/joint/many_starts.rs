@@ -111,8 +111,9 @@ pub(super) fn search_globally(
             Err(_) if engine.is_stopped() => return Ok(search),
             found => found?.0,
         };
-        let guesses = setup.guesses(problem)?.into_iter();
-        let starts = guesses.map(|guess| from_other(&plain, &found.outcome.best, problem, &guess)).collect();
+        let Some(guesses) = engine.unless_stopped(setup.guesses(problem))? else { return Ok(search) };
+        let starts = guesses.into_iter();
+        let starts = starts.map(|guess| from_other(&plain, &found.outcome.best, problem, &guess)).collect();
         let grown = |x: &[f64]| shown(problem, x, setup);
         let fit = resolved_fit(engine, "joint fit with creep", problem, starts, Some(&grown));
         let Some(fit) = engine.unless_stopped(fit)? else { return Ok(search) };

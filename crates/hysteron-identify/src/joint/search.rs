@@ -127,10 +127,12 @@ fn with_degree<'a>(
     let finer = if rate == Rate::Coarse { Rate::Reduced } else { rate };
     let is_final = shorter.is_none() && finer == rate;
     let setup = shorter.unwrap_or(setup);
-    let (problem, rate, search) = if is_final || engine.is_stopped() {
-        (problem, rate, search)
+    let finer_problem = if is_final || engine.is_stopped() {
+        None
     } else {
-        let finer_problem = setup.problem(problem.degree(), finer)?;
+        engine.unless_stopped(setup.problem(problem.degree(), finer))?
+    };
+    let (problem, rate, search) = if let Some(finer_problem) = finer_problem {
         let grown = |x: &[f64]| shown(&finer_problem, x, &setup);
         let start = search.outcome.best.clone();
         let options = resolved(COARSE);
@@ -145,6 +147,8 @@ fn with_degree<'a>(
             }
             None => (problem, rate, search),
         }
+    } else {
+        (problem, rate, search)
     };
     let mut degrees = Vec::new();
     let (degree, best) = if setup.options.degree == Choice::Auto && !engine.is_stopped() {
@@ -253,7 +257,7 @@ fn try_creep(
         return Ok(None);
     }
     let problem = setup.problem(plain.degree(), rate)?;
-    let guesses = setup.guesses(&problem)?;
+    let Some(guesses) = engine.unless_stopped(setup.guesses(&problem))? else { return Ok(None) };
     let mut starts: Vec<_> =
         guesses.first().map(|guess| from_other(plain, best, &problem, guess)).into_iter().collect();
     if found.is_none() {

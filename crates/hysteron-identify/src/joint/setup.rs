@@ -180,7 +180,7 @@ impl<'a> JointSetup<'a> {
         let records = self
             .members
             .par_iter()
-            .map(|member| member.prepare(rate, scale, degree, self.options))
+            .map(|member| member.prepare(rate, scale, degree, (self.options, &self.stop)))
             .collect::<Result<Vec<_>, _>>()?;
         let values = self
             .members

@@ -190,9 +190,14 @@ impl JointSetup<'_> {
 
     /// The problem of the slowest record alone, with `options`, and its starts in order of cost.
     fn slow(&self, options: &Options, degree: usize) -> Result<(JointProblem, Vec<Placed>), IdentifyError> {
-        let index = self.slowest();
-        let members = self.members.get(index..=index).unwrap_or_default();
-        let setup = JointSetup::new(members, self.form, options).stopped_by(&self.stop);
+        let setup = if self.members.len() == 1 {
+            // Its records are those of the search.
+            self.with(self.form, options)
+        } else {
+            let index = self.slowest();
+            let members = self.members.get(index..=index).unwrap_or_default();
+            JointSetup::new(members, self.form, options).stopped_by(&self.stop)
+        };
         let problem = setup.problem(degree, Rate::Reduced)?;
         let lattice = self
             .shapes()
@@ -214,8 +219,13 @@ impl JointSetup<'_> {
         engine: &mut Engine<'_, '_>,
         evaluations: &mut usize,
     ) -> Result<Vec<Loop>, IdentifyError> {
+        if engine.is_stopped() {
+            return Ok(Vec::new());
+        }
         let options = self.fast(whole.bounds());
-        let (problem, shapes) = self.slow(&options, whole.degree())?;
+        let Some((problem, shapes)) = engine.unless_stopped(self.slow(&options, whole.degree()))? else {
+            return Ok(Vec::new());
+        };
         let found = |x: &[f64]| -> Option<Loop> {
             let candidate = problem.candidate(x)?;
             let coefficients = problem.linear_coefficients(x)?;

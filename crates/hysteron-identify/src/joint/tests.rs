@@ -43,23 +43,26 @@ fn records(scheme: Scheme, transients: bool, before: [Start<()>; 2], factor: usi
                 (0..samples).map(|k| if k % often == 5 { 0.0 } else { 1.0 + 0.5 * r as f64 }).collect();
             let ends = if before == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
             let (fine, thinning) = fine_drive(drive, (scheme, true), InterSample::Linear, ends).unwrap();
-            JointRecord::new(Ingredients {
-                drive: fine.as_ref().unwrap_or(drive),
-                thinning,
-                factor,
-                every: 1,
-                output,
-                weighting: weight.into(),
-                before,
-                transients,
-                offset_is_held: false,
-                nuisance: vec![(0..samples).map(|k| k as f64).collect()],
-                cycles: 1,
-                degree: 3,
-                clock: Clock::Rate(1000.0),
-                scheme,
-                sampling: Sampling { reconstruction: InterSample::Linear, ..Sampling::of(scheme) },
-            })
+            JointRecord::new(
+                Ingredients {
+                    drive: fine.as_ref().unwrap_or(drive),
+                    thinning,
+                    factor,
+                    every: 1,
+                    output,
+                    weighting: weight.into(),
+                    before,
+                    transients,
+                    offset_is_held: false,
+                    nuisance: vec![(0..samples).map(|k| k as f64).collect()],
+                    cycles: 1,
+                    degree: 3,
+                    clock: Clock::Rate(1000.0),
+                    scheme,
+                    sampling: Sampling { reconstruction: InterSample::Linear, ..Sampling::of(scheme) },
+                },
+                &Stop::new(),
+            )
             .unwrap()
         })
         .collect()

@@ -116,16 +116,6 @@ impl RecordPlan {
         }
     }
 
-    /// [`Self::prepare_into`] with newly allocated buffers.
-    ///
-    /// # Errors
-    /// Those of [`Self::prepare_into`].
-    pub fn prepare(&self, input: &[f64]) -> Result<PlanInput, DynamicsError> {
-        let mut prepared = self.empty_input();
-        self.prepare_into(input, &mut self.workspace(), &mut prepared)?;
-        Ok(prepared)
-    }
-
     /// The response of `tf` behind a delay \[s\].
     ///
     /// # Errors

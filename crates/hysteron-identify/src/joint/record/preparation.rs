@@ -1,6 +1,7 @@
 //! Quantities computed once per record: its weights, the columns of offset and drift, and u, u², … as inputs
 //! of the dynamics.
 
+use super::super::super::IdentifyError;
 use super::super::super::projection::Projection;
 use super::super::drive::Thinning;
 use super::super::reduction::Reduction;
@@ -8,10 +9,11 @@ use super::super::weighting::Weighting;
 use super::{InputsAndOutput, JointRecord, Spare, rest_voltage};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{
-    DynamicsError, KnotTimes, RecordPlan, Sampling, Scheme, SimulationPlan, StampedPlan,
+    KnotTimes, PlanInput, RecordPlan, Sampling, Scheme, SimulationPlan, StampedPlan,
 };
 use hysteron_model::hysteresis::DriveGrid;
 use hysteron_model::record::Pace;
+use hysteron_optimize::Stop;
 
 /// When the samples of a record were taken.
 pub(crate) enum Clock {
@@ -57,7 +59,11 @@ pub(crate) struct Ingredients<'a> {
 }
 
 impl JointRecord {
-    pub(crate) fn new(parts: Ingredients<'_>) -> Result<Self, DynamicsError> {
+    /// Computes the spectra of all inputs, which takes seconds for millions of samples.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Dynamics`]; [`IdentifyError::Stopped`] where `stop` is requested while it computes them.
+    pub(crate) fn new(parts: Ingredients<'_>, stop: &Stop) -> Result<Self, IdentifyError> {
         let periodic = parts.before == Start::PERIODIC;
         let count = parts.output.len();
         // Samples of the inputs before reduction.
@@ -72,16 +78,14 @@ impl JointRecord {
             inputs: Reduction::new(parts.factor, inputs, periodic),
             output: Reduction::new(parts.factor * parts.every, count, periodic),
         });
-        let reduced = |x: Vec<f64>, filter: fn(&InputsAndOutput, &[f64], &mut [f64])| match &reduction {
+        let output = |x: Vec<f64>| match &reduction {
             None => x,
             Some(reduction) => {
                 let mut out = vec![0.0; reduction.output.rows()];
-                filter(reduction, &x, &mut out);
+                reduction.output.output(&x, &mut out);
                 out
             }
         };
-        let input = |x| reduced(x, |reduction, x, out| reduction.inputs.input(x, 0.0, out));
-        let output = |x| reduced(x, |reduction, x, out| reduction.output.output(x, out));
         let weighting = match &reduction {
             None => parts.weighting,
             Some(reduction) => reduction.output.weights(&parts.weighting.weight).into(),
@@ -117,18 +121,43 @@ impl JointRecord {
             }
         };
         let rest_v = rest_voltage(parts.before, parts.drive);
-        let power = |power: usize| {
-            let power = power as i32;
-            let rest = if periodic { 0.0 } else { rest_v.powi(power) };
-            let fine: Vec<f64> = parts.drive.iter().map(|u| u.powi(power) - rest).collect();
-            let mut own = vec![0.0; inputs];
-            parts.thinning.apply(&fine, &mut own);
-            plan.prepare(&input(own))
+        // Buffers of all inputs: new ones for each take as long as what is computed in them.
+        let mut workspace = plan.workspace();
+        let (mut fine, mut own) = (vec![0.0; parts.drive.len()], vec![0.0; inputs]);
+        let mut rows = vec![0.0; reduction.as_ref().map_or(0, |reduction| reduction.inputs.rows())];
+        let mut prepared = |own: &[f64]| {
+            if stop.is_requested() {
+                return Err(IdentifyError::Stopped);
+            }
+            let mut prepared = PlanInput::none();
+            let input = match &reduction {
+                None => own,
+                Some(reduction) => {
+                    reduction.inputs.input(own, 0.0, &mut rows);
+                    &rows
+                }
+            };
+            plan.prepare_into(input, &mut workspace, &mut prepared)?;
+            Ok(prepared)
         };
-        let powers = (1..=parts.degree).map(power).collect::<Result<_, _>>()?;
-        let transients = parts.transients.then(|| transient_inputs(inputs));
-        let transients =
-            transients.into_iter().flatten().map(|x| plan.prepare(&input(x))).collect::<Result<_, _>>()?;
+        let mut powers = Vec::with_capacity(parts.degree);
+        for power in 1..=parts.degree as i32 {
+            let rest = if periodic { 0.0 } else { rest_v.powi(power) };
+            fine.iter_mut().zip(parts.drive).for_each(|(x, u)| *x = u.powi(power) - rest);
+            parts.thinning.apply(&fine, &mut own);
+            powers.push(prepared(&own)?);
+        }
+        let mut transients = Vec::new();
+        if parts.transients {
+            // Impulses at the first two samples, and a step: their responses span the free transient.
+            for at in [0, 1] {
+                own.fill(0.0);
+                own.iter_mut().skip(at).take(1).for_each(|x| *x = 1.0);
+                transients.push(prepared(&own)?);
+            }
+            own.fill(1.0);
+            transients.push(prepared(&own)?);
+        }
         let valid = weighting.weight.iter().filter(|w| **w > 0.0).count();
         Ok(Self {
             drive: parts.drive.to_vec(),
@@ -150,11 +179,4 @@ impl JointRecord {
             spare: Spare::default(),
         })
     }
-}
-
-/// Inputs whose responses span the free transient from before the record: impulses at the first two samples
-/// and a step.
-fn transient_inputs(samples: usize) -> [Vec<f64>; 3] {
-    let impulse = |at: usize| (0..samples).map(|k| f64::from(u8::from(k == at))).collect();
-    [impulse(0), impulse(1), vec![1.0; samples]]
 }

@@ -7,6 +7,7 @@ use hysteron_model::Start;
 use hysteron_model::dynamics::{Creep, DynamicForm, Linearised, Modes, Sampling, Scheme};
 use hysteron_model::hysteresis::{HysteresisForm, RecordEnds};
 use hysteron_model::record::InterSample;
+use hysteron_optimize::Stop;
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 
@@ -18,24 +19,27 @@ const RATE: f64 = 10_000.0;
 fn record(drive: &[f64], rule: InterSample, before: Start<()>, factor: usize) -> JointRecord {
     let ends = if before == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
     let (fine, thinning) = fine_drive(drive, (Scheme::BandLimited, true), rule, ends).unwrap();
-    JointRecord::new(Ingredients {
-        drive: fine.as_deref().unwrap_or(drive),
-        thinning,
-        factor,
-        every: 1,
-        output: vec![0.0; drive.len()],
-        weighting: vec![1.0; drive.len()].into(),
-        before,
-        transients: false,
-        // Nothing is taken off the columns then.
-        offset_is_held: true,
-        nuisance: Vec::new(),
-        cycles: 1,
-        degree: 2,
-        clock: Clock::Rate(RATE),
-        scheme: Scheme::BandLimited,
-        sampling: Sampling { reconstruction: rule, ..Sampling::of(Scheme::BandLimited) },
-    })
+    JointRecord::new(
+        Ingredients {
+            drive: fine.as_deref().unwrap_or(drive),
+            thinning,
+            factor,
+            every: 1,
+            output: vec![0.0; drive.len()],
+            weighting: vec![1.0; drive.len()].into(),
+            before,
+            transients: false,
+            // Nothing is taken off the columns then.
+            offset_is_held: true,
+            nuisance: Vec::new(),
+            cycles: 1,
+            degree: 2,
+            clock: Clock::Rate(RATE),
+            scheme: Scheme::BandLimited,
+            sampling: Sampling { reconstruction: rule, ..Sampling::of(Scheme::BandLimited) },
+        },
+        &Stop::new(),
+    )
     .unwrap()
 }
 
