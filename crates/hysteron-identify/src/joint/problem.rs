@@ -313,16 +313,13 @@ impl JointProblem {
     /// All parameter values at `x`, the eliminated ones by linear least squares. After a stop those at the
     /// best point so far, which may be a trial point that the search had not yet accepted.
     pub(in super::super) fn solve(&self, x: &[f64]) -> Option<JointSolution> {
-        if self.stop.is_requested() {
-            let best = self.best.lock().unwrap_or_else(PoisonError::into_inner).clone()?;
-            return self.solution(&best.x, &best.coefficients);
-        }
         let mut ws = self.workspace();
-        if !self.eliminate(x, None, &mut ws) {
-            return None;
+        if !self.stop.is_requested() && self.eliminate(x, None, &mut ws) {
+            let coefficients = self.coefficients(x, &mut ws);
+            return self.solution(x, &coefficients);
         }
-        let coefficients = self.coefficients(x, &mut ws);
-        self.solution(x, &coefficients)
+        let best = self.best.lock().unwrap_or_else(PoisonError::into_inner).clone()?;
+        if self.stop.is_requested() { self.solution(&best.x, &best.coefficients) } else { None }
     }
 
     /// All parameter values at `x` with the coefficients of u, u², … and the weights.

@@ -23,7 +23,8 @@ impl JointProblem {
     }
 
     /// Residual after elimination of the linear parameters, into `ws.target`; the columns stay in
-    /// `ws.projection`, the sign-constrained ones in `ws.signed`.
+    /// `ws.projection`, the sign-constrained ones in `ws.signed`. `false` where it cannot be simulated, and after a
+    /// stop.
     pub(super) fn eliminate(&self, x: &[f64], derivatives: Derivatives<'_>, ws: &mut JointWorkspace) -> bool {
         ws.coefficients.clear();
         if !self.respond(x, derivatives, ws) {
@@ -35,6 +36,10 @@ impl JointProblem {
         let JointWorkspace { records, column, target, projection, absolute, eliminated, .. } = ws;
         let mut signed = Vec::new();
         for (index, role) in self.layout.linear().enumerate() {
+            // A column of millions of samples takes a tenth of a second.
+            if self.stop.is_requested() {
+                return false;
+            }
             match role {
                 Role::Projected => {
                     projection.push(|q| self.gather(index, records, q));
@@ -61,19 +66,21 @@ impl JointProblem {
         let count = target.len();
         columns.resize(signed.len() * count, 0.0);
         columns.par_chunks_exact_mut(count.max(1)).zip(signed).for_each(|(column, &(index, sign))| {
-            self.gather(index, records, column);
-            column.iter_mut().for_each(|c| *c *= sign);
-            projection.project(column);
+            if !self.stop.is_requested() {
+                self.gather(index, records, column);
+                column.iter_mut().for_each(|c| *c *= sign);
+                projection.project(column);
+            }
         });
+        if self.stop.is_requested() {
+            return false;
+        }
         let norms: Vec<f64> = columns.par_chunks_exact(count.max(1)).map(|c| dot(c, c).sqrt()).collect();
         let longest = norms.iter().copied().fold(0.0, f64::max);
         let short =
             columns.chunks_exact_mut(count.max(1)).zip(norms).filter(|(_, norm)| *norm < NOTHING * longest);
         short.for_each(|(column, _)| column.fill(0.0));
         let columns: Vec<&[f64]> = columns.chunks_exact(count.max(1)).collect();
-        if self.stop.is_requested() {
-            return false;
-        }
         let used = non_negative_least_squares(&columns, target);
         if used.iter().any(|c| c.is_nan()) {
             return false;
