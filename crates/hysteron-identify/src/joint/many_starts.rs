@@ -112,8 +112,8 @@ pub(super) fn search_globally(
             found => found?.0,
         };
         let Some(guesses) = engine.unless_stopped(setup.guesses(problem))? else { return Ok(search) };
-        let starts = guesses.into_iter();
-        let starts = starts.map(|guess| from_other(&plain, &found.outcome.best, problem, &guess)).collect();
+        let from_found = |guess: &Vec<f64>| from_other(&plain, &found.outcome.best, problem, guess);
+        let starts = guesses.iter().map(from_found).collect();
         let grown = |x: &[f64]| shown(problem, x, setup);
         let fit = resolved_fit(engine, "joint fit with creep", problem, starts, Some(&grown));
         let Some(fit) = engine.unless_stopped(fit)? else { return Ok(search) };

@@ -313,13 +313,19 @@ impl JointProblem {
     /// All parameter values at `x`, the eliminated ones by linear least squares. After a stop those at the
     /// best point so far, which may be a trial point that the search had not yet accepted.
     pub(in super::super) fn solve(&self, x: &[f64]) -> Option<JointSolution> {
-        let mut ws = self.workspace();
-        if !self.stop.is_requested() && self.eliminate(x, None, &mut ws) {
-            let coefficients = self.coefficients(x, &mut ws);
-            return self.solution(x, &coefficients);
+        if !self.stop.is_requested() {
+            let mut ws = self.workspace();
+            if self.eliminate(x, None, &mut ws) {
+                let coefficients = self.coefficients(x, &mut ws);
+                return self.solution(x, &coefficients);
+            }
+            // A stop while it was computed abandoned it.
+            if !self.stop.is_requested() {
+                return None;
+            }
         }
         let best = self.best.lock().unwrap_or_else(PoisonError::into_inner).clone()?;
-        if self.stop.is_requested() { self.solution(&best.x, &best.coefficients) } else { None }
+        self.solution(&best.x, &best.coefficients)
     }
 
     /// All parameter values at `x` with the coefficients of u, u², … and the weights.
