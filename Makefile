@@ -184,7 +184,7 @@ bench-python: python-tools ## what Python costs over the library
 	$(MAKE) $(HYSTERON)
 	$(PYTHON)/bin/python bench/fleet.py $(HYSTERON)
 
-STUDIES := optimum full-size seeds parameters rates blocks track coverage information afm bands design plays families stamps
+STUDIES := optimum full-size seeds parameters rates blocks track coverage information afm bands design plays families levels stamps
 study: ## what the joint identification promises, measured on simulated devices (QUICK=1: a rehearsal)
 study: check-toolchain
 	cargo build --release --locked -p hysteron-bench --bin hysteron-study

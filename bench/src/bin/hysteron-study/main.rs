@@ -10,6 +10,7 @@ mod design;
 mod device;
 mod families;
 mod information;
+mod levels;
 mod optimum;
 mod parameters;
 mod plays;
@@ -34,7 +35,7 @@ struct Study {
     run: fn(usize) -> Outcome<()>,
 }
 
-const STUDIES: [Study; 15] = [
+const STUDIES: [Study; 16] = [
     Study { name: "optimum", counts: "random devices", usual: 200, least: 1, run: optimum::study },
     Study { name: "full-size", counts: "random devices", usual: 5, least: 1, run: optimum::full_size },
     Study { name: "seeds", counts: "seeds of the search", usual: 200, least: 1, run: seeds::study },
@@ -49,6 +50,7 @@ const STUDIES: [Study; 15] = [
     Study { name: "design", counts: "benches", usual: 30, least: 1, run: design::study },
     Study { name: "plays", counts: "benches", usual: 20, least: 1, run: plays::study },
     Study { name: "families", counts: "benches", usual: 50, least: 1, run: families::study },
+    Study { name: "levels", counts: "campaigns", usual: 3, least: 1, run: levels::study },
     Study { name: "stamps", counts: "repetitions", usual: 7, least: 1, run: stamps::study },
 ];
 

@@ -265,11 +265,10 @@ fn simulated(
         .into_par_iter()
         .zip(roles)
         .map(|((data, start, simulated, samples), role)| {
-            let scores = match data.len() {
-                all if samples < all => {
-                    score(&data.cropped(0..samples)?, &simulated[..samples], &Scoring::default())?
-                }
-                _ => score(&data, &simulated, &Scoring::default())?,
+            let scores = if samples < data.len() {
+                score(&data.cropped(0..samples)?, &simulated[..samples], &Scoring::default())?
+            } else {
+                score(&data, &simulated, &Scoring::default())?
             };
             let sines = SineResponse::of_record(&data, &simulated);
             Ok(RecordFit { data, role: *role, start, scores, simulated, band: None, sines })

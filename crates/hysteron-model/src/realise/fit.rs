@@ -95,12 +95,12 @@ fn solve(mut matrix: DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>>
     if matrix.ncols() == 0 {
         return Some(DVector::zeros(0));
     }
-    let lengths: Vec<f64> = matrix.column_iter().map(|c| c.norm()).collect();
+    let mut lengths: Vec<f64> = matrix.column_iter().map(|c| c.norm()).collect();
     if !lengths.iter().all(|length| length.is_finite()) {
         return None;
     }
-    let lengths: Vec<f64> = lengths.into_iter().map(|length| length.max(f64::MIN_POSITIVE)).collect();
-    for (mut column, length) in matrix.column_iter_mut().zip(&lengths) {
+    for (mut column, length) in matrix.column_iter_mut().zip(&mut lengths) {
+        *length = length.max(f64::MIN_POSITIVE);
         column /= *length;
     }
     // The triangle is small, the matrix is tall.
