@@ -168,10 +168,10 @@ fn segments() -> Vec<Bomb> {
             defragment,
         ),
         (
-            "60 000 segments of 4000 channels, of one length or two",
+            "30 000 segments of 4000 channels, of one length or two",
             Box::new(move || {
                 let two = [segment(RAW, &[], &[1; 5000]), segment(RAW, &[], &[1; 7000])].concat();
-                [list(4000, 3), two.repeat(3000), segment(RAW, &[], &[1]).repeat(50_000)].concat()
+                [list(4000, 3), two.repeat(2500), segment(RAW, &[], &[1]).repeat(25_000)].concat()
             }),
             None,
         ),

@@ -18,7 +18,7 @@ const UNKNOWN: u64 = u64::MAX;
 const MAX_OBJECTS: usize = 1 << 12;
 /// Most places of channels in the layouts of all segments together, and most visits to them.
 const MAX_PARTS: usize = 1 << 22;
-const MAX_VISITS: usize = 1 << 28;
+const MAX_VISITS: usize = 1 << 27;
 /// Most properties of all objects together, of those that are read.
 const MAX_PROPERTIES: usize = 1 << 18;
 const TOO_MANY_CHANGES: &str =

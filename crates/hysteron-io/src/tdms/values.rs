@@ -54,11 +54,11 @@ fn each_value(
         let block = data.get(start..).zip(bytes).and_then(|(data, bytes)| data.get(..bytes));
         block.unwrap_or_default().chunks_exact(size)
     };
-    let chunk_bytes = layout.chunk_bytes as usize;
-    for chunk in 0..layout.chunks(segment) as usize {
+    let (chunks, chunk_bytes) = (layout.chunks(segment) as usize, layout.chunk_bytes as usize);
+    for chunk in 0..chunks {
         let start = chunk * chunk_bytes + part.offset as usize;
         block(start, part.values).for_each(|bytes| take(part.data_type, bytes));
     }
-    let last = (layout.chunks(segment) as usize * chunk_bytes).saturating_add(rest.offset as usize);
+    let last = (chunks * chunk_bytes).saturating_add(rest.offset as usize);
     block(last, rest.values).for_each(|bytes| take(part.data_type, bytes));
 }
