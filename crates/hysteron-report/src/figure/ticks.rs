@@ -21,7 +21,7 @@ pub struct Ticks {
 pub(crate) const SMALLEST_SPAN: f64 = 1e-280;
 
 /// Ticks of an axis from `low` to `high` with at most `limit` labelled positions (`limit` is taken between 2
-/// and 10). An empty set when the limits are not finite, not ordered, closer than 1e-280, or (on a
+/// and 10), or one more where else there would be one alone, from which no scale can be read. An empty set when the limits are not finite, not ordered, closer than 1e-280, or (on a
 /// logarithmic axis) not positive.
 pub fn ticks(scale: Scale, low: f64, high: f64, limit: usize) -> Ticks {
     let limit = limit.clamp(2, 10);
@@ -56,16 +56,23 @@ fn scaled(mantissa: f64, exponent: i32) -> f64 {
 fn linear(low: f64, high: f64, limit: usize) -> Ticks {
     // The finest step that gives few enough ticks; such a step always gives at least one.
     let mut step = step_at_least(0.4 * (high - low) / limit as f64);
+    let mut finer = None;
     let (first, last) = loop {
         let size = scaled(step.0, step.1);
         let (first, last) = ((low / size - 1e-9).ceil(), (high / size + 1e-9).floor());
-        if last - first + 1.0 <= limit as f64 {
+        let count = last - first + 1.0;
+        if let Some((finer_step, ends)) = finer.filter(|_| count < 2.0) {
+            step = finer_step;
+            break ends;
+        }
+        if count <= limit as f64 {
             break (first, last);
         }
+        finer = (count <= limit as f64 + 1.0).then_some((step, (first, last)));
         step = step_at_least(1.01 * size);
     };
     let (mantissa, e) = step;
-    let count = (last - first + 1.0).clamp(0.0, limit as f64) as usize;
+    let count = (last - first + 1.0).clamp(0.0, limit as f64 + 1.0) as usize;
     let major: Vec<f64> = (0..count).map(|i| scaled((first + i as f64) * mantissa, e) + 0.0).collect();
     let exponent = common_exponent(low.abs().max(high.abs()));
     let decimals = (exponent - e).clamp(0, 12) as usize;
@@ -152,6 +159,8 @@ mod tests {
         assert_eq!(t.labels, ["10⁻⁶", "10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²"]);
         let t = ticks(Scale::Log, 0.01, 0.5, 10);
         assert_eq!(t.labels, ["0.01", "0.02", "0.05", "0.1", "0.2", "0.5"]);
+        let t = ticks(Scale::Linear, -4.4, 4.4, 4);
+        assert_eq!(t.labels, ["−4", "−2", "0", "2", "4"], "0 alone is no scale");
         let t = ticks(Scale::Linear, 0.0, 4e-5, 5);
         assert_eq!(
             (t.exponent, t.labels.as_slice()),
@@ -182,7 +191,8 @@ mod tests {
             let high = low + 10f64.powf(magnitude).max(1e-7 * low.abs());
             let t = ticks(Scale::Linear, low, high, limit);
             let slack = 1e-6 * (high - low);
-            prop_assert!(t.major.len() <= limit && !t.major.is_empty());
+            prop_assert!(t.major.len() <= limit + 1 && !t.major.is_empty());
+            prop_assert!(limit < 4 || t.major.len() > 1, "one of {limit}");
             prop_assert_eq!(t.major.len(), t.labels.len());
             prop_assert!(t.major.iter().all(|v| *v >= low - slack && *v <= high + slack));
             if let [first, second, ..] = t.major[..] {
