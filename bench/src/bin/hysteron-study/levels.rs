@@ -2,10 +2,13 @@
 //! other phases and noise in every campaign: modes identified from the outer levels and from all three, both
 //! scored on the record of every level that is held out.
 
-use hysteron_identify::Watch;
-use hysteron_identify::modes::{Options, identify};
-use hysteron_model::axes::{AxesRecord, AxesScores, ScheduledModes, SteadyPeriod};
+use hysteron_identify::modes::Options;
+use hysteron_identify::{FitRecords, Task, Watch, fit};
+use hysteron_model::axes::AxesRecord;
+use hysteron_model::model::Signals;
+use hysteron_model::model_file::Maker;
 use hysteron_model::validate::Scoring;
+use hysteron_model::{Model, Start};
 use hysteron_rig::axes::{AxesPlan, AxesRole, AxesRun, AxesTruth, run_axes_campaign};
 
 use crate::Outcome;
@@ -19,20 +22,16 @@ fn record(run: &AxesRun) -> Outcome<AxesRecord> {
 }
 
 /// rms error over the outputs of the mean period \[µm\].
-fn error_on(held_out: &AxesRecord, model: &ScheduledModes) -> Outcome<f64> {
-    let steady = SteadyPeriod::find(held_out, false)?;
-    let one = model.simulate_period(&steady.u)?;
-    let samples = held_out.y.first().map_or(0, Vec::len);
-    let simulated: Vec<Vec<f64>> = (0..AXES)
-        .map(|output| one.iter().skip(output).step_by(AXES).copied().cycle().take(samples).collect())
-        .collect();
-    let scores = AxesScores::new(held_out, &simulated, &Scoring::default(), Some(&steady))?;
-    scores.mean_period_rmse.ok_or_else(|| "a record that does not repeat".into())
+fn error_on(held_out: &AxesRecord, model: &Model) -> Outcome<f64> {
+    let signals = Signals::Several(held_out.clone());
+    let score = model.score(&signals, Start::AsIdentified, &Scoring::default())?;
+    score.axes.and_then(|axes| axes.mean_period_rmse).ok_or_else(|| "a record that does not repeat".into())
 }
 
 pub fn study(campaigns: usize) -> Outcome<()> {
     let truth = AxesTruth::with_axes(AXES)?;
     let plan = AxesPlan::default();
+    let maker = Maker { program: "hysteron-study".to_owned(), created: None, command: None };
     let mut header = vec!["campaign".to_owned(), "iterations".into()];
     header.extend(plan.levels_v.iter().map(|level| format!("{level} V: without, with 1 V [nm]")));
     header.push("1 V: without over with".into());
@@ -44,10 +43,12 @@ pub fn study(campaigns: usize) -> Outcome<()> {
             runs.iter().filter(|run| run.role == role).map(record).collect()
         };
         let (trained, held_out) = (of(AxesRole::Identification)?, of(AxesRole::Validation)?);
-        let outer = [&trained[..AXES], &trained[2 * AXES..]].concat();
+        let outer = FitRecords::Several([&trained[..AXES], &trained[2 * AXES..]].concat());
+        let trained = FitRecords::Several(trained);
         for (options, ratios) in settings.iter().zip(&mut ratios) {
-            let errors = |records: &[AxesRecord]| -> Outcome<Vec<f64>> {
-                let model = identify(records, options, &Watch::silent(), None)?.model;
+            let errors = |records: &FitRecords| -> Outcome<Vec<f64>> {
+                let task = Task::Modes(options.clone());
+                let model = fit(records, &task, &Watch::silent(), None, &maker)?.model;
                 held_out.iter().map(|record| error_on(record, &model)).collect()
             };
             let (without, with) = (errors(&outer)?, errors(&trained)?);

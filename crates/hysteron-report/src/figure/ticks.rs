@@ -21,8 +21,8 @@ pub struct Ticks {
 pub(crate) const SMALLEST_SPAN: f64 = 1e-280;
 
 /// Ticks of an axis from `low` to `high` with at most `limit` labelled positions (`limit` is taken between 2
-/// and 10), or one more where else there would be one alone, from which no scale can be read. An empty set when the limits are not finite, not ordered, closer than 1e-280, or (on a
-/// logarithmic axis) not positive.
+/// and 10), or one more where else there would be one alone, from which no scale can be read. An empty set
+/// when the limits are not finite, not ordered, closer than 1e-280, or (on a logarithmic axis) not positive.
 pub fn ticks(scale: Scale, low: f64, high: f64, limit: usize) -> Ticks {
     let limit = limit.clamp(2, 10);
     let span = high - low;
@@ -56,21 +56,18 @@ fn scaled(mantissa: f64, exponent: i32) -> f64 {
 fn linear(low: f64, high: f64, limit: usize) -> Ticks {
     // The finest step that gives few enough ticks; such a step always gives at least one.
     let mut step = step_at_least(0.4 * (high - low) / limit as f64);
-    let mut finer = None;
-    let (first, last) = loop {
-        let size = scaled(step.0, step.1);
-        let (first, last) = ((low / size - 1e-9).ceil(), (high / size + 1e-9).floor());
-        let count = last - first + 1.0;
-        if let Some((finer_step, ends)) = finer.filter(|_| count < 2.0) {
-            step = finer_step;
-            break ends;
-        }
-        if count <= limit as f64 {
-            break (first, last);
-        }
-        finer = (count <= limit as f64 + 1.0).then_some((step, (first, last)));
-        step = step_at_least(1.01 * size);
+    let size = |(mantissa, e): (f64, i32)| scaled(mantissa, e);
+    let ends = |step| ((low / size(step) - 1e-9).ceil(), (high / size(step) + 1e-9).floor());
+    let count = |step| {
+        let (first, last) = ends(step);
+        last - first + 1.0
     };
+    let coarser = |step| step_at_least(1.01 * size(step));
+    let most = |step| if count(coarser(step)) < 2.0 { limit + 1 } else { limit };
+    while count(step) > most(step) as f64 {
+        step = coarser(step);
+    }
+    let (first, last) = ends(step);
     let (mantissa, e) = step;
     let count = (last - first + 1.0).clamp(0.0, limit as f64 + 1.0) as usize;
     let major: Vec<f64> = (0..count).map(|i| scaled((first + i as f64) * mantissa, e) + 0.0).collect();
