@@ -4,7 +4,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .PHONY: FORCE help demo check test test-python test-fleet kept-outputs python-tools wheel docs bench-python \
   export-tools bench study article figures clean check-toolchain check-components \
-  app page page-tools browser-tools test-browser smoke-browser release-dry-run fuzz mutants faults \
+  app page page-tools browser-tools test-browser test-exports smoke-browser release-dry-run fuzz mutants faults \
   page-figure
 
 RECORD := examples/piezo-p885-200hz/identification_1hz.csv
@@ -110,6 +110,9 @@ release-dry-run: python-tools ## what of a release can be tried here: workflows,
 export-tools: ## install what the tests of exported source use: compilers, simulators, Octave, FMPy
 	@crates/hysteron-export/tests/install-tools.sh
 
+test-exports: export-tools ## exported source of every model with every compiler, number type and sanitizer
+	HYSTERON_EVERY_EXPORT=1 cargo test --workspace --locked --test export -- --nocapture
+
 check: ## before every commit: format, lints, arrows between crates and folders, unit and doc tests
 check: check-components
 	cargo fmt --all --check
@@ -120,6 +123,7 @@ check: check-components
 	cargo test --workspace --locked --lib --bins
 	cargo test --workspace --locked --doc
 
+# Of the whole workspace always: with fewer packages, libraries have other features and are built again.
 test: ## everything: check, documentation, no_std proof, integration tests; page and exports come last
 test: check
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
@@ -131,7 +135,7 @@ test: check
 	$(MAKE) faults KILLS=12
 	$(MAKE) smoke-browser
 	$(MAKE) export-tools
-	cargo test -p hysteron-export --locked --test '*'
+	cargo test --workspace --locked --test export
 
 PAGE := crates/hysteron-app/page
 app: $(HYSTERON) ## the page in the browser, on the measured examples, in out/app

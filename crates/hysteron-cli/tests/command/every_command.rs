@@ -176,7 +176,13 @@ struct Ran {
     files: BTreeMap<String, Vec<u8>>,
 }
 
-static RAN: LazyLock<[Ran; 2]> = LazyLock::new(|| ["1", "2"].map(all_on));
+/// Side by side: whoever asks for it waits.
+static RAN: LazyLock<[Ran; 2]> = LazyLock::new(|| {
+    std::thread::scope(|scope| {
+        let running = ["1", "2"].map(|threads| scope.spawn(move || all_on(threads)));
+        running.map(|run| run.join().unwrap())
+    })
+});
 
 fn all_on(threads: &str) -> Ran {
     let bench = Bench::new();

@@ -11,8 +11,8 @@ use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 
-use crate::models;
-use crate::tools::{STRICT, c_compilers, run};
+use crate::models::{self, PRECISIONS};
+use crate::tools::{STRICT, c_compilers, choices, pairs, run};
 
 #[derive(Clone, Copy, Debug)]
 enum Call {
@@ -162,20 +162,19 @@ fn runtime(subject: &Subject, calls: &[Call]) -> Vec<Answer> {
 #[test]
 fn source_and_runtime_agree_along_random_moves() {
     let place = tempfile::tempdir().unwrap();
-    for (name, model) in models::all() {
-        for precision in [Precision::F32, Precision::F64] {
+    let all = pairs(&PRECISIONS, &c_compilers());
+    for (k, (name, model)) in models::all().into_iter().enumerate() {
+        for (precision, compiler) in choices(&all, k, 1) {
             let subject = models::subject(name, &model, precision);
             let tolerance = Golden::new(&subject).unwrap().tolerance;
-            for compiler in c_compilers() {
-                let folder = place.path().join(format!("{name}_{}_{compiler}", precision.name()));
-                write_folder(&folder, &c_files(&subject).unwrap()).unwrap();
-                build(&folder, compiler, name, &["-O2"]);
-                let calls = [vec![Call::RestAt(0.0)], calls(1, 100_000, None)].concat();
-                let (rust, c) = (runtime(&subject, &calls), of_source(&folder.join("driver"), &calls));
-                let worst = difference(&calls, &rust, &c, false);
-                println!("{name} {} {compiler}: {worst:.1e} um, allowed {tolerance:.1e}", precision.name());
-                assert!(worst <= tolerance, "{name} {} {compiler}: {worst:e}", precision.name());
-            }
+            let folder = place.path().join(format!("{name}_{}_{compiler}", precision.name()));
+            write_folder(&folder, &c_files(&subject).unwrap()).unwrap();
+            build(&folder, compiler, name, &["-O2"]);
+            let calls = [vec![Call::RestAt(0.0)], calls(1, 100_000, None)].concat();
+            let (rust, c) = (runtime(&subject, &calls), of_source(&folder.join("driver"), &calls));
+            let worst = difference(&calls, &rust, &c, false);
+            println!("{name} {} {compiler}: {worst:.1e} um, allowed {tolerance:.1e}", precision.name());
+            assert!(worst <= tolerance, "{name} {} {compiler}: {worst:e}", precision.name());
         }
     }
 }
@@ -183,8 +182,8 @@ fn source_and_runtime_agree_along_random_moves() {
 #[test]
 fn source_and_runtime_agree_about_bad_numbers_under_sanitizers() {
     let place = tempfile::tempdir().unwrap();
-    for (name, model) in models::all() {
-        for precision in [Precision::F32, Precision::F64] {
+    for (k, (name, model)) in models::all().into_iter().enumerate() {
+        for precision in choices(&PRECISIONS, k, 1) {
             let subject = models::subject(name, &model, precision);
             // One is enough here: building with sanitizers takes its time.
             for compiler in c_compilers().into_iter().take(1) {

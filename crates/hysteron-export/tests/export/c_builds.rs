@@ -8,34 +8,25 @@ use hysteron_export::{ExportError, Golden, NamedFile, Precision, c_files, write_
 use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 
-use crate::models;
-use crate::tools::{STRICT, c_compilers, run};
+use crate::models::{self, PRECISIONS};
+use crate::tools::{STRICT, c_compilers, choices, pairs, run};
 
 #[test]
 fn every_kind_of_model_compiles_strictly_and_passes_its_selftest() {
     let place = tempfile::tempdir().unwrap();
-    let compilers = c_compilers();
-    for (name, model) in models::all() {
-        for precision in [Precision::F32, Precision::F64] {
+    let sanitized = ["-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
+    let all = pairs(&pairs(&PRECISIONS, &c_compilers()), &[&["-O2"][..], &sanitized[..]]);
+    for (k, (name, model)) in models::all().into_iter().enumerate() {
+        for ((precision, compiler), flags) in choices(&all, k, 2) {
             let folder = place.path().join(format!("{name}_{}", precision.name()));
             write_folder(&folder, &c_files(&models::subject(name, &model, precision)).unwrap()).unwrap();
             let (source, test) = (format!("{name}.c"), format!("{name}_selftest.c"));
-            for compiler in &compilers {
-                let sanitized = ["-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
-                for flags in [&["-O2"][..], &sanitized[..]] {
-                    let mut arguments = [&STRICT[..], flags, &[&source, &test, "-o", "selftest"]].concat();
-                    arguments.push("-lm");
-                    run(&folder, compiler, &arguments);
-                    let said = run(&folder, "./selftest", &[]);
-                    println!(
-                        "{} {compiler} {}: {}",
-                        precision.name(),
-                        flags[0],
-                        said.lines().next().unwrap()
-                    );
-                    assert!(said.contains(&format!("PASSED: {name}")), "{said}");
-                }
-            }
+            let mut arguments = [&STRICT[..], flags, &[&source, &test, "-o", "selftest"]].concat();
+            arguments.push("-lm");
+            run(&folder, compiler, &arguments);
+            let said = run(&folder, "./selftest", &[]);
+            println!("{} {compiler} {}: {}", precision.name(), flags[0], said.lines().next().unwrap());
+            assert!(said.contains(&format!("PASSED: {name}")), "{said}");
         }
     }
 }

@@ -10,7 +10,7 @@ use rand_xoshiro::rand_core::SeedableRng;
 
 use crate::c_agrees::{Answer, exchange};
 use crate::models;
-use crate::tools::{STRICT, c_compilers, run};
+use crate::tools::{STRICT, c_compilers, choices, pairs, run};
 
 #[derive(Clone, Copy, Debug)]
 enum Call {
@@ -86,79 +86,78 @@ fn of_runtime<T: Real + Into<f64>>(inverse: &Inverse, calls: &[Call]) -> Vec<Ans
 #[test]
 fn the_inverse_is_the_runtime_s_and_keeps_to_its_limits() {
     let place = tempfile::tempdir().unwrap();
-    for (name, model) in models::invertible() {
-        for (precision, prediction) in [
-            (Precision::F64, Prediction::Stays),
-            (Precision::F32, Prediction::Band { highest_hz: 100.0, noise: 1e-3 }),
-        ] {
+    let laws = [
+        (Precision::F64, Prediction::Stays),
+        (Precision::F32, Prediction::Band { highest_hz: 100.0, noise: 1e-3 }),
+    ];
+    let all = pairs(&laws, &c_compilers());
+    for (k, (name, model)) in models::invertible().into_iter().enumerate() {
+        for ((precision, prediction), compiler) in choices(&all, k, 1) {
             let inverse = models::inverse(name, &model, precision, prediction);
             let tolerance = GoldenInverse::new(&inverse).unwrap().tolerance;
-            let compilers = c_compilers();
-            for compiler in &compilers {
-                let folder = place.path().join(format!("{name}_{}_{compiler}", precision.name()));
-                write_folder(&folder, &inverse_files(&inverse).unwrap()).unwrap();
-                let own = format!("{name}_inverse");
-                let driver = include_str!("inverse_driver.c").replace("MODEL", &own);
-                std::fs::write(folder.join("driver.c"), driver).unwrap();
-                let (source, test, around) =
-                    (format!("{own}.c"), format!("{own}_selftest.c"), format!("{own}_loop.c"));
-                let sanitized = ["-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
-                for (flags, main, program) in [
-                    (&["-O2"][..], &test, "selftest"),
-                    (&sanitized[..], &test, "selftest_sanitized"),
-                    (&sanitized[..], &"driver.c".to_owned(), "driver"),
-                ] {
-                    let mut arguments = [&STRICT[..], flags, &[&source, main, "-o", program]].concat();
-                    arguments.push("-lm");
-                    run(&folder, compiler, &arguments);
-                }
-                run(&folder, compiler, &[&STRICT[..], &["-c", &around]].concat());
-                for program in ["./selftest", "./selftest_sanitized"] {
-                    let said = run(&folder, program, &[]);
-                    println!("{} {compiler}: {}", precision.name(), said.lines().next().unwrap());
-                    assert!(said.contains(&format!("PASSED: {own}")), "{said}");
-                }
-                let largest = if precision == Precision::F32 { f64::from(f32::MAX) } else { f64::MAX };
-                let calls = calls(3, 60_000, largest);
-                let rust = match precision {
-                    Precision::F32 => of_runtime::<f32>(&inverse, &calls),
-                    Precision::F64 => of_runtime::<f64>(&inverse, &calls),
-                };
-                let sent = calls.iter().map(|call| match *call {
-                    Call::Step(r) => [0.0, r, 0.0],
-                    Call::RestAfter(virgin, u) => [1.0, virgin, u],
-                    Call::MeasuredAtRest(y) => [2.0, y, 0.0],
-                });
-                let c = exchange(&folder.join("driver"), sent);
-                assert_eq!(c.len(), calls.len());
-                let [low, high] = inverse.range_v;
-                let step = inverse.slew_v_per_s / inverse.compensation.sample_rate_hz;
-                let (mut worst, mut limited, mut last) = (0.0_f64, 0, None);
-                for (k, ((call, rust), c)) in calls.iter().zip(&rust).zip(&c).enumerate() {
-                    assert_eq!(c.0, rust.0, "{name} {k}: {call:?} {rust:?} {c:?}");
-                    worst = worst.max((c.1 - rust.1).abs());
-                    assert!(c.1 >= low && c.1 <= high, "{k}: {c:?}");
-                    match (call, last) {
-                        (Call::Step(_), Some(before)) => {
-                            let change: f64 = c.1 - before;
-                            assert!(change.abs() <= step + 8.0 * precision.epsilon() * high, "{k}: {change}");
-                            last = Some(c.1);
-                        }
-                        (Call::Step(_), None) => last = Some(c.1),
-                        // At rest somewhere else.
-                        (Call::RestAfter(..), _) => last = None,
-                        _ => {}
-                    }
-                    limited += usize::from(c.0 != 0.0);
-                }
-                assert!(limited > 1000, "{limited}");
-                println!(
-                    "{name} {} {compiler}: {worst:.1e} V, allowed {tolerance:.1e}; {limited} limited or \
-                     refused",
-                    precision.name()
-                );
-                assert!(worst <= tolerance, "{name}: {worst:e}");
+            let folder = place.path().join(format!("{name}_{}_{compiler}", precision.name()));
+            write_folder(&folder, &inverse_files(&inverse).unwrap()).unwrap();
+            let own = format!("{name}_inverse");
+            let driver = include_str!("inverse_driver.c").replace("MODEL", &own);
+            std::fs::write(folder.join("driver.c"), driver).unwrap();
+            let (source, test, around) =
+                (format!("{own}.c"), format!("{own}_selftest.c"), format!("{own}_loop.c"));
+            let sanitized = ["-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
+            for (flags, main, program) in [
+                (&["-O2"][..], &test, "selftest"),
+                (&sanitized[..], &test, "selftest_sanitized"),
+                (&sanitized[..], &"driver.c".to_owned(), "driver"),
+            ] {
+                let mut arguments = [&STRICT[..], flags, &[&source, main, "-o", program]].concat();
+                arguments.push("-lm");
+                run(&folder, compiler, &arguments);
             }
+            run(&folder, compiler, &[&STRICT[..], &["-c", &around]].concat());
+            for program in ["./selftest", "./selftest_sanitized"] {
+                let said = run(&folder, program, &[]);
+                println!("{} {compiler}: {}", precision.name(), said.lines().next().unwrap());
+                assert!(said.contains(&format!("PASSED: {own}")), "{said}");
+            }
+            let largest = if precision == Precision::F32 { f64::from(f32::MAX) } else { f64::MAX };
+            let calls = calls(3, 60_000, largest);
+            let rust = match precision {
+                Precision::F32 => of_runtime::<f32>(&inverse, &calls),
+                Precision::F64 => of_runtime::<f64>(&inverse, &calls),
+            };
+            let sent = calls.iter().map(|call| match *call {
+                Call::Step(r) => [0.0, r, 0.0],
+                Call::RestAfter(virgin, u) => [1.0, virgin, u],
+                Call::MeasuredAtRest(y) => [2.0, y, 0.0],
+            });
+            let c = exchange(&folder.join("driver"), sent);
+            assert_eq!(c.len(), calls.len());
+            let [low, high] = inverse.range_v;
+            let step = inverse.slew_v_per_s / inverse.compensation.sample_rate_hz;
+            let (mut worst, mut limited, mut last) = (0.0_f64, 0, None);
+            for (k, ((call, rust), c)) in calls.iter().zip(&rust).zip(&c).enumerate() {
+                assert_eq!(c.0, rust.0, "{name} {k}: {call:?} {rust:?} {c:?}");
+                worst = worst.max((c.1 - rust.1).abs());
+                assert!(c.1 >= low && c.1 <= high, "{k}: {c:?}");
+                match (call, last) {
+                    (Call::Step(_), Some(before)) => {
+                        let change: f64 = c.1 - before;
+                        assert!(change.abs() <= step + 8.0 * precision.epsilon() * high, "{k}: {change}");
+                        last = Some(c.1);
+                    }
+                    (Call::Step(_), None) => last = Some(c.1),
+                    // At rest somewhere else.
+                    (Call::RestAfter(..), _) => last = None,
+                    _ => {}
+                }
+                limited += usize::from(c.0 != 0.0);
+            }
+            assert!(limited > 1000, "{limited}");
+            println!(
+                "{name} {} {compiler}: {worst:.1e} V, allowed {tolerance:.1e}; {limited} limited or \
+                 refused",
+                precision.name()
+            );
+            assert!(worst <= tolerance, "{name}: {worst:e}");
         }
     }
 }

@@ -110,12 +110,8 @@ pub fn all() -> Vec<(&'static str, Model)> {
     all
 }
 
-/// Number types where building takes its time: one is enough for the families, whose code is the same in
-/// both.
-pub fn precisions(name: &str) -> Vec<Precision> {
-    let is_family = families().iter().any(|(family, _)| *family == name);
-    if is_family { vec![Precision::F32] } else { vec![Precision::F32, Precision::F64] }
-}
+/// Number types.
+pub const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
 
 /// A model realised at its rate, meant for 0 to 100 V.
 pub fn subject(name: &str, model: &Model, precision: Precision) -> Subject {

@@ -9,8 +9,8 @@ use hysteron_export::{Golden, GoldenInverse, NamedFile, Platform, Precision, fmu
 use hysteron_model::compensator::{CompensatorParts, Prediction};
 use hysteron_model::realise::RuntimeParts;
 
-use crate::models::{self, RATE_HZ};
-use crate::tools::{is_there, run, skipped};
+use crate::models::{self, PRECISIONS, RATE_HZ};
+use crate::tools::{choices, is_there, run, skipped};
 
 /// A platform here: its compiler, the program that runs its programs and the libraries for it.
 struct Foreign {
@@ -98,7 +98,7 @@ fn binaries_of_other_platforms_put_out_what_the_library_does() {
             if !["stage", "quadratic", "preisach_density"].contains(&name) {
                 continue;
             }
-            for precision in [Precision::F64, Precision::F32] {
+            for precision in choices(&PRECISIONS, usize::from(name == "stage"), 1) {
                 let subject = models::subject(name, &model, precision);
                 let golden = Golden::new(&subject).unwrap();
                 let mut parts = RuntimeParts::<f64>::new(&subject.realisation).unwrap();

@@ -12,8 +12,8 @@ use hysteron_export::{
 use hysteron_model::compensator::Prediction;
 
 use crate::axes;
-use crate::models;
-use crate::tools::{STRICT, c_compilers, run};
+use crate::models::{self, PRECISIONS};
+use crate::tools::{STRICT, c_compilers, choices, run};
 
 /// Exit code of the driver where the state was refused.
 const REFUSED: Option<i32> = Some(3);
@@ -81,8 +81,8 @@ fn refuses(folder: &Path, foreign: &[u8], samples: &[f64]) {
 fn a_model_restored_in_a_fresh_process_goes_on_with_the_same_bits() {
     let place = tempfile::tempdir().unwrap();
     let mut foreign: Option<Vec<u8>> = None;
-    for (name, model) in models::all() {
-        for precision in [Precision::F32, Precision::F64] {
+    for (k, (name, model)) in models::all().into_iter().enumerate() {
+        for precision in choices(&PRECISIONS, k, 1) {
             let subject = models::subject(name, &model, precision);
             let golden = Golden::new(&subject).unwrap();
             let folder = place.path().join(format!("{name}_{}", precision.name()));
@@ -98,8 +98,8 @@ fn a_model_restored_in_a_fresh_process_goes_on_with_the_same_bits() {
 fn an_inverse_restored_in_a_fresh_process_goes_on_with_the_same_bits() {
     let place = tempfile::tempdir().unwrap();
     let mut foreign: Option<Vec<u8>> = None;
-    for (name, model) in models::invertible() {
-        for precision in [Precision::F32, Precision::F64] {
+    for (k, (name, model)) in models::invertible().into_iter().enumerate() {
+        for precision in choices(&PRECISIONS, k, 1) {
             let inverse = models::inverse(name, &model, precision, Prediction::Stays);
             let golden = GoldenInverse::new(&inverse).unwrap();
             let folder = place.path().join(format!("{name}_{}", precision.name()));

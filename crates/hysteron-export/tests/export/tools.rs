@@ -30,6 +30,30 @@ pub fn c_compilers() -> Vec<&'static str> {
     ["gcc", "clang"].into_iter().filter(|c| is_there(c, "the exported C was not compiled by it")).collect()
 }
 
+/// Whether every model is to be combined with everything else (make test-exports), which takes its time.
+fn is_exhaustive() -> bool {
+    std::env::var_os("HYSTERON_EVERY_EXPORT").is_some()
+}
+
+/// Every third of these, or all.
+pub fn thinned<T>(all: Vec<T>) -> impl Iterator<Item = T> {
+    all.into_iter().step_by(if is_exhaustive() { 1 } else { 3 })
+}
+
+/// Which of the choices (compilers, number types, flags) to take with the `k`-th model: `few`, other ones with
+/// the next model, or all.
+pub fn choices<T: Copy>(all: &[T], k: usize, few: usize) -> Vec<T> {
+    if is_exhaustive() || all.len() <= few {
+        return all.to_vec();
+    }
+    (0..few).map(|i| all[(few * k + i) % all.len()]).collect()
+}
+
+/// Every pair of one of these and one of those, in which the last changes first.
+pub fn pairs<A: Copy, B: Copy>(first: &[A], second: &[B]) -> Vec<(A, B)> {
+    first.iter().flat_map(|a| second.iter().map(|b| (*a, *b))).collect()
+}
+
 /// Runs a program, which must succeed; its output.
 pub fn run(folder: &Path, program: impl AsRef<std::ffi::OsStr>, arguments: &[&str]) -> String {
     let program = program.as_ref();
