@@ -121,41 +121,59 @@ fn combined(start: &Lanes, row: &[f64], from: &[Lanes]) -> Lanes {
     sum
 }
 
-/// Rows and lanes whose sums are computed together: with AVX2, these 48 sums take 12 of the 16 registers.
-const ROWS: usize = 3;
-const ABREAST: usize = 16;
+/// Lanes of several rows whose sums are computed together: with AVX2, those of six rows take 12 of the 16
+/// registers.
+const ABREAST: usize = 8;
 
-/// [`combined`] of several rows of `row` numbers, from 0, in some of the lanes; every term is loaded once.
+/// Some of the lanes of the products of R rows of `row` numbers; every term is loaded once.
 #[inline(always)]
-fn combined_rows(matrix: &[f64], row: usize, from: &[Lanes], first: usize) -> [[f64; ABREAST]; ROWS] {
-    let [mut a, mut b, mut c] = [[0.0; ABREAST]; ROWS];
-    let (f, rest) = matrix.split_at(row);
-    let (g, h) = rest.split_at(row);
-    for (((from, f), g), h) in from.iter().zip(f).zip(g).zip(h) {
-        let from = &from[first..first + ABREAST];
-        add_scaled(&mut a, *f, from);
-        add_scaled(&mut b, *g, from);
-        add_scaled(&mut c, *h, from);
+fn combined_rows<const R: usize>(
+    matrix: &[f64],
+    row: usize,
+    from: &[Lanes],
+    first: usize,
+) -> [[f64; ABREAST]; R] {
+    let mut sums = [[0.0; ABREAST]; R];
+    let rows: [&[f64]; R] = std::array::from_fn(|r| &matrix[r * row..r * row + from.len()]);
+    for (k, from) in from.iter().enumerate() {
+        for (sum, row) in sums.iter_mut().zip(rows) {
+            add_scaled(sum, row[k], &from[first..first + ABREAST]);
+        }
     }
-    [a, b, c]
+    sums
+}
+
+/// The first R rows of to = matrix · from.
+#[inline(always)]
+fn rows_times<const R: usize>(matrix: &[f64], row: usize, from: &[Lanes], to: &mut [Lanes]) {
+    for first in (0..LANES).step_by(ABREAST) {
+        let sums: [_; R] = combined_rows(matrix, row, from, first);
+        for (to, sum) in to.iter_mut().zip(&sums) {
+            to[first..first + ABREAST].copy_from_slice(sum);
+        }
+    }
 }
 
 /// to = matrix · from; rows of `row` numbers, of which the first count.
 #[inline(always)]
 fn times(matrix: &[f64], row: usize, from: &[Lanes], to: &mut [Lanes]) {
-    for (matrix, to) in matrix.chunks(ROWS * row).zip(to.chunks_mut(ROWS)) {
-        if to.len() == ROWS {
-            for first in (0..LANES).step_by(ABREAST) {
-                let sums = combined_rows(matrix, row, from, first);
-                for (to, sum) in to.iter_mut().zip(&sums) {
-                    to[first..first + ABREAST].copy_from_slice(sum);
-                }
+    let mut done = 0;
+    while done < to.len() {
+        let (matrix, to) = (&matrix[done * row..], &mut to[done..]);
+        done += match to.len() {
+            6.. => {
+                rows_times::<6>(matrix, row, from, to);
+                6
             }
-            continue;
-        }
-        for (row, to) in matrix.chunks(row).zip(to) {
-            *to = combined(&[0.0; LANES], row, from);
-        }
+            3.. => {
+                rows_times::<3>(matrix, row, from, to);
+                3
+            }
+            _ => {
+                to[0] = combined(&[0.0; LANES], &matrix[..from.len()], from);
+                1
+            }
+        };
     }
 }
 
