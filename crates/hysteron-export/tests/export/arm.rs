@@ -82,7 +82,7 @@ fn the_selftest_passes_on_the_microcontrollers() {
         {
             continue;
         }
-        for precision in choices(&PRECISIONS, k, 1) {
+        for precision in choices(&PRECISIONS, k) {
             let folder = place.path().join(format!("{name}_{}", precision.name()));
             let inverse = models::inverse(name, &model, precision, Prediction::Stays);
             write_folder(&folder, &c_files(&models::subject(name, &model, precision)).unwrap()).unwrap();

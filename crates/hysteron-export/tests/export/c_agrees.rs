@@ -164,7 +164,7 @@ fn source_and_runtime_agree_along_random_moves() {
     let place = tempfile::tempdir().unwrap();
     let all = pairs(&PRECISIONS, &c_compilers());
     for (k, (name, model)) in models::all().into_iter().enumerate() {
-        for (precision, compiler) in choices(&all, k, 1) {
+        for (precision, compiler) in choices(&all, k) {
             let subject = models::subject(name, &model, precision);
             let tolerance = Golden::new(&subject).unwrap().tolerance;
             let folder = place.path().join(format!("{name}_{}_{compiler}", precision.name()));
@@ -183,7 +183,7 @@ fn source_and_runtime_agree_along_random_moves() {
 fn source_and_runtime_agree_about_bad_numbers_under_sanitizers() {
     let place = tempfile::tempdir().unwrap();
     for (k, (name, model)) in models::all().into_iter().enumerate() {
-        for precision in choices(&PRECISIONS, k, 1) {
+        for precision in choices(&PRECISIONS, k) {
             let subject = models::subject(name, &model, precision);
             // One is enough here: building with sanitizers takes its time.
             for compiler in c_compilers().into_iter().take(1) {

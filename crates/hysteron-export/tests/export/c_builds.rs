@@ -17,7 +17,7 @@ fn every_kind_of_model_compiles_strictly_and_passes_its_selftest() {
     let sanitized = ["-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
     let all = pairs(&pairs(&PRECISIONS, &c_compilers()), &[&["-O2"][..], &sanitized[..]]);
     for (k, (name, model)) in models::all().into_iter().enumerate() {
-        for ((precision, compiler), flags) in choices(&all, k, 1) {
+        for ((precision, compiler), flags) in choices(&all, k) {
             let folder = place.path().join(format!("{name}_{}", precision.name()));
             write_folder(&folder, &c_files(&models::subject(name, &model, precision)).unwrap()).unwrap();
             let (source, test) = (format!("{name}.c"), format!("{name}_selftest.c"));

@@ -51,7 +51,7 @@ fn controllers_in_c_are_the_library_s_own() {
     let all = pairs(&c_compilers(), &[&["-O2"][..], &sanitized[..]]);
     for (k, (name, controller, precision)) in cases().into_iter().enumerate() {
         let files = exported(name, controller, precision, Form::C).files;
-        for (compiler, flags) in choices(&all, k, 1) {
+        for (compiler, flags) in choices(&all, k) {
             let own = format!("{name}_{}_{compiler}_{}", controller.name(), precision.name());
             let folder = place.path().join(&own);
             write_folder(&folder, &files).unwrap();

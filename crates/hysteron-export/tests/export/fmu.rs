@@ -56,7 +56,7 @@ fn fmpy_judges_both_versions() {
         {
             continue;
         }
-        for precision in choices(&PRECISIONS, k, 1) {
+        for precision in choices(&PRECISIONS, k) {
             let place = tempfile::tempdir().unwrap();
             let subject = models::subject(name, &model, precision);
             let folder = place.path().join("out");
@@ -112,7 +112,7 @@ fn fmpy_judges_the_inverse() {
     let Some(python) = python() else { return };
     let Some(compiler) = c_compilers().first().copied() else { return };
     for (k, (name, model)) in thinned(models::invertible()).enumerate() {
-        for precision in choices(&PRECISIONS, k, 1) {
+        for precision in choices(&PRECISIONS, k) {
             let inverse = models::inverse(name, &model, precision, Prediction::Stays);
             let place = tempfile::tempdir().unwrap();
             let folder = place.path().join("out");

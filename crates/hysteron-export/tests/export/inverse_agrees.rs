@@ -92,7 +92,7 @@ fn the_inverse_is_the_runtime_s_and_keeps_to_its_limits() {
     ];
     let all = pairs(&laws, &c_compilers());
     for (k, (name, model)) in models::invertible().into_iter().enumerate() {
-        for ((precision, prediction), compiler) in choices(&all, k, 1) {
+        for ((precision, prediction), compiler) in choices(&all, k) {
             let inverse = models::inverse(name, &model, precision, prediction);
             let tolerance = GoldenInverse::new(&inverse).unwrap().tolerance;
             let folder = place.path().join(format!("{name}_{}_{compiler}", precision.name()));

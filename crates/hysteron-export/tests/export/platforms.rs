@@ -98,7 +98,7 @@ fn binaries_of_other_platforms_put_out_what_the_library_does() {
             if !["stage", "quadratic", "preisach_density"].contains(&name) {
                 continue;
             }
-            for precision in choices(&PRECISIONS, usize::from(name == "stage"), 1) {
+            for precision in choices(&PRECISIONS, usize::from(name == "stage")) {
                 let subject = models::subject(name, &model, precision);
                 let golden = Golden::new(&subject).unwrap();
                 let mut parts = RuntimeParts::<f64>::new(&subject.realisation).unwrap();

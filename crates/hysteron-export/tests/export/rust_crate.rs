@@ -16,7 +16,7 @@ fn every_kind_of_model_builds_and_passes_its_selftest() {
     let shared = format!("path = {runtime:?}");
     let (mut members, mut inverses) = (Vec::new(), 0);
     for (k, (name, model)) in models::all().into_iter().enumerate() {
-        for precision in choices(&PRECISIONS, k, 1) {
+        for precision in choices(&PRECISIONS, k) {
             let has_inverse = models::invertible().iter().any(|(other, _)| *other == name);
             let name = format!("{name}_{}", precision.name());
             let inverse = has_inverse.then(|| models::inverse(&name, &model, precision, Prediction::Stays));

@@ -82,7 +82,7 @@ fn a_model_restored_in_a_fresh_process_goes_on_with_the_same_bits() {
     let place = tempfile::tempdir().unwrap();
     let mut foreign: Option<Vec<u8>> = None;
     for (k, (name, model)) in models::all().into_iter().enumerate() {
-        for precision in choices(&PRECISIONS, k, 1) {
+        for precision in choices(&PRECISIONS, k) {
             let subject = models::subject(name, &model, precision);
             let golden = Golden::new(&subject).unwrap();
             let folder = place.path().join(format!("{name}_{}", precision.name()));
@@ -99,7 +99,7 @@ fn an_inverse_restored_in_a_fresh_process_goes_on_with_the_same_bits() {
     let place = tempfile::tempdir().unwrap();
     let mut foreign: Option<Vec<u8>> = None;
     for (k, (name, model)) in models::invertible().into_iter().enumerate() {
-        for precision in choices(&PRECISIONS, k, 1) {
+        for precision in choices(&PRECISIONS, k) {
             let inverse = models::inverse(name, &model, precision, Prediction::Stays);
             let golden = GoldenInverse::new(&inverse).unwrap();
             let folder = place.path().join(format!("{name}_{}", precision.name()));

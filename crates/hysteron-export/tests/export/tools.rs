@@ -40,13 +40,12 @@ pub fn thinned<T>(all: Vec<T>) -> impl Iterator<Item = T> {
     all.into_iter().step_by(if is_exhaustive() { 1 } else { 3 })
 }
 
-/// Which of the choices (compilers, number types, flags) to take with the `k`-th model: `few`, other ones with
-/// the next model, or all.
-pub fn choices<T: Copy>(all: &[T], k: usize, few: usize) -> Vec<T> {
-    if is_exhaustive() || all.len() <= few {
+/// The choice (compiler, number type, flags) to take with the `k`-th model, another one with the next; or all.
+pub fn choices<T: Copy>(all: &[T], k: usize) -> Vec<T> {
+    if is_exhaustive() {
         return all.to_vec();
     }
-    (0..few).map(|i| all[(few * k + i) % all.len()]).collect()
+    all.iter().copied().cycle().skip(k).take(1).collect()
 }
 
 /// Every pair of one of these and one of those, in which the last changes first.
