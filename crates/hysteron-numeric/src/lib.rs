@@ -9,6 +9,7 @@ mod dispatch;
 pub mod display;
 pub mod distribution;
 mod elementary;
+mod feedback_adjoint;
 mod feedback_tangent;
 pub mod fft;
 mod filter;

@@ -20,6 +20,7 @@ mod candidate;
 mod columns;
 mod compare;
 mod exponent;
+mod linearised;
 mod normal;
 mod quantities;
 mod records;

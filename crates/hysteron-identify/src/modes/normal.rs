@@ -4,9 +4,10 @@ use nalgebra::{DMatrix, DMatrixView, DVector};
 use rayon::prelude::*;
 
 use super::columns::Freedom;
+use super::linearised::Linearised;
 use super::records::RecordPeriod;
 use hysteron_model::axes::{ScheduledModes, Trajectory, simulate_steady};
-use hysteron_numeric::{FeedbackTangent, InstructionSet, LANES, Lanes, TangentState};
+use hysteron_numeric::{InstructionSet, LANES, Lanes, TangentState};
 use hysteron_optimize::Stop;
 
 /// Columns multiplied with all that follow at once.
@@ -62,37 +63,45 @@ impl NormalEquations {
     fn zeros(count: usize) -> Self {
         Self { matrix: DMatrix::zeros(count, count), gradient: DVector::zeros(count) }
     }
+}
 
-    /// Adds those of one record's base columns, with this weight.
-    fn add(&mut self, freedom: &Freedom, of_record: &Self, s: f64, weight: f64) {
-        let factor = |scheduled: bool| if scheduled { s } else { 1.0 };
-        for (j, b) in freedom.columns.iter().enumerate() {
-            let weight = weight * factor(b.scheduled);
-            for (i, a) in freedom.columns.iter().enumerate() {
-                self.matrix[(i, j)] += weight * factor(a.scheduled) * of_record.matrix[(a.base, b.base)];
-            }
-            self.gradient[j] += weight * of_record.gradient[b.base];
+/// Adds the products of the base columns of a record, with this weight.
+fn add_products(to: &mut DMatrix<f64>, freedom: &Freedom, of_record: &DMatrix<f64>, s: f64, weight: f64) {
+    let factor = |scheduled: bool| if scheduled { s } else { 1.0 };
+    for (j, b) in freedom.columns.iter().enumerate() {
+        let weight = weight * factor(b.scheduled);
+        for (i, a) in freedom.columns.iter().enumerate() {
+            to[(i, j)] += weight * factor(a.scheduled) * of_record[(a.base, b.base)];
         }
     }
 }
 
-/// The normal equations at the model; `None` where a record cannot be simulated, or after a stop.
+/// The normal equations at the model: Jᵀe of all records, JᵀJ of those with a share, each with its weight
+/// times its share. `None` where a record cannot be simulated, or after a stop.
 pub(super) fn normal_equations(
     model: &ScheduledModes,
     freedom: &Freedom,
     pieces: &[&RecordPeriod],
+    shares: &[f64],
     stop: &Stop,
 ) -> Option<NormalEquations> {
     let mut sum = NormalEquations::zeros(freedom.columns.len());
+    sum.gradient = gradient(model, freedom, pieces)?;
     let ones = vec![1.0; model.outputs];
-    each_record(model, freedom, pieces, stop, |k, s, products| {
-        sum.add(freedom, &products.weighted(&ones), s, pieces[k].weight);
+    let (chosen, weights): (Vec<&RecordPeriod>, Vec<f64>) = pieces
+        .iter()
+        .zip(shares)
+        .filter(|(_, share)| **share > 0.0)
+        .map(|(piece, share)| (*piece, share * piece.weight))
+        .unzip();
+    each_record(model, freedom, &chosen, stop, |k, s, products| {
+        add_products(&mut sum.matrix, freedom, &products.weighted(&ones), s, weights[k]);
     })?;
     Some(sum)
 }
 
-/// The normal equations, and Σ w² Jᵀ diag(`variance`) J with the variances of the outputs of each record:
-/// both sides of the covariance of the estimates. `None` as for [`normal_equations`].
+/// The normal equations of all records, and Σ w² Jᵀ diag(`variance`) J with the variances of the outputs of
+/// each: both sides of the covariance of the estimates. `None` as for [`normal_equations`].
 pub(super) fn information(
     model: &ScheduledModes,
     freedom: &Freedom,
@@ -101,16 +110,53 @@ pub(super) fn information(
     stop: &Stop,
 ) -> Option<(NormalEquations, DMatrix<f64>)> {
     let count = freedom.columns.len();
-    let (mut inner, mut outer) = (NormalEquations::zeros(count), NormalEquations::zeros(count));
+    let mut inner = NormalEquations::zeros(count);
+    inner.gradient = gradient(model, freedom, pieces)?;
+    let mut outer = DMatrix::zeros(count, count);
     let ones = vec![1.0; model.outputs];
     each_record(model, freedom, pieces, stop, |k, s, products| {
         let weight = pieces[k].weight;
-        inner.add(freedom, &products.weighted(&ones), s, weight);
+        add_products(&mut inner.matrix, freedom, &products.weighted(&ones), s, weight);
         if let Some(variances) = variances.get(k) {
-            outer.add(freedom, &products.weighted(variances), s, weight.powi(2));
+            add_products(&mut outer, freedom, &products.weighted(variances), s, weight.powi(2));
         }
     })?;
-    Some((inner, outer.matrix))
+    Some((inner, outer))
+}
+
+/// Σ w Jᵀe over the records by the adjoint recursion; `None` where one cannot be simulated.
+fn gradient(model: &ScheduledModes, freedom: &Freedom, pieces: &[&RecordPeriod]) -> Option<DVector<f64>> {
+    let of_record = |piece: &&RecordPeriod| {
+        let s = model.state_of(&piece.period);
+        let (compared, faded) = preroll(model, s, piece.fine.len() / model.inputs);
+        let trajectory = Trajectory::new(model, s, &piece.fine, compared, faded)?;
+        let e = difference(piece, &trajectory.y);
+        let linearised = Linearised::new(model, s);
+        let mut base = linearised.system(model, &trajectory).gradient(&freedom.blocks, &e);
+        base.truncate(freedom.dynamic);
+        base.extend((0..model.outputs).flat_map(|m| own_gradient(model, freedom, &trajectory, &e, m)));
+        let factor = |scheduled: bool| piece.weight * if scheduled { s } else { 1.0 };
+        let column = |k: usize, _| base[freedom.columns[k].base] * factor(freedom.columns[k].scheduled);
+        Some(DVector::from_fn(freedom.columns.len(), column))
+    };
+    let all: Vec<Option<DVector<f64>>> = pieces.par_iter().with_max_len(1).map(of_record).collect();
+    all.into_iter().try_fold(DVector::zeros(freedom.columns.len()), |sum, one| Some(sum + one?))
+}
+
+/// Jᵀe of an output's own parameters.
+fn own_gradient(
+    model: &ScheduledModes,
+    freedom: &Freedom,
+    trajectory: &Trajectory,
+    e: &[f64],
+    output: usize,
+) -> Vec<f64> {
+    let mut sum = vec![0.0; freedom.own.len()];
+    for (k, e) in e.iter().skip(output).step_by(model.outputs).enumerate() {
+        let signals = trajectory.at_sample(k, model.steps);
+        sum.iter_mut().zip(&freedom.own).for_each(|(sum, &signal)| *sum += e * signals[signal]);
+    }
+    sum
 }
 
 /// Products of the columns of every record in turn, with its place and S. While those of a record are
@@ -130,10 +176,10 @@ fn each_record(
     };
     let mut room = Room::default();
     let mut current = simulated(0);
-    for (k, piece) in pieces.iter().enumerate() {
+    for k in 0..pieces.len() {
         let (s, trajectory) = current?;
         let (products, next) = rayon::join(
-            || Products::of_record(model, freedom, (piece, &trajectory, s), &mut room, stop),
+            || Products::of_record(model, freedom, (&trajectory, s), &mut room, stop),
             || simulated(k + 1),
         );
         add(k, s, &products?);
@@ -150,8 +196,8 @@ struct Room {
     columns: Vec<Vec<f64>>,
 }
 
-/// Products of the columns of one record, output by output: dynamic columns, padded to whole blocks, those of
-/// the output's own parameters, the residual.
+/// Products of the columns of one record, output by output: dynamic columns, padded to whole blocks, and those
+/// of the output's own parameters.
 struct Products {
     /// Output, first column, and the product of the panel from there with all columns from there.
     products: Vec<(usize, usize, DMatrix<f64>)>,
@@ -168,22 +214,21 @@ impl Products {
     fn of_record(
         model: &ScheduledModes,
         freedom: &Freedom,
-        (piece, trajectory, s): (&RecordPeriod, &Trajectory, f64),
+        (trajectory, s): (&Trajectory, f64),
         room: &mut Room,
         stop: &Stop,
     ) -> Option<Self> {
-        let e = difference(piece, &trajectory.y);
-        let (outputs, samples) = (model.outputs, piece.period.samples());
+        let outputs = model.outputs;
+        let samples = trajectory.y.len() / outputs;
         derivatives(model, freedom, trajectory, s, stop, &mut room.blocks);
         room.blocks.par_iter_mut().flat_map(|block| block.par_chunks_exact_mut(samples)).for_each(|column| {
             hysteron_model::axes::remove_means(column.as_flattened_mut(), LANES);
         });
         let (padded, own) = (room.blocks.len() * LANES, freedom.own.len());
-        let width = padded + own + 1;
+        let width = padded + own;
         room.columns.resize_with(outputs, Vec::new);
-        let own_columns: Vec<Vec<f64>> =
-            (0..outputs).into_par_iter().map(|m| own_columns(model, freedom, trajectory, &e, m)).collect();
-        for (m, (columns, of_own)) in room.columns.iter_mut().zip(&own_columns).enumerate() {
+        let of_own = own_columns(freedom, trajectory, (samples, model.steps));
+        for (m, columns) in room.columns.iter_mut().enumerate() {
             columns.resize(width * samples, 0.0);
             let blocks = &room.blocks;
             columns.par_chunks_mut(width * STRETCH).enumerate().for_each(|(stretch, rows)| {
@@ -191,7 +236,7 @@ impl Products {
                     for (to, block) in row.chunks_exact_mut(LANES).zip(blocks) {
                         to.copy_from_slice(&block[m * samples + k]);
                     }
-                    row[padded..].copy_from_slice(&of_own[k * (own + 1)..(k + 1) * (own + 1)]);
+                    row[padded..].copy_from_slice(&of_own[k * own..(k + 1) * own]);
                 }
             });
         }
@@ -206,35 +251,26 @@ impl Products {
         (!stop.is_requested()).then_some(Self { products, dynamic, padded, own, base_columns })
     }
 
-    /// Base column of an output's column; `None` for padding and for the residual.
+    /// Base column of an output's column; `None` for padding.
     fn place(&self, m: usize, column: usize) -> Option<usize> {
-        if column < self.padded {
-            (column < self.dynamic).then_some(column)
-        } else {
-            let column = column - self.padded;
-            (column < self.own).then_some(self.dynamic + m * self.own + column)
+        match column.checked_sub(self.padded) {
+            None => (column < self.dynamic).then_some(column),
+            Some(own) => Some(self.dynamic + m * self.own + own),
         }
     }
 
-    /// JᵀJ and Jᵀe of the base columns, with these weights of the outputs.
-    fn weighted(&self, weights: &[f64]) -> NormalEquations {
-        let mut sum = NormalEquations::zeros(self.base_columns);
+    /// JᵀJ of the base columns, with these weights of the outputs.
+    fn weighted(&self, weights: &[f64]) -> DMatrix<f64> {
+        let mut sum = DMatrix::zeros(self.base_columns, self.base_columns);
         for (m, first, product) in &self.products {
             let (m, weight) = (*m, weights[*m]);
             for j in 0..product.ncols() {
+                let Some(column) = self.place(m, first + j) else { continue };
                 for i in 0..product.nrows().min(j + 1) {
                     let Some(row) = self.place(m, first + i) else { continue };
-                    match self.place(m, first + j) {
-                        Some(column) => {
-                            sum.matrix[(row, column)] += weight * product[(i, j)];
-                            if row != column {
-                                sum.matrix[(column, row)] += weight * product[(i, j)];
-                            }
-                        }
-                        None if first + j == self.padded + self.own => {
-                            sum.gradient[row] += weight * product[(i, j)];
-                        }
-                        None => {}
+                    sum[(row, column)] += weight * product[(i, j)];
+                    if row != column {
+                        sum[(column, row)] += weight * product[(i, j)];
                     }
                 }
             }
@@ -253,36 +289,8 @@ pub(super) fn derivatives(
     stop: &Stop,
     blocks: &mut Vec<Vec<Lanes>>,
 ) {
-    let at = model.at(s);
-    let (n, x) = (model.inputs, model.states());
-    let (mut channels, mut weights, mut plays) = (Vec::new(), Vec::new(), 0);
-    if let Some(feedback) = &model.feedback {
-        channels = [feedback.drive_rows.as_slice(), &feedback.stress_rows].concat();
-        plays = feedback.drive.radii.len();
-        let powers = feedback.drive.terms() - plays;
-        for _ in 0..n {
-            weights.extend_from_slice(&feedback.drive.coefficients[powers..]);
-        }
-        feedback.stress.iter().for_each(|law| weights.extend_from_slice(&law.coefficients[powers..]));
-    }
-    let system = FeedbackTangent {
-        modes: model.modes,
-        transition: &at.transition,
-        channels: &channels,
-        row: x + n,
-        weights: &weights,
-        plays,
-        strain_input: &model.strain_input,
-        strains: n,
-        output: &at.output,
-        strain_feedthrough: &model.strain_feedthrough,
-        signals: &trajectory.signals,
-        width: trajectory.width,
-        slopes: &trajectory.slopes,
-        moved: &trajectory.moved,
-        before: trajectory.before,
-        steps: model.steps,
-    };
+    let linearised = Linearised::new(model, s);
+    let system = linearised.system(model, trajectory);
     let set = InstructionSet::detected();
     blocks.resize_with(freedom.blocks.len(), Vec::new);
     blocks.par_iter_mut().zip(&freedom.blocks).for_each(|(out, forcing)| {
@@ -293,23 +301,14 @@ pub(super) fn derivatives(
     });
 }
 
-/// Mean-free columns of an output's own parameters and its residual, sample by sample.
-fn own_columns(
-    model: &ScheduledModes,
-    freedom: &Freedom,
-    trajectory: &Trajectory,
-    e: &[f64],
-    output: usize,
-) -> Vec<f64> {
-    let width = freedom.own.len() + 1;
-    let samples = e.len() / model.outputs;
-    let mut rows = Vec::with_capacity(width * samples);
+/// Mean-free columns of an output's own parameters, sample by sample: the same for all outputs.
+fn own_columns(freedom: &Freedom, trajectory: &Trajectory, (samples, steps): (usize, usize)) -> Vec<f64> {
+    let mut rows = Vec::with_capacity(freedom.own.len() * samples);
     for k in 0..samples {
-        let signals = trajectory.at_sample(k, model.steps);
+        let signals = trajectory.at_sample(k, steps);
         rows.extend(freedom.own.iter().map(|&signal| signals[signal]));
-        rows.push(e[k * model.outputs + output]);
     }
-    hysteron_model::axes::remove_means(&mut rows, width);
+    hysteron_model::axes::remove_means(&mut rows, freedom.own.len());
     rows
 }
 

@@ -1,11 +1,17 @@
 //! Preparation of the records for the fit.
 
+use nalgebra::{DMatrix, DMatrixView};
+
 use super::Options;
 use crate::IdentifyError;
 use crate::alike::same;
 use hysteron_model::axes::{AxesRecord, SteadyPeriod};
 use hysteron_model::hysteresis::RecordEnds;
 use hysteron_model::record::{InterSample, Unit};
+
+/// Least variance of any combination of the inputs of a record, as a share of that of its level, that counts as
+/// driven independently.
+const INDEPENDENT: f64 = 0.5;
 
 /// Levels that differ by less than this share are one.
 const ONE_LEVEL: f64 = 0.05;
@@ -26,6 +32,51 @@ pub(super) struct RecordPeriod {
 pub(super) fn error_of(cost: f64, pieces: &[&RecordPeriod]) -> Option<f64> {
     let weight: f64 = pieces.iter().map(|p| p.weight * p.period.y.len() as f64).sum();
     Some((cost / weight).sqrt()).filter(|error| error.is_finite())
+}
+
+/// Groups of records of which one can stand for all in the products of the derivatives: those of a level, if
+/// each of them drives all inputs independently; else every record is a group of its own.
+pub(super) struct Alike {
+    groups: Vec<Vec<usize>>,
+    records: usize,
+}
+
+impl Alike {
+    pub(super) fn new(pieces: &[&RecordPeriod]) -> Self {
+        let levels = pieces.iter().map(|piece| piece.level).max().map_or(0, |most| most + 1);
+        let mut groups = Vec::new();
+        for level in 0..levels {
+            let of_level: Vec<usize> = (0..pieces.len()).filter(|&k| pieces[k].level == level).collect();
+            if of_level.is_empty() {
+                continue;
+            }
+            let moments: Vec<DMatrix<f64>> = of_level.iter().map(|&k| input_moments(pieces[k])).collect();
+            let mean = moments.iter().sum::<DMatrix<f64>>() / moments.len() as f64;
+            let least = |moments: &DMatrix<f64>| moments.symmetric_eigenvalues().min();
+            if moments.iter().all(|of_record| least(of_record) >= INDEPENDENT * least(&mean)) {
+                groups.push(of_level);
+            } else {
+                groups.extend(of_level.into_iter().map(|k| vec![k]));
+            }
+        }
+        Self { groups, records: pieces.len() }
+    }
+
+    /// For how many records each stands at this iteration: the records of a group take turns.
+    pub(super) fn shares(&self, iteration: usize) -> Vec<f64> {
+        let mut shares = vec![0.0; self.records];
+        for group in &self.groups {
+            shares[group[iteration % group.len()]] = group.len() as f64;
+        }
+        shares
+    }
+}
+
+/// Mean products of the inputs of a record.
+fn input_moments(piece: &RecordPeriod) -> DMatrix<f64> {
+    let inputs = piece.period.inputs;
+    let u = DMatrixView::from_slice(&piece.period.u, inputs, piece.period.samples());
+    u * u.transpose() / piece.period.samples().max(1) as f64
 }
 
 /// All records.

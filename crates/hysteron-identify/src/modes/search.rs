@@ -1,10 +1,13 @@
 //! Levenberg–Marquardt on normal equations (J. J. Moré, doi:10.1007/BFb0067700: scaled by the diagonal).
+//!
+//! The matrix is nine tenths of an iteration, so that it is of one record of each level in turn, and several
+//! dampings are tried with it: the one that lowers the cost most is taken. The gradient is of all records.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::columns::{Freedom, Group};
 use super::normal::{cost, normal_equations};
-use super::records::{Campaign, RecordPeriod, error_of};
+use super::records::{Alike, Campaign, RecordPeriod, error_of};
 use super::ridge::Ridge;
 use crate::watch::{Event, State};
 use crate::{ModesCheckpoint, Searches, Watch};
@@ -12,13 +15,15 @@ use hysteron_model::Model;
 use hysteron_model::axes::{LARGEST_POLE, ScheduledModes};
 use hysteron_model::model_file::ModesFile;
 
-/// Factors of the damping after an accepted and a rejected step.
-const EASIER: f64 = 0.25;
+/// Factor of the damping after a step that does not lower the cost.
 const HARDER: f64 = 6.0;
+/// Factor between the dampings compared.
+const COMPARED: f64 = 3.0;
 /// Least damping.
 const LEAST_DAMPING: f64 = 1e-9;
-/// Most trials of a step.
+/// Most trials until a step lowers the cost, and most of those compared with it in one direction.
 const TRIES: usize = 8;
+const COMPARISONS: usize = 4;
 
 /// One search: free parameters, initial damping, iterations.
 pub(super) struct Stage {
@@ -86,6 +91,7 @@ pub(super) fn search(
     ledger: &mut Ledger<'_, '_>,
 ) -> (ScheduledModes, usize) {
     let freedom = Freedom::new(&start, stage.groups);
+    let alike = Alike::new(pieces);
     let mut model = start;
     let mut misfit = cost(&model, pieces);
     let mut damping = from.damping;
@@ -97,7 +103,8 @@ pub(super) fn search(
             break;
         }
         let stop = ledger.watch.stop();
-        let Some(mut equations) = normal_equations(&model, &freedom, pieces, stop) else { break };
+        let shares = alike.shares(iteration);
+        let Some(mut equations) = normal_equations(&model, &freedom, pieces, &shares, stop) else { break };
         let ridge = Ridge::new(&freedom, &model, &equations.matrix, stage.ridge);
         let values = freedom.values(&model);
         ridge.add(&mut equations.matrix, &mut equations.gradient, &values);
@@ -108,32 +115,22 @@ pub(super) fn search(
         let count = scale.len();
         let scaled = DMatrix::from_fn(count, count, |i, j| equations.matrix[(i, j)] * per(i) * per(j));
         let target = DVector::from_fn(count, |i, _| equations.gradient[i] * per(i));
-        let mut taken = None;
-        for _ in 0..TRIES {
-            if ledger.is_stopped() {
-                break;
-            }
+        let trial = |damping: f64| -> Option<Step> {
             let mut matrix = scaled.clone();
             (0..count).for_each(|k| matrix[(k, k)] += damping);
-            if let Some(factor) = matrix.cholesky() {
-                let step: Vec<f64> =
-                    factor.solve(&target).iter().enumerate().map(|(k, x)| x * per(k)).collect();
-                let candidate = freedom.moved(&model, &step);
-                if is_stable(&candidate, campaign) {
-                    let found = cost(&candidate, pieces);
-                    let penalised = found + ridge.of(&freedom.values(&candidate));
-                    if penalised < least {
-                        taken = Some((candidate, found, penalised));
-                        break;
-                    }
-                }
+            let step = matrix.cholesky()?.solve(&target);
+            let step: Vec<f64> = step.iter().enumerate().map(|(k, x)| x * per(k)).collect();
+            let model = freedom.moved(&model, &step);
+            if stop.is_requested() || !is_stable(&model, campaign) {
+                return None;
             }
-            damping = (damping * HARDER).max(LEAST_DAMPING * 100.0);
-        }
-        let Some((candidate, found, penalised)) = taken else { break };
-        let fall = (least - penalised) / least;
-        (model, misfit) = (candidate, found);
-        damping = (damping * EASIER).max(LEAST_DAMPING);
+            let misfit = cost(&model, pieces);
+            let penalised = misfit + ridge.of(&freedom.values(&model));
+            (penalised < least).then_some(Step { model, misfit, penalised, damping })
+        };
+        let Some(step) = best_step(damping, trial) else { break };
+        let fall = (least - step.penalised) / least;
+        (model, misfit, damping) = (step.model, step.misfit, step.damping);
         ledger.done += stage.work;
         if fall < stage.stop {
             break;
@@ -141,6 +138,38 @@ pub(super) fn search(
     }
     ledger.done = end;
     (model, freedom.columns.len())
+}
+
+/// A step that lowers the cost.
+struct Step {
+    model: ScheduledModes,
+    misfit: f64,
+    /// With the ridge.
+    penalised: f64,
+    damping: f64,
+}
+
+/// The step of the least cost among dampings around this one, each a trial: `None` where it does not lower
+/// the cost.
+fn best_step(start: f64, trial: impl Fn(f64) -> Option<Step>) -> Option<Step> {
+    let harder = |damping: &f64| Some((damping * HARDER).max(LEAST_DAMPING * 100.0));
+    let mut dampings = std::iter::successors(Some(start.max(LEAST_DAMPING)), harder).take(TRIES);
+    let mut best = dampings.find_map(&trial)?;
+    let first = best.damping;
+    // Less damping than that of a step that failed would fail as well.
+    let directions = [COMPARED.recip(), COMPARED];
+    for factor in &directions[usize::from(first > start)..] {
+        for power in 1..=COMPARISONS {
+            match trial((first * factor.powi(power as i32)).max(LEAST_DAMPING)) {
+                Some(next) if next.penalised < best.penalised => best = next,
+                _ => break,
+            }
+        }
+        if best.damping < first {
+            break;
+        }
+    }
+    Some(best)
 }
 
 /// True if all poles are stable at every level of the records.

@@ -4,9 +4,10 @@ use hysteron_optimize::Stop;
 use nalgebra::DVector;
 
 use super::columns::Freedom;
+use super::linearised::Linearised;
 use super::normal::{cost, derivatives, normal_equations};
 use super::quantities::{order, quantities};
-use super::records::RecordPeriod;
+use super::records::{Alike, RecordPeriod};
 use super::ridge::Ridge;
 use super::summary::ALL;
 use super::uncertainty::with_standard_errors;
@@ -150,7 +151,7 @@ fn the_normal_equations_are_those_of_the_columns_and_lower_the_cost() {
     let pieces = [piece(7, 0.8, &model), piece(8, 1.5, &model)];
     let all: Vec<&RecordPeriod> = pieces.iter().collect();
     let freedom = Freedom::new(&model, &ALL);
-    let found = normal_equations(&model, &freedom, &all, &Stop::new()).unwrap();
+    let found = normal_equations(&model, &freedom, &all, &[1.0, 1.0], &Stop::new()).unwrap();
     let count = freedom.columns.len();
     let mut matrix = nalgebra::DMatrix::zeros(count, count);
     let mut gradient = DVector::zeros(count);
@@ -191,11 +192,52 @@ fn the_normal_equations_are_the_same_bits_for_any_number_of_threads() {
     let freedom = Freedom::new(&model, &ALL);
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| normal_equations(&model, &freedom, &[&piece], &Stop::new()).unwrap())
+        pool.install(|| normal_equations(&model, &freedom, &[&piece], &[1.0], &Stop::new()).unwrap())
     };
     let (one, three) = (on(1), on(3));
     assert_eq!(one.matrix, three.matrix);
     assert_eq!(one.gradient, three.gradient);
+}
+
+#[test]
+fn the_gradient_backwards_is_that_of_the_derivatives_forwards() {
+    let model = model();
+    let piece = piece(7, 0.8, &model);
+    let s = model.state_of(&piece.period);
+    let freedom = Freedom::new(&model, &ALL);
+    let count = piece.fine.len() / model.inputs;
+    let trajectory = Trajectory::new(&model, s, &piece.fine, 4 * count, count).unwrap();
+    let mut blocks = Vec::new();
+    derivatives(&model, &freedom, &trajectory, s, &Stop::new(), &mut blocks);
+    let weights = &piece.period.y;
+    let linearised = Linearised::new(&model, s);
+    let found = linearised.system(&model, &trajectory).gradient(&freedom.blocks, weights);
+    let (samples, outputs) = (piece.period.samples(), model.outputs);
+    let places = || (0..samples).flat_map(|k| (0..outputs).map(move |m| (k, m)));
+    for column in 0..freedom.dynamic {
+        let at = |(k, m): (usize, usize)| blocks[column / LANES][m * samples + k][column % LANES];
+        let expected: f64 = places().map(|(k, m)| weights[k * outputs + m] * at((k, m))).sum();
+        let size: f64 = places().map(|place| at(place).powi(2)).sum::<f64>().sqrt();
+        assert!((found[column] - expected).abs() < 1e-11 * size, "{column}: {} {expected}", found[column]);
+    }
+}
+
+#[test]
+fn records_take_turns_where_each_drives_all_inputs() {
+    let model = model();
+    let of_level = |seed: u64, level: usize| RecordPeriod { level, ..piece(seed, 1.0, &model) };
+    let pieces = [of_level(1, 0), of_level(2, 0), of_level(3, 1)];
+    let all: Vec<&RecordPeriod> = pieces.iter().collect();
+    let alike = Alike::new(&all);
+    assert_eq!(alike.shares(0), [2.0, 0.0, 1.0]);
+    assert_eq!(alike.shares(1), [0.0, 2.0, 1.0]);
+    // One input at a time: no record can stand for the other.
+    let mut pieces = pieces;
+    for (still, piece) in pieces.iter_mut().take(2).enumerate() {
+        piece.period.u.iter_mut().skip(still).step_by(2).for_each(|u| *u = 0.0);
+    }
+    let all: Vec<&RecordPeriod> = pieces.iter().collect();
+    assert_eq!(Alike::new(&all).shares(0), [1.0, 1.0, 1.0]);
 }
 
 /// Records of the model itself with white noise of this rms.
@@ -218,7 +260,8 @@ fn refitted(truth: &ScheduledModes, pieces: &[&RecordPeriod]) -> ScheduledModes 
     let mut model = truth.clone();
     let freedom = Freedom::new(truth, &ALL);
     for _ in 0..2 {
-        let equations = normal_equations(&model, &freedom, pieces, &Stop::new()).unwrap();
+        let equations =
+            normal_equations(&model, &freedom, pieces, &vec![1.0; pieces.len()], &Stop::new()).unwrap();
         let mut matrix = equations.matrix;
         // Undetermined scales of the states stay.
         (0..matrix.nrows()).for_each(|k| matrix[(k, k)] *= 1.0 + 1e-9);

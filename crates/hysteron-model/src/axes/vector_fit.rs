@@ -6,6 +6,7 @@
 //! so that entries share nothing but σ (D. Deschrijver et al., doi:10.1109/LMWC.2008.922585).
 
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 
 use super::{AxesError, FrequencyMatrix};
 use hysteron_numeric::{Complex64, least_squares};
@@ -57,19 +58,14 @@ impl CommonPoles {
     }
 }
 
-/// Pairs e^(2πf(i − damping)T), f equally spaced from `low_hz` to `high_hz`.
-pub fn spread_poles(
-    count: usize,
-    (low_hz, high_hz): (f64, f64),
-    damping: f64,
-    rate_hz: f64,
-) -> Vec<Complex64> {
+/// Pairs e^(2πf(i − damping)T), f equally spaced from `low_hz` to `high_hz`, and no real poles.
+pub fn spread_poles(count: usize, (low_hz, high_hz): (f64, f64), damping: f64, rate_hz: f64) -> CommonPoles {
     let gaps = count.saturating_sub(1).max(1) as f64;
     let pole = |k: usize| {
         let frequency = low_hz + (high_hz - low_hz) * k as f64 / gaps;
         (Complex64::new(-damping, 1.0) * (std::f64::consts::TAU * frequency / rate_hz)).exp()
     };
-    (0..count).map(pole).collect()
+    CommonPoles { pairs: (0..count).map(pole).collect(), real: Vec::new() }
 }
 
 impl VectorFit {
@@ -85,18 +81,18 @@ impl VectorFit {
         Self { z, entries, held }
     }
 
-    /// Poles after at most `passes` relocations from pairs `start`, by ascending angle: fewer where no pole moves
-    /// any more, and once `go_on`, called before each, is false.
+    /// Poles after at most `passes` relocations from `start`, by ascending angle: fewer where no pole moves any
+    /// more, and once `go_on`, called before each, is false.
     ///
     /// # Errors
     /// [`AxesError::NoPoles`].
     pub fn poles(
         &self,
-        start: &[Complex64],
+        start: CommonPoles,
         passes: usize,
         go_on: impl Fn() -> bool,
     ) -> Result<CommonPoles, AxesError> {
-        let mut poles = CommonPoles { pairs: start.to_vec(), real: Vec::new() };
+        let mut poles = start;
         poles.sort();
         for _ in (0..passes).take_while(|_| go_on()) {
             let mut moved = self.relocate(&poles).ok_or(AxesError::NoPoles)?;
@@ -168,31 +164,30 @@ impl VectorFit {
         let own = self.basis(poles, false);
         let (order, rows) = (own.ncols(), own.nrows());
         let q = self.basis(poles, true).qr().q();
-        // −G [φ, 1] of all entries side by side, the entries' own coefficients projected out.
+        let across = q.transpose();
         let columns = order + 1;
         let entries = self.entries.ncols();
-        let mut all = DMatrix::zeros(rows, columns * entries);
-        for e in 0..entries {
+        // −G [φ, 1] of an entry with its own coefficients projected out, times itself.
+        let of_entry = |e: usize| {
+            let g = self.entries.column(e);
+            let mut left = DMatrix::zeros(rows, columns);
             for c in 0..columns {
-                let mut column = all.column_mut(e * columns + c);
                 for k in 0..count {
-                    let phi = match c {
-                        c if c == order => Complex64::new(1.0, 0.0),
-                        c => Complex64::new(own[(k, c)], own[(k + count, c)]),
+                    let phi = if c == order {
+                        Complex64::new(1.0, 0.0)
+                    } else {
+                        Complex64::new(own[(k, c)], own[(k + count, c)])
                     };
-                    let value = -self.entries[(k, e)] * phi;
-                    column[k] = value.re;
-                    column[k + count] = value.im;
+                    let value = -g[k] * phi;
+                    (left[(k, c)], left[(k + count, c)]) = (value.re, value.im);
                 }
             }
-        }
-        let explained = q.transpose() * &all;
-        all.gemm(-1.0, &q, &explained, 1.0);
-        let mut normal = DMatrix::zeros(columns, columns);
-        for e in 0..entries {
-            let part = all.columns(e * columns, columns);
-            normal.gemm(1.0, &part.transpose(), &part, 1.0);
-        }
+            let explained = &across * &left;
+            left.gemm(-1.0, &q, &explained, 1.0);
+            left.transpose() * &left
+        };
+        let products: Vec<DMatrix<f64>> = (0..entries).into_par_iter().map(of_entry).collect();
+        let mut normal = products.iter().fold(DMatrix::zeros(columns, columns), |sum, one| sum + one);
         // Relaxation: Re Σ σ = Σ 1, with the weight of the other equations.
         let weight = normal.trace() / (columns * entries) as f64;
         let mut sums: Vec<f64> =
@@ -289,7 +284,7 @@ mod tests {
         let response = FrequencyMatrix { inputs: 2, outputs: 2, frequency_hz, lines, values };
         let fit = VectorFit::new(&response, rate, vec![0.3]);
         let start = spread_poles(4, (100.0, 1200.0), 0.01, rate);
-        let found = fit.poles(&start, 20, || true).unwrap();
+        let found = fit.poles(start, 20, || true).unwrap();
         assert!(found.real.is_empty() && found.pairs.len() == 4, "{found:?}");
         for (found, &(f, damping)) in found.pairs.iter().zip(&modes) {
             let mode = frequency(*found, rate);

@@ -25,6 +25,7 @@
 //! levels (`docs/theory/scheduled-modes.md`). Linear in amplitude is the Rayleigh law of ferroelectric
 //! ceramics (D. A. Hall, *J. Mater. Sci.* 36 (2001) 4575, doi:10.1023/A:1017959111402).
 
+mod columns;
 mod held;
 mod held_simulation;
 mod level;

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::columns::Columns;
 use super::{AtLevel, ScheduledModes, Streaming};
 use crate::axes::steady::{level, repeats};
 use crate::axes::{AxesError, SteadyPeriod};
@@ -22,6 +23,7 @@ pub(super) struct Runner<'m> {
     pub at: AtLevel,
     pub x: Vec<f64>,
     next: Vec<f64>,
+    columns: Columns,
     plays: Vec<f64>,
     /// v, then σ.
     pub z: Vec<f64>,
@@ -48,6 +50,7 @@ impl<'m> Runner<'m> {
             at: model.at(s),
             x: vec![0.0; x],
             next: vec![0.0; x],
+            columns: Columns::new(&model),
             plays: vec![0.0; plays],
             z: vec![0.0; 2 * n],
             w: vec![0.0; n],
@@ -66,12 +69,7 @@ impl<'m> Runner<'m> {
     pub(super) fn strain(&mut self, u: &[f64]) {
         let Some(feedback) = &self.model.feedback else { return };
         let n = self.model.inputs;
-        let row = self.x.len() + n;
-        let rows = feedback.drive_rows.chunks_exact(row).chain(feedback.stress_rows.chunks_exact(row));
-        for (z, row) in self.z.iter_mut().zip(rows) {
-            let (of_x, of_u) = row.split_at(self.x.len());
-            *z = dot(of_x, &self.x) + dot(of_u, u);
-        }
+        self.columns.channels(&self.x, u, &mut self.z);
         let (terms, plays) = (feedback.drive.terms(), feedback.drive.radii.len());
         self.w.iter_mut().for_each(|w| *w = 0.0);
         for i in 0..2 * n {
@@ -100,19 +98,17 @@ impl<'m> Runner<'m> {
 
     /// The next state under the inputs u, after [`Self::strain`].
     pub(super) fn advance(&mut self, u: &[f64]) {
-        let (n, modes) = (self.model.inputs, self.model.modes);
-        let force = |k: usize| {
-            dot(&self.model.input[k * n..(k + 1) * n], u)
-                + dot(&self.model.strain_input[k * n..(k + 1) * n], &self.w)
-        };
-        for k in 0..modes {
-            let (a, b) = (self.at.transition[2 * k], self.at.transition[2 * k + 1]);
-            let (re, im) = (self.x[2 * k], self.x[2 * k + 1]);
-            self.next[2 * k] = a * re - b * im + force(2 * k);
-            self.next[2 * k + 1] = a * im + b * re + force(2 * k + 1);
+        let modes = self.model.modes;
+        self.columns.force(u, &self.w, &mut self.next);
+        let (pairs, lags) = self.next.split_at_mut(2 * modes);
+        let (poles, decays) = self.at.transition.split_at(2 * modes);
+        let (x, lagged) = self.x.split_at(2 * modes);
+        for ((to, x), p) in pairs.chunks_exact_mut(2).zip(x.chunks_exact(2)).zip(poles.chunks_exact(2)) {
+            to[0] += p[0] * x[0] - p[1] * x[1];
+            to[1] += p[0] * x[1] + p[1] * x[0];
         }
-        for k in 2 * modes..self.x.len() {
-            self.next[k] = self.at.transition[k] * self.x[k] + force(k);
+        for ((to, x), a) in lags.iter_mut().zip(lagged).zip(decays) {
+            *to += a * x;
         }
         std::mem::swap(&mut self.x, &mut self.next);
     }
