@@ -8,7 +8,7 @@
 use super::Complex64;
 use super::complex_exponential::exponentials_less_one_kernel;
 use super::elementary::{exp, sin_cos};
-use super::feedback_tangent::{FeedbackTangent, Forcing, Lanes, TangentState, feedback_tangent_kernel};
+use super::feedback_tangent::{Recursion, feedback_tangent_kernel, feedback_tangent_single_kernel};
 use super::filter::filter_every_kernel;
 use super::inner_product::{inner_product_kernel, project_out_four_kernel, subtract_multiple_kernel};
 use super::relaxation::{Relaxations, relaxations_kernel, relaxations_with_slopes_kernel};
@@ -175,9 +175,13 @@ dispatched! {
 }
 
 dispatched! {
-    /// [`FeedbackTangent::run`] on a state of its size.
-    feedback_tangent => feedback_tangent_kernel(
-        system: &FeedbackTangent<'_>, forcing: &[Forcing], state: &mut TangentState, out: &mut [Lanes])
+    /// The recursion of [`super::FeedbackTangent::run`].
+    feedback_tangent => feedback_tangent_kernel(recursion: Recursion<'_, '_, f64>)
+}
+
+dispatched! {
+    /// The same in single precision.
+    feedback_tangent_single => feedback_tangent_single_kernel(recursion: Recursion<'_, '_, f32>)
 }
 
 dispatched! {

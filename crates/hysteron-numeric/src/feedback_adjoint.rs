@@ -5,7 +5,7 @@ use super::{FeedbackTangent, Forcing, LANES, Target};
 /// A parameter's direct action: parameter, place of its target among the adjoints, signal, factor.
 type Action = (usize, usize, usize, f64);
 
-impl FeedbackTangent<'_> {
+impl FeedbackTangent<'_, f64> {
     /// Σ over samples and outputs of weight · ∂y/∂parameter: what [`Self::run`] gives for all parameters at
     /// once, times `weights` (outputs of a sample side by side), by the adjoint recursion. [`LANES`] numbers
     /// for every block of `forcing`, for the price of about one simulation.

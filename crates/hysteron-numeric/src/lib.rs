@@ -33,7 +33,7 @@ pub use dispatch::{
     rotate_and_add, run_pass, scale,
 };
 pub use elementary::smooth_minimum;
-pub use feedback_tangent::{FeedbackTangent, Forcing, LANES, Lanes, TangentState, Target};
+pub use feedback_tangent::{FeedbackTangent, Forcing, LANES, Lanes, TangentNumber, Target};
 pub use gram::gram;
 pub use inner_product::{dot, project_out, root_mean_square, subtract};
 pub use least_squares::{LeastSquares, least_squares};

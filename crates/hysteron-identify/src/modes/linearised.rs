@@ -1,54 +1,69 @@
 //! A model linearised along its trajectory, for derivatives forwards and backwards.
 
-use hysteron_model::axes::{AtLevel, ScheduledModes, Trajectory};
+use nalgebra::RealField;
+
+use hysteron_model::axes::{ScheduledModes, Trajectory};
 use hysteron_numeric::FeedbackTangent;
 
-/// Its matrices at one S.
-pub(super) struct Linearised {
-    at: AtLevel,
+/// Its matrices at one S, and the signals of its trajectory, in double or single precision.
+pub(super) struct Linearised<T> {
+    transition: Vec<T>,
     /// Rows of v, then of σ.
-    channels: Vec<f64>,
+    channels: Vec<T>,
     /// Weights of the plays, channel by channel.
-    weights: Vec<f64>,
-    /// Plays of a channel.
-    plays: usize,
+    weights: Vec<T>,
+    strain_input: Vec<T>,
+    output: Vec<T>,
+    strain_feedthrough: Vec<T>,
+    signals: Vec<T>,
+    slopes: Vec<T>,
 }
 
-impl Linearised {
-    pub(super) fn new(model: &ScheduledModes, s: f64) -> Self {
-        let (mut channels, mut weights, mut plays) = (Vec::new(), Vec::new(), 0);
+impl<T: RealField + Copy> Linearised<T> {
+    pub(super) fn new(model: &ScheduledModes, s: f64, trajectory: &Trajectory) -> Self {
+        let (mut channels, mut weights) = (Vec::new(), Vec::new());
         if let Some(feedback) = &model.feedback {
             channels = [feedback.drive_rows.as_slice(), &feedback.stress_rows].concat();
-            plays = feedback.drive.radii.len();
-            let powers = feedback.drive.terms() - plays;
+            let powers = feedback.drive.terms() - feedback.drive.radii.len();
             for _ in 0..model.inputs {
                 weights.extend_from_slice(&feedback.drive.coefficients[powers..]);
             }
             feedback.stress.iter().for_each(|law| weights.extend_from_slice(&law.coefficients[powers..]));
         }
-        Self { at: model.at(s), channels, weights, plays }
+        let at = model.at(s);
+        let converted = |values: &[f64]| values.iter().map(|x| nalgebra::convert(*x)).collect();
+        Self {
+            transition: converted(&at.transition),
+            channels: converted(&channels),
+            weights: converted(&weights),
+            strain_input: converted(&model.strain_input),
+            output: converted(&at.output),
+            strain_feedthrough: converted(&model.strain_feedthrough),
+            signals: converted(&trajectory.signals),
+            slopes: converted(&trajectory.slopes),
+        }
     }
 
-    /// Along a trajectory of the model at that S.
+    /// The system, of the model and the trajectory that it was made of.
     pub(super) fn system<'a>(
         &'a self,
-        model: &'a ScheduledModes,
+        model: &ScheduledModes,
         trajectory: &'a Trajectory,
-    ) -> FeedbackTangent<'a> {
+    ) -> FeedbackTangent<'a, T> {
         FeedbackTangent {
             modes: model.modes,
-            transition: &self.at.transition,
+            transition: &self.transition,
             channels: &self.channels,
             row: model.states() + model.inputs,
             weights: &self.weights,
-            plays: self.plays,
-            strain_input: &model.strain_input,
+            plays: model.feedback.as_ref().map_or(0, |f| f.drive.radii.len()),
+            strain_input: &self.strain_input,
             strains: model.inputs,
-            output: &self.at.output,
-            strain_feedthrough: &model.strain_feedthrough,
-            signals: &trajectory.signals,
+            output: &self.output,
+            strain_feedthrough: &self.strain_feedthrough,
+            signals: &self.signals,
             width: trajectory.width,
-            slopes: &trajectory.slopes,
+            slopes: &self.slopes,
             moved: &trajectory.moved,
             before: trajectory.before,
             steps: model.steps,

@@ -1,13 +1,13 @@
 //! Normal equations of the linearised fit, record by record.
 
-use nalgebra::{DMatrix, DMatrixView, DVector};
+use nalgebra::{DMatrix, DMatrixView, DVector, RealField};
 use rayon::prelude::*;
 
 use super::columns::Freedom;
 use super::linearised::Linearised;
 use super::records::RecordPeriod;
 use hysteron_model::axes::{ScheduledModes, Trajectory, simulate_steady};
-use hysteron_numeric::{InstructionSet, LANES, Lanes, TangentState};
+use hysteron_numeric::{InstructionSet, LANES, Lanes, TangentNumber};
 use hysteron_optimize::Stop;
 
 /// Columns multiplied with all that follow at once.
@@ -77,7 +77,7 @@ fn add_products(to: &mut DMatrix<f64>, freedom: &Freedom, of_record: &DMatrix<f6
 }
 
 /// The normal equations at the model: Jᵀe of all records, JᵀJ of those with a share, each with its weight
-/// times its share. `None` where a record cannot be simulated, or after a stop.
+/// times its share and in single precision. `None` where a record cannot be simulated, or after a stop.
 pub(super) fn normal_equations(
     model: &ScheduledModes,
     freedom: &Freedom,
@@ -86,15 +86,16 @@ pub(super) fn normal_equations(
     stop: &Stop,
 ) -> Option<NormalEquations> {
     let mut sum = NormalEquations::zeros(freedom.columns.len());
-    sum.gradient = gradient(model, freedom, pieces)?;
+    sum.gradient = gradient(model, freedom, pieces, stop)?;
     let ones = vec![1.0; model.outputs];
+    let mut room = Room::<f32>::default();
     let (chosen, weights): (Vec<&RecordPeriod>, Vec<f64>) = pieces
         .iter()
         .zip(shares)
         .filter(|(_, share)| **share > 0.0)
         .map(|(piece, share)| (*piece, share * piece.weight))
         .unzip();
-    each_record(model, freedom, &chosen, stop, |k, s, products| {
+    each_record(model, freedom, &chosen, (&mut room, stop), |k, s, products| {
         add_products(&mut sum.matrix, freedom, &products.weighted(&ones), s, weights[k]);
     })?;
     Some(sum)
@@ -111,10 +112,11 @@ pub(super) fn information(
 ) -> Option<(NormalEquations, DMatrix<f64>)> {
     let count = freedom.columns.len();
     let mut inner = NormalEquations::zeros(count);
-    inner.gradient = gradient(model, freedom, pieces)?;
+    inner.gradient = gradient(model, freedom, pieces, stop)?;
     let mut outer = DMatrix::zeros(count, count);
     let ones = vec![1.0; model.outputs];
-    each_record(model, freedom, pieces, stop, |k, s, products| {
+    let mut room = Room::<f64>::default();
+    each_record(model, freedom, pieces, (&mut room, stop), |k, s, products| {
         let weight = pieces[k].weight;
         add_products(&mut inner.matrix, freedom, &products.weighted(&ones), s, weight);
         if let Some(variances) = variances.get(k) {
@@ -124,14 +126,22 @@ pub(super) fn information(
     Some((inner, outer))
 }
 
-/// Σ w Jᵀe over the records by the adjoint recursion; `None` where one cannot be simulated.
-fn gradient(model: &ScheduledModes, freedom: &Freedom, pieces: &[&RecordPeriod]) -> Option<DVector<f64>> {
+/// Σ w Jᵀe over the records by the adjoint recursion; `None` where one cannot be simulated, or after a stop.
+fn gradient(
+    model: &ScheduledModes,
+    freedom: &Freedom,
+    pieces: &[&RecordPeriod],
+    stop: &Stop,
+) -> Option<DVector<f64>> {
     let of_record = |piece: &&RecordPeriod| {
+        if stop.is_requested() {
+            return None;
+        }
         let s = model.state_of(&piece.period);
         let (compared, faded) = preroll(model, s, piece.fine.len() / model.inputs);
         let trajectory = Trajectory::new(model, s, &piece.fine, compared, faded)?;
         let e = difference(piece, &trajectory.y);
-        let linearised = Linearised::new(model, s);
+        let linearised = Linearised::<f64>::new(model, s, &trajectory);
         let mut base = linearised.system(model, &trajectory).gradient(&freedom.blocks, &e);
         base.truncate(freedom.dynamic);
         base.extend((0..model.outputs).flat_map(|m| own_gradient(model, freedom, &trajectory, &e, m)));
@@ -161,12 +171,12 @@ fn own_gradient(
 
 /// Products of the columns of every record in turn, with its place and S. While those of a record are
 /// computed, the next is simulated. `None` where a record cannot be simulated, or after a stop.
-fn each_record(
+fn each_record<T: TangentNumber>(
     model: &ScheduledModes,
     freedom: &Freedom,
     pieces: &[&RecordPeriod],
-    stop: &Stop,
-    mut add: impl FnMut(usize, f64, &Products),
+    (room, stop): (&mut Room<T>, &Stop),
+    mut add: impl FnMut(usize, f64, &Products<T>),
 ) -> Option<()> {
     let simulated = |k: usize| {
         let piece = pieces.get(k)?;
@@ -174,12 +184,11 @@ fn each_record(
         let (compared, faded) = preroll(model, s, piece.fine.len() / model.inputs);
         Some((s, Trajectory::new(model, s, &piece.fine, compared, faded)?))
     };
-    let mut room = Room::default();
     let mut current = simulated(0);
     for k in 0..pieces.len() {
         let (s, trajectory) = current?;
         let (products, next) = rayon::join(
-            || Products::of_record(model, freedom, (&trajectory, s), &mut room, stop),
+            || Products::of_record(model, freedom, (&trajectory, s), room, stop),
             || simulated(k + 1),
         );
         add(k, s, &products?);
@@ -190,17 +199,17 @@ fn each_record(
 
 /// Room for the columns of a record, used for one after the other.
 #[derive(Default)]
-struct Room {
-    blocks: Vec<Vec<Lanes>>,
+struct Room<T> {
+    blocks: Vec<Vec<Lanes<T>>>,
     /// Mean-free columns of each output, sample by sample.
-    columns: Vec<Vec<f64>>,
+    columns: Vec<Vec<T>>,
 }
 
 /// Products of the columns of one record, output by output: dynamic columns, padded to whole blocks, and those
 /// of the output's own parameters.
-struct Products {
+struct Products<T> {
     /// Output, first column, and the product of the panel from there with all columns from there.
-    products: Vec<(usize, usize, DMatrix<f64>)>,
+    products: Vec<(usize, usize, DMatrix<T>)>,
     /// Dynamic columns, without and with padding.
     dynamic: usize,
     padded: usize,
@@ -210,12 +219,12 @@ struct Products {
     base_columns: usize,
 }
 
-impl Products {
+impl<T: TangentNumber> Products<T> {
     fn of_record(
         model: &ScheduledModes,
         freedom: &Freedom,
         (trajectory, s): (&Trajectory, f64),
-        room: &mut Room,
+        room: &mut Room<T>,
         stop: &Stop,
     ) -> Option<Self> {
         let outputs = model.outputs;
@@ -229,7 +238,7 @@ impl Products {
         room.columns.resize_with(outputs, Vec::new);
         let of_own = own_columns(freedom, trajectory, (samples, model.steps));
         for (m, columns) in room.columns.iter_mut().enumerate() {
-            columns.resize(width * samples, 0.0);
+            columns.resize(width * samples, T::zero());
             let blocks = &room.blocks;
             columns.par_chunks_mut(width * STRETCH).enumerate().for_each(|(stretch, rows)| {
                 for (row, k) in rows.chunks_exact_mut(width).zip(stretch * STRETCH..) {
@@ -268,9 +277,10 @@ impl Products {
                 let Some(column) = self.place(m, first + j) else { continue };
                 for i in 0..product.nrows().min(j + 1) {
                     let Some(row) = self.place(m, first + i) else { continue };
-                    sum[(row, column)] += weight * product[(i, j)];
+                    let added = weight * product[(i, j)].into();
+                    sum[(row, column)] += added;
                     if row != column {
-                        sum[(column, row)] += weight * product[(i, j)];
+                        sum[(column, row)] += added;
                     }
                 }
             }
@@ -281,43 +291,47 @@ impl Products {
 
 /// Derivatives of the outputs with respect to the dynamic columns, block by block: outputs · samples lanes
 /// each; of no meaning after a stop.
-pub(super) fn derivatives(
+pub(super) fn derivatives<T: TangentNumber>(
     model: &ScheduledModes,
     freedom: &Freedom,
     trajectory: &Trajectory,
     s: f64,
     stop: &Stop,
-    blocks: &mut Vec<Vec<Lanes>>,
+    blocks: &mut Vec<Vec<Lanes<T>>>,
 ) {
-    let linearised = Linearised::new(model, s);
+    let linearised = Linearised::new(model, s, trajectory);
     let system = linearised.system(model, trajectory);
     let set = InstructionSet::detected();
     blocks.resize_with(freedom.blocks.len(), Vec::new);
     blocks.par_iter_mut().zip(&freedom.blocks).for_each(|(out, forcing)| {
-        out.resize(trajectory.y.len(), [0.0; LANES]);
+        out.resize(trajectory.y.len(), [T::zero(); LANES]);
         if !stop.is_requested() {
-            system.run(set, forcing, &mut TangentState::default(), out);
+            system.run(set, forcing, out);
         }
     });
 }
 
 /// Mean-free columns of an output's own parameters, sample by sample: the same for all outputs.
-fn own_columns(freedom: &Freedom, trajectory: &Trajectory, (samples, steps): (usize, usize)) -> Vec<f64> {
+fn own_columns<T: RealField + Copy>(
+    freedom: &Freedom,
+    trajectory: &Trajectory,
+    (samples, steps): (usize, usize),
+) -> Vec<T> {
     let mut rows = Vec::with_capacity(freedom.own.len() * samples);
     for k in 0..samples {
         let signals = trajectory.at_sample(k, steps);
         rows.extend(freedom.own.iter().map(|&signal| signals[signal]));
     }
     hysteron_model::axes::remove_means(&mut rows, freedom.own.len());
-    rows
+    rows.into_iter().map(nalgebra::convert::<f64, T>).collect()
 }
 
 /// Products of the `height` columns from `first` with all columns from there, of rows of `width` numbers.
-fn panel_products(rows: &[f64], width: usize, first: usize, height: usize) -> DMatrix<f64> {
+fn panel_products<T: RealField + Copy>(rows: &[T], width: usize, first: usize, height: usize) -> DMatrix<T> {
     let (samples, rows) = (rows.len() / width, &rows[first..]);
     let left = DMatrixView::from_slice_with_strides(rows, height, samples, 1, width);
     let right = DMatrixView::from_slice_with_strides(rows, samples, width - first, width, 1);
     let mut product = DMatrix::zeros(height, width - first);
-    product.gemm(1.0, &left, &right, 0.0);
+    product.gemm(T::one(), &left, &right, T::zero());
     product
 }

@@ -1,9 +1,11 @@
 //! Levenberg–Marquardt on normal equations (J. J. Moré, doi:10.1007/BFb0067700: scaled by the diagonal).
 //!
-//! The matrix is nine tenths of an iteration, so that it is of one record of each level in turn, and several
-//! dampings are tried with it: the one that lowers the cost most is taken. The gradient is of all records.
+//! The matrix takes most of an iteration. So it is of one record of each level in turn and in single precision,
+//! and several dampings are tried with it, of which the one that lowers the cost most is taken. The gradient is
+//! of all records, in double precision.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::columns::{Freedom, Group};
 use super::normal::{cost, normal_equations};
@@ -21,9 +23,9 @@ const HARDER: f64 = 6.0;
 const COMPARED: f64 = 3.0;
 /// Least damping.
 const LEAST_DAMPING: f64 = 1e-9;
-/// Most trials until a step lowers the cost, and most of those compared with it in one direction.
-const TRIES: usize = 8;
-const COMPARISONS: usize = 4;
+/// Most further trials until a step lowers the cost, and most of those compared with it in its direction.
+const TRIES: usize = 7;
+const COMPARISONS: usize = 3;
 
 /// One search: free parameters, initial damping, iterations.
 pub(super) struct Stage {
@@ -132,7 +134,8 @@ pub(super) fn search(
         let fall = (least - step.penalised) / least;
         (model, misfit, damping) = (step.model, step.misfit, step.damping);
         ledger.done += stage.work;
-        if fall < stage.stop {
+        // After a stop not all dampings were compared: a resumed search takes this iteration again.
+        if fall < stage.stop || stop.is_requested() {
             break;
         }
     }
@@ -149,24 +152,24 @@ struct Step {
     damping: f64,
 }
 
-/// The step of the least cost among dampings around this one, each a trial: `None` where it does not lower
-/// the cost.
-fn best_step(start: f64, trial: impl Fn(f64) -> Option<Step>) -> Option<Step> {
-    let harder = |damping: &f64| Some((damping * HARDER).max(LEAST_DAMPING * 100.0));
-    let mut dampings = std::iter::successors(Some(start.max(LEAST_DAMPING)), harder).take(TRIES);
-    let mut best = dampings.find_map(&trial)?;
-    let first = best.damping;
-    // Less damping than that of a step that failed would fail as well.
-    let directions = [COMPARED.recip(), COMPARED];
-    for factor in &directions[usize::from(first > start)..] {
-        for power in 1..=COMPARISONS {
-            match trial((first * factor.powi(power as i32)).max(LEAST_DAMPING)) {
+/// The step of the least cost among dampings around `start`, each a trial: `None` where it does not lower the
+/// cost.
+fn best_step(start: f64, trial: impl Fn(f64) -> Option<Step> + Sync) -> Option<Step> {
+    let better = |a: Step, b: Step| if b.penalised < a.penalised { b } else { a };
+    let start = start.max(LEAST_DAMPING);
+    let around = [start, start / COMPARED, start * COMPARED];
+    let tried: Vec<Option<Step>> = around.into_par_iter().with_max_len(1).map(&trial).collect();
+    let mut best = tried.into_iter().flatten().reduce(better).or_else(|| {
+        let harder = |damping: &f64| Some((damping * HARDER).max(LEAST_DAMPING * 100.0));
+        std::iter::successors(harder(&(start * COMPARED)), harder).take(TRIES).find_map(&trial)
+    })?;
+    let factor = if best.damping < start { COMPARED.recip() } else { COMPARED };
+    if best.damping != start {
+        for _ in 0..COMPARISONS {
+            match trial(best.damping * factor) {
                 Some(next) if next.penalised < best.penalised => best = next,
                 _ => break,
             }
-        }
-        if best.damping < first {
-            break;
         }
     }
     Some(best)

@@ -5,7 +5,7 @@ use nalgebra::DVector;
 
 use super::columns::Freedom;
 use super::linearised::Linearised;
-use super::normal::{cost, derivatives, normal_equations};
+use super::normal::{cost, derivatives, information, normal_equations};
 use super::quantities::{order, quantities};
 use super::records::{Alike, RecordPeriod};
 use super::ridge::Ridge;
@@ -15,7 +15,7 @@ use hysteron_model::axes::{
     FeedbackStrain, LevelLaw, Mode, ScheduledModes, SteadyPeriod, StrainLaw, Trajectory, pole,
     simulate_steady,
 };
-use hysteron_numeric::LANES;
+use hysteron_numeric::{LANES, Lanes};
 
 /// Numbers between −1 and 1 that look random.
 struct Numbers(u64);
@@ -120,7 +120,7 @@ fn every_derivative_is_that_of_central_differences() {
     let preroll = 6 * count;
     let expected = differences(&model, &freedom, s, &piece.fine, preroll);
     let trajectory = Trajectory::new(&model, s, &piece.fine, preroll, preroll).unwrap();
-    let mut blocks = Vec::new();
+    let mut blocks: Vec<Vec<Lanes<f64>>> = Vec::new();
     derivatives(&model, &freedom, &trajectory, s, &Stop::new(), &mut blocks);
     let (samples, outputs) = (piece.period.samples(), model.outputs);
     for (column, expected) in freedom.columns.iter().zip(&expected) {
@@ -207,10 +207,10 @@ fn the_gradient_backwards_is_that_of_the_derivatives_forwards() {
     let freedom = Freedom::new(&model, &ALL);
     let count = piece.fine.len() / model.inputs;
     let trajectory = Trajectory::new(&model, s, &piece.fine, 4 * count, count).unwrap();
-    let mut blocks = Vec::new();
+    let mut blocks: Vec<Vec<Lanes<f64>>> = Vec::new();
     derivatives(&model, &freedom, &trajectory, s, &Stop::new(), &mut blocks);
     let weights = &piece.period.y;
-    let linearised = Linearised::new(&model, s);
+    let linearised = Linearised::<f64>::new(&model, s, &trajectory);
     let found = linearised.system(&model, &trajectory).gradient(&freedom.blocks, weights);
     let (samples, outputs) = (piece.period.samples(), model.outputs);
     let places = || (0..samples).flat_map(|k| (0..outputs).map(move |m| (k, m)));
@@ -219,6 +219,25 @@ fn the_gradient_backwards_is_that_of_the_derivatives_forwards() {
         let expected: f64 = places().map(|(k, m)| weights[k * outputs + m] * at((k, m))).sum();
         let size: f64 = places().map(|place| at(place).powi(2)).sum::<f64>().sqrt();
         assert!((found[column] - expected).abs() < 1e-11 * size, "{column}: {} {expected}", found[column]);
+    }
+}
+
+#[test]
+fn products_in_single_precision_are_those_in_double() {
+    let model = model();
+    let pieces = [piece(7, 0.8, &model), piece(8, 1.5, &model)];
+    let all: Vec<&RecordPeriod> = pieces.iter().collect();
+    let freedom = Freedom::new(&model, &ALL);
+    let single = normal_equations(&model, &freedom, &all, &[1.0, 1.0], &Stop::new()).unwrap();
+    let (double, _) = information(&model, &freedom, &all, &[], &Stop::new()).unwrap();
+    assert_eq!(single.gradient, double.gradient);
+    let scale = |k: usize| double.matrix[(k, k)].sqrt();
+    for i in 0..single.matrix.nrows() {
+        for j in 0..single.matrix.ncols() {
+            let off = (single.matrix[(i, j)] - double.matrix[(i, j)]) / (scale(i) * scale(j));
+            // A hundred roundings.
+            assert!(off.abs() < 100.0 * f64::from(f32::EPSILON), "{i} {j}: {off}");
+        }
     }
 }
 
@@ -260,8 +279,7 @@ fn refitted(truth: &ScheduledModes, pieces: &[&RecordPeriod]) -> ScheduledModes 
     let mut model = truth.clone();
     let freedom = Freedom::new(truth, &ALL);
     for _ in 0..2 {
-        let equations =
-            normal_equations(&model, &freedom, pieces, &vec![1.0; pieces.len()], &Stop::new()).unwrap();
+        let (equations, _) = information(&model, &freedom, pieces, &[], &Stop::new()).unwrap();
         let mut matrix = equations.matrix;
         // Undetermined scales of the states stay.
         (0..matrix.nrows()).for_each(|k| matrix[(k, k)] *= 1.0 + 1e-9);

@@ -1,5 +1,7 @@
 //! The mean period of a record whose inputs repeat.
 
+use nalgebra::RealField;
+
 use super::{AxesError, AxesRecord};
 use crate::record::{InputOutput, find_periods};
 
@@ -132,17 +134,17 @@ impl SteadyPeriod {
 
 /// Removes and returns the mean of each of `channels` interleaved channels.
 #[doc(hidden)]
-pub fn remove_means(x: &mut [f64], channels: usize) -> Vec<f64> {
-    let mut means = vec![0.0; channels];
+pub fn remove_means<T: RealField + Copy>(x: &mut [T], channels: usize) -> Vec<T> {
+    let mut means = vec![T::zero(); channels];
     if channels == 0 {
         return means;
     }
-    let samples = (x.len() / channels).max(1) as f64;
+    let samples: T = nalgebra::convert((x.len() / channels).max(1) as f64);
     for row in x.chunks_exact(channels) {
-        means.iter_mut().zip(row).for_each(|(mean, x)| *mean += x / samples);
+        means.iter_mut().zip(row).for_each(|(mean, x)| *mean += *x / samples);
     }
     for row in x.chunks_exact_mut(channels) {
-        row.iter_mut().zip(&means).for_each(|(x, mean)| *x -= mean);
+        row.iter_mut().zip(&means).for_each(|(x, mean)| *x -= *mean);
     }
     means
 }
