@@ -13,6 +13,9 @@ use hysteron_model::record::{InterSample, Unit};
 /// driven independently.
 const INDEPENDENT: f64 = 0.5;
 
+/// Multiplications of the products of the derivatives of all records that take long, about a second.
+const LONG: f64 = 2e10;
+
 /// Levels that differ by less than this share are one.
 const ONE_LEVEL: f64 = 0.05;
 
@@ -34,15 +37,19 @@ pub(super) fn error_of(cost: f64, pieces: &[&RecordPeriod]) -> Option<f64> {
     Some((cost / weight).sqrt()).filter(|error| error.is_finite())
 }
 
-/// Groups of records of which one can stand for all in the products of the derivatives: those of a level, if
-/// each of them drives all inputs independently; else every record is a group of its own.
+/// Groups of records of which one stands for all in the products of the derivatives: those of a level, if the
+/// products of all take long and each of them drives all inputs independently; else every record is a group of
+/// its own. A search with the products of all needs fewer iterations where the errors that remain are small.
 pub(super) struct Alike {
     groups: Vec<Vec<usize>>,
     records: usize,
 }
 
 impl Alike {
-    pub(super) fn new(pieces: &[&RecordPeriod]) -> Self {
+    /// For a search over so many parameters.
+    pub(super) fn new(pieces: &[&RecordPeriod], parameters: usize) -> Self {
+        let numbers: usize = pieces.iter().map(|piece| piece.period.y.len()).sum();
+        let take_long = numbers as f64 * (parameters as f64).powi(2) > LONG;
         let levels = pieces.iter().map(|piece| piece.level).max().map_or(0, |most| most + 1);
         let mut groups = Vec::new();
         for level in 0..levels {
@@ -53,7 +60,7 @@ impl Alike {
             let moments: Vec<DMatrix<f64>> = of_level.iter().map(|&k| input_moments(pieces[k])).collect();
             let mean = moments.iter().sum::<DMatrix<f64>>() / moments.len() as f64;
             let least = |moments: &DMatrix<f64>| moments.symmetric_eigenvalues().min();
-            if moments.iter().all(|of_record| least(of_record) >= INDEPENDENT * least(&mean)) {
+            if take_long && moments.iter().all(|of_record| least(of_record) >= INDEPENDENT * least(&mean)) {
                 groups.push(of_level);
             } else {
                 groups.extend(of_level.into_iter().map(|k| vec![k]));

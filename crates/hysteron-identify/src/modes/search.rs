@@ -1,7 +1,7 @@
 //! Levenberg–Marquardt on normal equations (J. J. Moré, doi:10.1007/BFb0067700: scaled by the diagonal).
 //!
-//! The matrix takes most of an iteration. So it is of one record of each level in turn and in single precision,
-//! and several dampings are tried with it, of which the one that lowers the cost most is taken. The gradient is
+//! The matrix takes most of an iteration. So it is in single precision and, where it takes long, of one record of
+//! each level in turn, and several dampings are tried with it, of which the one that lowers the cost most is taken. The gradient is
 //! of all records, in double precision.
 
 use nalgebra::{DMatrix, DVector};
@@ -93,7 +93,7 @@ pub(super) fn search(
     ledger: &mut Ledger<'_, '_>,
 ) -> (ScheduledModes, usize) {
     let freedom = Freedom::new(&start, stage.groups);
-    let alike = Alike::new(pieces);
+    let alike = Alike::new(pieces, freedom.columns.len());
     let mut model = start;
     let mut misfit = cost(&model, pieces);
     let mut damping = from.damping;

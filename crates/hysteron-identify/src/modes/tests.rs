@@ -247,16 +247,17 @@ fn records_take_turns_where_each_drives_all_inputs() {
     let of_level = |seed: u64, level: usize| RecordPeriod { level, ..piece(seed, 1.0, &model) };
     let pieces = [of_level(1, 0), of_level(2, 0), of_level(3, 1)];
     let all: Vec<&RecordPeriod> = pieces.iter().collect();
-    let alike = Alike::new(&all);
+    let alike = Alike::new(&all, 10_000);
     assert_eq!(alike.shares(0), [2.0, 0.0, 1.0]);
     assert_eq!(alike.shares(1), [0.0, 2.0, 1.0]);
+    assert_eq!(Alike::new(&all, 100).shares(0), [1.0, 1.0, 1.0], "all are soon multiplied");
     // One input at a time: no record can stand for the other.
     let mut pieces = pieces;
     for (still, piece) in pieces.iter_mut().take(2).enumerate() {
         piece.period.u.iter_mut().skip(still).step_by(2).for_each(|u| *u = 0.0);
     }
     let all: Vec<&RecordPeriod> = pieces.iter().collect();
-    assert_eq!(Alike::new(&all).shares(0), [1.0, 1.0, 1.0]);
+    assert_eq!(Alike::new(&all, 10_000).shares(0), [1.0, 1.0, 1.0]);
 }
 
 /// Records of the model itself with white noise of this rms.
