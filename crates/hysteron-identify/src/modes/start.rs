@@ -19,9 +19,7 @@ const DEPENDENT: f64 = 1e-14;
 /// Poles start between these shares of the highest excited frequency, with this damping.
 const SPREAD: (f64, f64) = (0.1, 1.05);
 const START_DAMPING: f64 = 0.01;
-/// Passes of the vector fit, and those after which numbers of pairs are compared.
 const RELOCATIONS: usize = 30;
-const COMPARED: usize = 10;
 /// Damping ratios that a mode may have; the narrowest half bandwidth is two lines.
 const LARGEST_DAMPING: f64 = 0.15;
 const NARROWEST_LINES: f64 = 2.0;
@@ -99,25 +97,26 @@ fn choose_poles(
     is_mode: impl Fn(&Complex64) -> bool + Sync,
     stop: &Stop,
 ) -> Result<(usize, CommonPoles), IdentifyError> {
-    let relocated = |poles: CommonPoles, passes: usize| -> Result<CommonPoles, IdentifyError> {
-        let found = fit.poles(poles, passes, || !stop.is_requested())?;
-        if stop.is_requested() { Err(IdentifyError::Stopped) } else { Ok(found) }
-    };
-    let spread = |count| spread_poles(count, (SPREAD.0 * top_hz, SPREAD.1 * top_hz), START_DAMPING, rate);
-    let modes_of = |poles: &CommonPoles| CommonPoles {
-        pairs: poles.pairs.iter().copied().filter(&is_mode).collect(),
-        real: Vec::new(),
+    let poles = |count: usize| -> Result<CommonPoles, IdentifyError> {
+        let start = spread_poles(count, (SPREAD.0 * top_hz, SPREAD.1 * top_hz), START_DAMPING, rate);
+        let mut found = fit.poles(start, RELOCATIONS, || !stop.is_requested())?;
+        if stop.is_requested() {
+            return Err(IdentifyError::Stopped);
+        }
+        found.pairs.retain(&is_mode);
+        found.real.clear();
+        Ok(found)
     };
     if let Some(count) = given {
-        return Ok((count, modes_of(&relocated(spread(count), RELOCATIONS)?)));
+        return Ok((count, poles(count)?));
     }
     // Requires twice as many equations as unknowns.
     let tried = TRIED.into_iter().filter(|count| 4 * (2 * count + 2) <= 2 * response.len());
     let tried: Vec<usize> = tried.collect();
     // Each number apart from the others; the largest, which take longest, first.
     let with_error = |&count: &usize| {
-        let found = relocated(spread(count), COMPARED).ok()?;
-        let error = fit.error(&modes_of(&found)).ok()?;
+        let found = poles(count).ok()?;
+        let error = fit.error(&found).ok()?;
         Some((error, count, found))
     };
     let fitted: Vec<_> = tried.par_iter().rev().with_max_len(1).map(with_error).collect();
@@ -132,7 +131,7 @@ fn choose_poles(
         }
     }
     let (_, count, poles) = best.ok_or(IdentifyError::NoModes { top_hz })?;
-    Ok((count, modes_of(&relocated(poles, RELOCATIONS - COMPARED)?)))
+    Ok((count, poles))
 }
 
 /// Residues c_k b_kᵀ of rank one, lags of all inputs, and the response's constant.
