@@ -1,8 +1,8 @@
 //! Levenberg–Marquardt on normal equations (J. J. Moré, doi:10.1007/BFb0067700: scaled by the diagonal).
 //!
 //! The matrix takes most of an iteration. So it is in single precision and, where it takes long, of one record of
-//! each level in turn, and several dampings are tried with it, of which the one that lowers the cost most is taken. The gradient is
-//! of all records, in double precision.
+//! each level in turn, and several dampings are tried with it, of which the one that lowers the cost most is
+//! taken. The gradient is of all records, in double precision.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
