@@ -27,6 +27,7 @@ mod records;
 mod ridge;
 mod search;
 mod start;
+mod stress_scale;
 mod summary;
 #[cfg(test)]
 mod tests;

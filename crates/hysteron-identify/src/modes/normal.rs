@@ -24,6 +24,8 @@ const MOST_PREROLL: usize = 4;
 pub(super) struct NormalEquations {
     pub matrix: DMatrix<f64>,
     pub gradient: DVector<f64>,
+    /// Σ σ s of every actuator over the highest level: its stress times the signals (x, u) that its row weighs.
+    pub stress: Vec<DVector<f64>>,
 }
 
 /// Preroll steps before the scored period, and those of them with derivatives.
@@ -61,7 +63,7 @@ pub(super) fn cost(model: &ScheduledModes, pieces: &[&RecordPeriod]) -> f64 {
 
 impl NormalEquations {
     fn zeros(count: usize) -> Self {
-        Self { matrix: DMatrix::zeros(count, count), gradient: DVector::zeros(count) }
+        Self { matrix: DMatrix::zeros(count, count), gradient: DVector::zeros(count), stress: Vec::new() }
     }
 }
 
@@ -86,7 +88,7 @@ pub(super) fn normal_equations(
     stop: &Stop,
 ) -> Option<NormalEquations> {
     let mut sum = NormalEquations::zeros(freedom.columns.len());
-    sum.gradient = gradient(model, freedom, pieces, stop)?;
+    (sum.gradient, sum.stress) = gradient(model, freedom, pieces, stop)?;
     let ones = vec![1.0; model.outputs];
     let mut room = Room::<f32>::default();
     let (chosen, weights): (Vec<&RecordPeriod>, Vec<f64>) = pieces
@@ -112,7 +114,7 @@ pub(super) fn information(
 ) -> Option<(NormalEquations, DMatrix<f64>)> {
     let count = freedom.columns.len();
     let mut inner = NormalEquations::zeros(count);
-    inner.gradient = gradient(model, freedom, pieces, stop)?;
+    (inner.gradient, inner.stress) = gradient(model, freedom, pieces, stop)?;
     let mut outer = DMatrix::zeros(count, count);
     let ones = vec![1.0; model.outputs];
     let mut room = Room::<f64>::default();
@@ -126,13 +128,15 @@ pub(super) fn information(
     Some((inner, outer))
 }
 
-/// Σ w Jᵀe over the records by the adjoint recursion; `None` where one cannot be simulated, or after a stop.
+/// Σ w Jᵀe over the records by the adjoint recursion, and Σ σ s over those of the highest level; `None` where one
+/// cannot be simulated, or after a stop.
 fn gradient(
     model: &ScheduledModes,
     freedom: &Freedom,
     pieces: &[&RecordPeriod],
     stop: &Stop,
-) -> Option<DVector<f64>> {
+) -> Option<(DVector<f64>, Vec<DVector<f64>>)> {
+    let highest = pieces.iter().map(|piece| piece.level).max();
     let of_record = |piece: &&RecordPeriod| {
         if stop.is_requested() {
             return None;
@@ -147,10 +151,34 @@ fn gradient(
         base.extend((0..model.outputs).flat_map(|m| own_gradient(model, freedom, &trajectory, &e, m)));
         let factor = |scheduled: bool| piece.weight * if scheduled { s } else { 1.0 };
         let column = |k: usize, _| base[freedom.columns[k].base] * factor(freedom.columns[k].scheduled);
-        Some(DVector::from_fn(freedom.columns.len(), column))
+        let samples = if Some(piece.level) == highest { piece.period.samples() } else { 0 };
+        let stress = stress_moments(model, &trajectory, samples);
+        Some((DVector::from_fn(freedom.columns.len(), column), stress))
     };
-    let all: Vec<Option<DVector<f64>>> = pieces.par_iter().with_max_len(1).map(of_record).collect();
-    all.into_iter().try_fold(DVector::zeros(freedom.columns.len()), |sum, one| Some(sum + one?))
+    let all: Vec<_> = pieces.par_iter().with_max_len(1).map(of_record).collect();
+    let mut sums = all.into_iter();
+    let (mut gradient, mut stress) = sums.next()??;
+    for one in sums {
+        let (of_record, stress_of_record) = one?;
+        gradient += of_record;
+        stress.iter_mut().zip(stress_of_record).for_each(|(sum, of)| *sum += of);
+    }
+    Some((gradient, stress))
+}
+
+/// Σ σ s of every actuator over the samples of a record.
+fn stress_moments(model: &ScheduledModes, trajectory: &Trajectory, samples: usize) -> Vec<DVector<f64>> {
+    let width = model.states() + model.inputs;
+    let rows = model.feedback.as_ref().map_or(&[][..], |feedback| &feedback.stress_rows);
+    let of_row = |row: &[f64]| {
+        let mut sum = DVector::zeros(width);
+        for signals in (0..samples).map(|k| &trajectory.at_sample(k, model.steps)[..width]) {
+            let sigma: f64 = row.iter().zip(signals).map(|(c, x)| c * x).sum();
+            sum.iter_mut().zip(signals).for_each(|(sum, x)| *sum += sigma * x);
+        }
+        sum
+    };
+    rows.chunks_exact(width).map(of_row).collect()
 }
 
 /// Jᵀe of an output's own parameters.

@@ -11,6 +11,7 @@ use super::columns::{Freedom, Group};
 use super::normal::{cost, normal_equations};
 use super::records::{Alike, Campaign, RecordPeriod, error_of};
 use super::ridge::Ridge;
+use super::stress_scale;
 use crate::watch::{Event, State};
 use crate::{ModesCheckpoint, Searches, Watch};
 use hysteron_model::Model;
@@ -111,6 +112,7 @@ pub(super) fn search(
         let values = freedom.values(&model);
         ridge.add(&mut equations.matrix, &mut equations.gradient, &values);
         let least = misfit + ridge.of(&values);
+        stress_scale::hold(&mut equations, &freedom, &model);
         let scale: Vec<f64> = equations.matrix.diagonal().iter().map(|d| d.sqrt()).collect();
         // A parameter without effect is not changed.
         let per = |k: usize| if scale[k] > 0.0 { 1.0 / scale[k] } else { 0.0 };

@@ -1,14 +1,15 @@
 //! Derivatives and normal equations against slow, obvious ways.
 
 use hysteron_optimize::Stop;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
-use super::columns::Freedom;
+use super::columns::{Freedom, Group};
 use super::linearised::Linearised;
 use super::normal::{cost, derivatives, information, normal_equations};
 use super::quantities::{order, quantities};
 use super::records::{Alike, RecordPeriod};
 use super::ridge::Ridge;
+use super::stress_scale;
 use super::summary::ALL;
 use super::uncertainty::with_standard_errors;
 use hysteron_model::axes::{
@@ -153,7 +154,7 @@ fn the_normal_equations_are_those_of_the_columns_and_lower_the_cost() {
     let freedom = Freedom::new(&model, &ALL);
     let found = normal_equations(&model, &freedom, &all, &[1.0, 1.0], &Stop::new()).unwrap();
     let count = freedom.columns.len();
-    let mut matrix = nalgebra::DMatrix::zeros(count, count);
+    let mut matrix = DMatrix::zeros(count, count);
     let mut gradient = DVector::zeros(count);
     for piece in &pieces {
         let s = model.state_of(&piece.period);
@@ -239,6 +240,42 @@ fn products_in_single_precision_are_those_in_double() {
             assert!(off.abs() < 100.0 * f64::from(f32::EPSILON), "{i} {j}: {off}");
         }
     }
+}
+
+#[test]
+fn the_scale_of_a_stress_is_held_and_nothing_else() {
+    let model = model();
+    let top = RecordPeriod { level: 1, ..piece(8, 1.5, &model) };
+    let pieces = [piece(7, 0.8, &model), top];
+    let all: Vec<&RecordPeriod> = pieces.iter().collect();
+    let freedom = Freedom::new(&model, &ALL);
+    let (mut equations, _) = information(&model, &freedom, &all, &[], &Stop::new()).unwrap();
+    let matrix = equations.matrix.clone();
+    stress_scale::hold(&mut equations, &freedom, &model);
+    let added = equations.matrix - &matrix;
+    let (_, columns) = freedom.places(&model).into_iter().find(|(group, _)| *group == Group::Stress).unwrap();
+    let (stress, width) = (&model.feedback.as_ref().unwrap().stress_rows, columns.len() / model.inputs);
+    let mut expected = DMatrix::zeros(matrix.nrows(), matrix.ncols());
+    for actuator in 0..model.inputs {
+        let row = &stress[actuator * width..(actuator + 1) * width];
+        let mut of_rows = vec![0.0; width];
+        for piece in &pieces[1..] {
+            let s = model.state_of(&piece.period);
+            let trajectory =
+                Trajectory::new(&model, s, &piece.fine, 4 * piece.fine.len() / model.inputs, 0).unwrap();
+            for signals in trajectory.signals.chunks_exact(trajectory.width).step_by(model.steps) {
+                let sigma: f64 = row.iter().zip(signals).map(|(c, x)| c * x).sum();
+                of_rows.iter_mut().zip(signals).for_each(|(sum, x)| *sum += sigma * x);
+            }
+        }
+        let mut direction = DVector::zeros(matrix.nrows());
+        direction.rows_mut(columns.start + actuator * width, width).copy_from_slice(&of_rows);
+        direction.normalize_mut();
+        let information = (direction.transpose() * &matrix * &direction)[(0, 0)];
+        assert!(information > 0.0);
+        expected += 10.0 * information * &direction * direction.transpose();
+    }
+    assert!((&added - &expected).norm() < 1e-6 * expected.norm(), "{}", (&added - &expected).norm());
 }
 
 #[test]
@@ -366,7 +403,7 @@ fn the_ridge_leaves_a_common_shift_free_and_its_derivatives_are_those_of_its_val
     let base = model();
     let freedom = Freedom::new(&base, &ALL);
     let count = freedom.columns.len();
-    let matrix = nalgebra::DMatrix::from_diagonal(&DVector::from_fn(count, |k, _| 1.0 + (k % 7) as f64));
+    let matrix = DMatrix::from_diagonal(&DVector::from_fn(count, |k, _| 1.0 + (k % 7) as f64));
     let ridge = Ridge::new(&freedom, &base, &matrix, 0.3);
     // All frequencies up by 3 %, all gains by 5 %.
     let mut common = base.clone();
@@ -384,7 +421,7 @@ fn the_ridge_leaves_a_common_shift_free_and_its_derivatives_are_those_of_its_val
     common.feedthrough_slopes = base.feedthrough.iter().map(|d| 0.05 * d).collect();
     let (free, values) = (ridge.of(&freedom.values(&common)), freedom.values(&base));
     assert!(free.abs() < 1e-12 && ridge.of(&values) > 0.1, "{free} {}", ridge.of(&values));
-    let (mut second, mut descent) = (nalgebra::DMatrix::zeros(count, count), DVector::zeros(count));
+    let (mut second, mut descent) = (DMatrix::zeros(count, count), DVector::zeros(count));
     ridge.add(&mut second, &mut descent, &values);
     for k in 0..count {
         let at = |h: f64| {
