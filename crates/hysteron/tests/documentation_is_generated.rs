@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 
-use hysteron::{Capability, HysteresisForm, Kind};
+use hysteron::{Capability, HysteresisForm, Kind, Unsupported};
 use hysteron_model::hysteresis::{DriveSpan, NumberUnit};
 use serde_json::Value;
 
@@ -20,7 +20,13 @@ fn table() -> String {
     text += &" --- |".repeat(Kind::ALL.len());
     for capability in Capability::ALL {
         text += &format!("\n| {capability} |");
-        Kind::ALL.iter().for_each(|kind| text += if capability.of(*kind) { " yes |" } else { " not yet |" });
+        for kind in Kind::ALL {
+            text += match Unsupported::check(kind, capability) {
+                Ok(()) => " yes |",
+                Err(unsupported) if unsupported.reason().is_some() => " no |",
+                Err(_) => " not yet |",
+            };
+        }
     }
     text + "\n"
 }

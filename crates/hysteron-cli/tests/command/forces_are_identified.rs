@@ -189,7 +189,7 @@ fn a_force_has_no_inverse_and_says_so() {
     ] {
         let run = bench.run(command);
         assert_ne!(run.exit_code, 0, "{command}");
-        let reason = "is not supported for a model of the kind \"force\" yet";
+        let reason = "is not supported for a model of the kind \"force\"";
         assert!(run.stderr.contains(reason), "{command}: {}", run.stderr);
     }
 }

@@ -6,18 +6,16 @@
 //! iteration therefore adds
 //!
 //! ```text
-//! R = 10 h (gᵀ Δ)²/|g|²,   g = Σ σ s
+//! R = h (gᵀ Δ)²/|g|²,   g = Σ σ s
 //! ```
 //!
 //! for every actuator, summed over the records of the highest level: Δ is the step of the row of its stress σ, s
 //! the signals that the row weighs, gᵀ Δ half the change of Σ σ², and h the information on a step along g.
+//! Ten times as much made some searches longer or end elsewhere.
 
 use super::columns::{Freedom, Group};
 use super::normal::NormalEquations;
 use hysteron_model::axes::ScheduledModes;
-
-/// Weight of R against the information on the same step.
-const HELD: f64 = 10.0;
 
 /// Adds half the second derivatives of R to the matrix, where the rows of the stress are free.
 pub(super) fn hold(equations: &mut NormalEquations, freedom: &Freedom, model: &ScheduledModes) {
@@ -31,7 +29,7 @@ pub(super) fn hold(equations: &mut NormalEquations, freedom: &Freedom, model: &S
         let square = direction.norm_squared();
         let information = direction.dot(&(&own * direction)) / square;
         if information > 0.0 && information.is_finite() {
-            own.ger(HELD * information / square, direction, direction, 1.0);
+            own.ger(information / square, direction, direction, 1.0);
         }
     }
 }

@@ -5,7 +5,7 @@
 //! relaxed: B. Gustavsen, doi:10.1109/TPWRD.2005.860281). Each entry's own coefficients are eliminated first,
 //! so that entries share nothing but σ (D. Deschrijver et al., doi:10.1109/LMWC.2008.922585).
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DMatrixView, Dyn};
 use rayon::prelude::*;
 
 use super::{AxesError, FrequencyMatrix};
@@ -25,8 +25,8 @@ const REAL: f64 = 1e-9;
 pub struct VectorFit {
     /// e^(iωT) at every frequency.
     z: Vec<Complex64>,
-    /// Entries in columns.
-    entries: DMatrix<Complex64>,
+    /// Entries in columns, real parts above imaginary parts.
+    entries: DMatrix<f64>,
     /// Fixed real poles.
     held: Vec<f64>,
 }
@@ -78,7 +78,7 @@ impl VectorFit {
             .collect();
         let entries =
             DMatrix::from_fn(response.len(), response.inputs * response.outputs, |k, e| response.at(k)[e]);
-        Self { z, entries, held }
+        Self { z, entries: stacked(&entries), held }
     }
 
     /// Poles after at most `passes` relocations from `start`, by ascending angle: fewer where no pole moves any
@@ -94,8 +94,9 @@ impl VectorFit {
     ) -> Result<CommonPoles, AxesError> {
         let mut poles = start;
         poles.sort();
+        let mut room = Vec::new();
         for _ in (0..passes).take_while(|_| go_on()) {
-            let mut moved = self.relocate(&poles).ok_or(AxesError::NoPoles)?;
+            let mut moved = self.relocate(&poles, &mut room).ok_or(AxesError::NoPoles)?;
             moved.sort();
             let is_settled = moved.is_near(&poles);
             poles = moved;
@@ -113,7 +114,7 @@ impl VectorFit {
     /// # Errors
     /// [`AxesError::NoPoles`] where poles coincide.
     pub fn residues(&self, poles: &CommonPoles) -> Result<Vec<Vec<Complex64>>, AxesError> {
-        let found = least_squares(self.basis(poles, true), stacked(&self.entries), DEPENDENT);
+        let found = least_squares(self.basis(poles, true), self.entries.clone(), DEPENDENT);
         let solution = found.map_err(|_| AxesError::NoPoles)?.solution;
         let pairs = poles.pairs.len();
         let of = |entry: usize, row: usize| solution[(row, entry)];
@@ -132,9 +133,8 @@ impl VectorFit {
     pub fn error(&self, poles: &CommonPoles) -> Result<f64, AxesError> {
         let basis = self.basis(poles, true);
         let q = basis.qr().q();
-        let measured = stacked(&self.entries);
-        let left = &measured - &q * (q.transpose() * &measured);
-        Ok((left.norm_squared() / self.entries.len().max(1) as f64).sqrt())
+        let left = &self.entries - &q * (q.transpose() * &self.entries);
+        Ok((2.0 * left.norm_squared() / self.entries.len().max(1) as f64).sqrt())
     }
 
     /// Real and imaginary parts below each other: 1/(z−p) + 1/(z−p̄), i/(z−p) − i/(z−p̄) of the pairs,
@@ -158,40 +158,43 @@ impl VectorFit {
         stacked(&DMatrix::from_fn(self.z.len(), columns.len(), |k, c| columns[c][k]))
     }
 
-    /// The zeros of σ; `None` where an eigenvalue problem does not converge.
-    fn relocate(&self, poles: &CommonPoles) -> Option<CommonPoles> {
+    /// The zeros of σ; `None` where an eigenvalue problem does not converge. `room` is kept from pass to pass.
+    fn relocate(&self, poles: &CommonPoles, room: &mut Vec<DMatrix<f64>>) -> Option<CommonPoles> {
         let count = self.z.len();
-        let own = self.basis(poles, false);
-        let (order, rows) = (own.ncols(), own.nrows());
-        let q = self.basis(poles, true).qr().q();
-        let across = q.transpose();
+        let own = self.basis(poles, false).transpose();
+        let (order, rows) = own.shape();
+        let across = self.basis(poles, true).qr().q().transpose();
         let columns = order + 1;
         let entries = self.entries.ncols();
-        // −G [φ, 1] of an entry with its own coefficients projected out, times itself.
-        let of_entry = |e: usize| {
-            let g = self.entries.column(e);
-            let mut left = DMatrix::zeros(rows, columns);
-            for c in 0..columns {
-                for k in 0..count {
-                    let phi = if c == order {
-                        Complex64::new(1.0, 0.0)
-                    } else {
-                        Complex64::new(own[(k, c)], own[(k + count, c)])
-                    };
-                    let value = -g[k] * phi;
-                    (left[(k, c)], left[(k + count, c)]) = (value.re, value.im);
-                }
+        room.resize_with(entries, || DMatrix::zeros(0, 0));
+        // −G [φ, 1] of an entry, a column a line, with its own coefficients projected out, times itself.
+        let of_entry = |(e, left): (usize, &mut DMatrix<f64>)| {
+            if left.shape() != (columns, rows) {
+                *left = DMatrix::zeros(columns, rows);
             }
-            let explained = &across * &left;
-            left.gemm(-1.0, &q, &explained, 1.0);
-            left.transpose() * &left
+            let g = self.entries.column(e);
+            let (g_re, g_im) = g.as_slice().split_at(count);
+            let (left_re, left_im) = left.as_mut_slice().split_at_mut(columns * count);
+            let (re, im) = own.as_slice().split_at(order * count);
+            let lines = left_re.chunks_exact_mut(columns).zip(left_im.chunks_exact_mut(columns));
+            let phi = re.chunks_exact(order).zip(im.chunks_exact(order));
+            for (((to_re, to_im), (re, im)), (g_re, g_im)) in lines.zip(phi).zip(g_re.iter().zip(g_im)) {
+                for ((to_re, to_im), (re, im)) in to_re.iter_mut().zip(&mut *to_im).zip(re.iter().zip(im)) {
+                    *to_re = g_im * im - g_re * re;
+                    *to_im = -g_re * im - g_im * re;
+                }
+                (to_re[order], to_im[order]) = (-g_re, -g_im);
+            }
+            let explained = &*left * transposed(&across);
+            left.gemm(-1.0, &explained, &across, 1.0);
+            &*left * transposed(left)
         };
-        let products: Vec<DMatrix<f64>> = (0..entries).into_par_iter().map(of_entry).collect();
+        let products: Vec<DMatrix<f64>> = room.par_iter_mut().enumerate().map(of_entry).collect();
         let mut normal = products.iter().fold(DMatrix::zeros(columns, columns), |sum, one| sum + one);
         // Relaxation: Re Σ σ = Σ 1, with the weight of the other equations.
         let weight = normal.trace() / (columns * entries) as f64;
         let mut sums: Vec<f64> =
-            (0..order).map(|c| own.column(c).rows(0, count).sum() / count as f64).collect();
+            (0..order).map(|c| own.row(c).columns(0, count).sum() / count as f64).collect();
         sums.push(1.0);
         for (i, a) in sums.iter().enumerate() {
             for (j, b) in sums.iter().enumerate() {
@@ -206,6 +209,13 @@ impl VectorFit {
         let sigma: Vec<f64> = solution.iter().zip(&scale).map(|(x, s)| x / s).collect();
         zeros_of_sigma(poles, &sigma)
     }
+}
+
+/// The transpose, for the right factor of a product: a left one must not have strides (nalgebra reads beyond its
+/// end where the product has five rows or fewer).
+fn transposed(matrix: &DMatrix<f64>) -> DMatrixView<'_, f64, Dyn, Dyn> {
+    let (rows, columns) = matrix.shape();
+    DMatrixView::from_slice_with_strides(matrix.as_slice(), columns, rows, rows, 1)
 }
 
 /// Real parts above imaginary parts.

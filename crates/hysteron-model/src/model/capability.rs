@@ -91,9 +91,9 @@ impl fmt::Display for Capability {
     }
 }
 
-/// A kind of model does not support this yet.
+/// A kind of model does not support this: by its nature, which is the reason, or not yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{wanted} is not supported for a model of the kind \"{kind}\" yet{}", self.because())]
+#[error("{wanted} is not supported for a model of the kind \"{kind}\"{}", self.because())]
 pub struct Unsupported {
     /// The kind of the model.
     pub kind: Kind,
@@ -112,7 +112,7 @@ impl Unsupported {
 
     /// The reason, where it lies in the kind of model.
     pub fn reason(&self) -> Option<&'static str> {
-        use Capability::{Export, Inversion, Realisation, Tracking};
+        use Capability::{Adaptation, Export, Inversion, Realisation, Recalibration, Tracking};
         match (self.kind, self.wanted) {
             (Kind::Oscillator, Realisation | Export) => Some(
                 "its hysteresis is in feedback with the mass, so that it has no poles to realise: it is \
@@ -128,12 +128,15 @@ impl Unsupported {
             (Kind::Modes, Realisation) => {
                 Some("its modes run at the controller's rate as they are: export writes them")
             }
+            (Kind::Oscillator, Recalibration | Adaptation) => {
+                Some("it has no gain and delay behind its hysteresis that could be corrected")
+            }
             _ => None,
         }
     }
 
     fn because(&self) -> String {
-        self.reason().map_or_else(String::new, |reason| format!(": {reason}"))
+        self.reason().map_or_else(|| " yet".to_owned(), |reason| format!(": {reason}"))
     }
 }
 
@@ -145,9 +148,7 @@ mod tests {
     fn a_refusal_names_the_reason_where_it_lies_in_the_kind() {
         let words = |kind, wanted| Unsupported { kind, wanted }.to_string();
         let oscillator = words(Kind::Oscillator, Capability::Export);
-        assert!(
-            oscillator.starts_with("export is not supported for a model of the kind \"oscillator\" yet: ")
-        );
+        assert!(oscillator.starts_with("export is not supported for a model of the kind \"oscillator\": "));
         assert!(words(Kind::Oscillator, Capability::Inversion).contains("acceleration"));
         assert!(words(Kind::Branches, Capability::Export).ends_with("\"branches\" yet"));
         for kind in Kind::ALL {
