@@ -180,16 +180,17 @@ fn what_does_not_go_with_a_force_is_refused() {
 fn a_force_has_no_inverse_and_says_so() {
     let bench = bench();
     assert_eq!(bench.run(IDENTIFY).exit_code, 0);
-    for command in [
-        "invert damper.json unseen.csv -o x.csv --range 0:1",
-        "track damper.json unseen.csv -o x.csv --range 0:1",
-        "realise damper.json --sample-rate 1000",
-        "export damper.json --sample-rate 1000 --to c --out-dir x",
-        "recalibrate damper.json unseen.csv -o x.json",
+    let motion = ": its input is a motion, not a drive";
+    for (command, why) in [
+        ("invert damper.json unseen.csv -o x.csv --range 0:1", motion),
+        ("track damper.json unseen.csv -o x.csv --range 0:1", motion),
+        ("realise damper.json --sample-rate 1000", motion),
+        ("export damper.json --sample-rate 1000 --to c --out-dir x", motion),
+        ("recalibrate damper.json unseen.csv -o x.json", " yet"),
     ] {
         let run = bench.run(command);
         assert_ne!(run.exit_code, 0, "{command}");
-        let reason = "is not supported for a model of the kind \"force\"";
-        assert!(run.stderr.contains(reason), "{command}: {}", run.stderr);
+        let reason = format!("is not supported for a model of the kind \"force\"{why}");
+        assert!(run.stderr.contains(&reason), "{command}: {}", run.stderr);
     }
 }
