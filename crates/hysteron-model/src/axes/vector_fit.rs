@@ -114,7 +114,7 @@ impl VectorFit {
     /// # Errors
     /// [`AxesError::NoPoles`] where poles coincide.
     pub fn residues(&self, poles: &CommonPoles) -> Result<Vec<Vec<Complex64>>, AxesError> {
-        let found = least_squares(self.basis(poles, true), self.entries.clone(), DEPENDENT);
+        let found = least_squares(self.basis(poles), self.entries.clone(), DEPENDENT);
         let solution = found.map_err(|_| AxesError::NoPoles)?.solution;
         let pairs = poles.pairs.len();
         let of = |entry: usize, row: usize| solution[(row, entry)];
@@ -131,15 +131,15 @@ impl VectorFit {
     /// # Errors
     /// Those of [`Self::residues`].
     pub fn error(&self, poles: &CommonPoles) -> Result<f64, AxesError> {
-        let basis = self.basis(poles, true);
+        let basis = self.basis(poles);
         let q = basis.qr().q();
         let left = &self.entries - &q * (q.transpose() * &self.entries);
         Ok((2.0 * left.norm_squared() / self.entries.len().max(1) as f64).sqrt())
     }
 
     /// Real and imaginary parts below each other: 1/(z−p) + 1/(z−p̄), i/(z−p) − i/(z−p̄) of the pairs,
-    /// 1/(z−p) of the real poles; then, if requested, of the held ones and a constant.
-    fn basis(&self, poles: &CommonPoles, with_held: bool) -> DMatrix<f64> {
+    /// 1/(z−p) of the real poles; then of the held ones, and a constant.
+    fn basis(&self, poles: &CommonPoles) -> DMatrix<f64> {
         let one = Complex64::new(1.0, 0.0);
         let i = Complex64::new(0.0, 1.0);
         let mut columns: Vec<Vec<Complex64>> = Vec::new();
@@ -148,26 +148,24 @@ impl VectorFit {
             columns.push(self.z.iter().map(|z| both(z).0 + both(z).1).collect());
             columns.push(self.z.iter().map(|z| i * (both(z).0 - both(z).1)).collect());
         }
-        let held = if with_held { self.held.as_slice() } else { &[] };
-        for p in poles.real.iter().chain(held) {
+        for p in poles.real.iter().chain(&self.held) {
             columns.push(self.z.iter().map(|z| one / (z - *p)).collect());
         }
-        if with_held {
-            columns.push(vec![one; self.z.len()]);
-        }
+        columns.push(vec![one; self.z.len()]);
         stacked(&DMatrix::from_fn(self.z.len(), columns.len(), |k, c| columns[c][k]))
     }
 
     /// The zeros of σ; `None` where an eigenvalue problem does not converge. `room` is kept from pass to pass.
     fn relocate(&self, poles: &CommonPoles, room: &mut Vec<DMatrix<f64>>) -> Option<CommonPoles> {
         let count = self.z.len();
-        let own = self.basis(poles, false).transpose();
+        let basis = self.basis(poles);
+        let own = basis.columns(0, 2 * poles.pairs.len() + poles.real.len()).transpose();
         let (order, rows) = own.shape();
-        let across = self.basis(poles, true).qr().q().transpose();
+        let across = basis.qr().q().transpose();
         let columns = order + 1;
         let entries = self.entries.ncols();
         room.resize_with(entries, || DMatrix::zeros(0, 0));
-        // −G [φ, 1] of an entry, a column a line, with its own coefficients projected out, times itself.
+        // −G [φ, 1] of an entry, transposed, with its own coefficients projected out, times itself.
         let of_entry = |(e, left): (usize, &mut DMatrix<f64>)| {
             if left.shape() != (columns, rows) {
                 *left = DMatrix::zeros(columns, rows);
