@@ -8,16 +8,16 @@
 //!
 //! with the ridge on the slopes in H, whose bias is not counted; σ² the mean square of an output's residual
 //! and τ its correlation time, as for the other kinds of model: correlated residuals carry less information
-//! than white ones. A search that ends before its optimum adds the square of the Gauss–Newton step that it
-//! has left. The scales of the states are undetermined, and H is singular along them; the quantities do not
-//! depend on them.
+//! than white ones. Records that the search takes in turns ([`Alike`]) have the JᵀJ of one of them. A search
+//! that ends before its optimum adds the square of the Gauss–Newton step that it has left. The scales of the
+//! states are undetermined, and H is singular along them; the quantities do not depend on them.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::columns::{Freedom, Group};
 use super::normal::{information, residual};
 use super::quantities::{Quantity, order, quantities};
-use super::records::RecordPeriod;
+use super::records::{Alike, RecordPeriod};
 use super::ridge::Ridge;
 use crate::uncertainty::correlation_time;
 use hysteron_model::axes::ScheduledModes;
@@ -55,8 +55,9 @@ fn standard_errors(
     stop: &Stop,
 ) -> Option<Vec<Option<f64>>> {
     let variances = variances(model, freedom.columns.len(), pieces)?;
-    let (mut inner, outer) = information(model, freedom, pieces, &variances, stop)?;
     let count = freedom.columns.len();
+    let alike = Alike::new(pieces, count);
+    let (mut inner, outer) = information(model, freedom, (pieces, &alike), &variances, stop)?;
     let penalty = Ridge::new(freedom, model, &inner.matrix, ridge);
     penalty.add(&mut inner.matrix, &mut inner.gradient, &freedom.values(model));
     let per: Vec<f64> =

@@ -17,6 +17,10 @@ const DEPENDENT: f64 = 1e-14;
 /// Largest move of a pole in a pass that is no longer worth another.
 const SETTLED: f64 = 1e-9;
 
+/// Share of a column of σ outside all others, of its size before the entries' own coefficients explain their part,
+/// from which the difference of the products keeps the digits that a pass needs: its square is right to 1e-8.
+const KEPT: f64 = 1e-4;
+
 /// Imaginary part below which a pole counts as real.
 const REAL: f64 = 1e-9;
 
@@ -156,39 +160,17 @@ impl VectorFit {
     }
 
     /// The zeros of σ; `None` where an eigenvalue problem does not converge. `room` is kept from pass to pass.
-    fn relocate(&self, poles: &CommonPoles, room: &mut Vec<DMatrix<f64>>) -> Option<CommonPoles> {
+    fn relocate(&self, poles: &CommonPoles, room: &mut Vec<Entry>) -> Option<CommonPoles> {
         let count = self.z.len();
         let basis = self.basis(poles);
         let own = basis.columns(0, 2 * poles.pairs.len() + poles.real.len()).transpose();
-        let (order, rows) = own.shape();
+        let order = own.nrows();
         let across = basis.qr().q().transpose();
         let columns = order + 1;
         let entries = self.entries.ncols();
-        room.resize_with(entries, || DMatrix::zeros(0, 0));
-        // −G [φ, 1] of an entry, transposed, with its own coefficients projected out, times itself.
-        let of_entry = |(e, left): (usize, &mut DMatrix<f64>)| {
-            if left.shape() != (columns, rows) {
-                *left = DMatrix::zeros(columns, rows);
-            }
-            let g = self.entries.column(e);
-            let (g_re, g_im) = g.as_slice().split_at(count);
-            let (left_re, left_im) = left.as_mut_slice().split_at_mut(columns * count);
-            let (re, im) = own.as_slice().split_at(order * count);
-            let lines = left_re.chunks_exact_mut(columns).zip(left_im.chunks_exact_mut(columns));
-            let phi = re.chunks_exact(order).zip(im.chunks_exact(order));
-            for (((to_re, to_im), (re, im)), (g_re, g_im)) in lines.zip(phi).zip(g_re.iter().zip(g_im)) {
-                for ((to_re, to_im), (re, im)) in to_re.iter_mut().zip(&mut *to_im).zip(re.iter().zip(im)) {
-                    *to_re = g_im * im - g_re * re;
-                    *to_im = -g_re * im - g_im * re;
-                }
-                (to_re[order], to_im[order]) = (-g_re, -g_im);
-            }
-            let explained = &*left * transposed(&across);
-            left.gemm(-1.0, &explained, &across, 1.0);
-            &*left * transposed(left)
-        };
-        let products: Vec<DMatrix<f64>> = room.par_iter_mut().enumerate().map(of_entry).collect();
-        let mut normal = products.iter().fold(DMatrix::zeros(columns, columns), |sum, one| sum + one);
+        self.explain(&own, &across, room);
+        let mut normal =
+            self.normal_by_difference(&own, room).unwrap_or_else(|| normal_by_projection(&across, room));
         // Relaxation: Re Σ σ = Σ 1, with the weight of the other equations.
         let weight = normal.trace() / (columns * entries) as f64;
         let mut sums: Vec<f64> =
@@ -207,6 +189,79 @@ impl VectorFit {
         let sigma: Vec<f64> = solution.iter().zip(&scale).map(|(x, s)| x / s).collect();
         zeros_of_sigma(poles, &sigma)
     }
+
+    /// Into `room` the equations of every entry, and what the entry's own coefficients explain of them.
+    fn explain(&self, own: &DMatrix<f64>, across: &DMatrix<f64>, room: &mut Vec<Entry>) {
+        let count = self.z.len();
+        let (order, rows) = own.shape();
+        let columns = order + 1;
+        room.resize_with(self.entries.ncols(), Entry::default);
+        room.par_iter_mut().enumerate().for_each(|(e, entry)| {
+            if entry.equations.shape() != (columns, rows) {
+                entry.equations = DMatrix::zeros(columns, rows);
+            }
+            let g = self.entries.column(e);
+            let (g_re, g_im) = g.as_slice().split_at(count);
+            let (left_re, left_im) = entry.equations.as_mut_slice().split_at_mut(columns * count);
+            let (re, im) = own.as_slice().split_at(order * count);
+            let lines = left_re.chunks_exact_mut(columns).zip(left_im.chunks_exact_mut(columns));
+            let phi = re.chunks_exact(order).zip(im.chunks_exact(order));
+            for (((to_re, to_im), (re, im)), (g_re, g_im)) in lines.zip(phi).zip(g_re.iter().zip(g_im)) {
+                for ((to_re, to_im), (re, im)) in to_re.iter_mut().zip(&mut *to_im).zip(re.iter().zip(im)) {
+                    *to_re = g_im * im - g_re * re;
+                    *to_im = -g_re * im - g_im * re;
+                }
+                (to_re[order], to_im[order]) = (-g_re, -g_im);
+            }
+            entry.explained = &entry.equations * transposed(across);
+        });
+    }
+
+    /// Products of the columns left in all equations: Σ LᵀL, which is Re Φᴴ diag(Σ |G|²) Φ with Φ = [φ, 1],
+    /// without what is explained. `None` where the difference has lost too many digits.
+    fn normal_by_difference(&self, own: &DMatrix<f64>, room: &[Entry]) -> Option<DMatrix<f64>> {
+        let count = self.z.len();
+        let (order, rows) = own.shape();
+        let power =
+            |k: usize| self.entries.row(k).norm_squared() + self.entries.row(count + k).norm_squared();
+        let mut weighted = DMatrix::zeros(order + 1, rows);
+        for k in 0..count {
+            let root = power(k).sqrt();
+            for row in [k, count + k] {
+                weighted.view_mut((0, row), (order, 1)).copy_from(&(own.column(row) * root));
+            }
+            weighted[(order, k)] = root;
+        }
+        let whole = &weighted * transposed(&weighted);
+        let explained: Vec<DMatrix<f64>> =
+            room.par_iter().map(|e| &e.explained * transposed(&e.explained)).collect();
+        let normal = explained.iter().fold(whole.clone(), |left, one| left - one);
+        let scale = whole.diagonal().map(|x| x.sqrt().max(f64::MIN_POSITIVE));
+        let scaled = DMatrix::from_fn(order + 1, order + 1, |i, j| normal[(i, j)] / (scale[i] * scale[j]));
+        let shares = scaled.cholesky()?.l_dirty().diagonal();
+        (shares.min() >= KEPT).then_some(normal)
+    }
+}
+
+/// An entry in a pass.
+#[derive(Default)]
+struct Entry {
+    /// L = −G [φ, 1], transposed.
+    equations: DMatrix<f64>,
+    /// LᵀQ, by an orthonormal basis Q of the functions of the entry's own coefficients.
+    explained: DMatrix<f64>,
+}
+
+/// The same as [`VectorFit::normal_by_difference`] from the columns L − Q QᵀL themselves: three times the work,
+/// and all digits. What is explained is taken from the equations.
+fn normal_by_projection(across: &DMatrix<f64>, room: &mut [Entry]) -> DMatrix<f64> {
+    let of_entry = |entry: &mut Entry| {
+        entry.equations.gemm(-1.0, &entry.explained, across, 1.0);
+        &entry.equations * transposed(&entry.equations)
+    };
+    let products: Vec<DMatrix<f64>> = room.par_iter_mut().map(of_entry).collect();
+    let columns = products.first().map_or(0, DMatrix::nrows);
+    products.iter().fold(DMatrix::zeros(columns, columns), |sum, one| sum + one)
 }
 
 /// The transpose, for the right factor of a product: a left one must not have strides (nalgebra reads beyond its
@@ -267,35 +322,69 @@ mod tests {
     use super::*;
     use crate::axes::{Mode, frequency, pole};
 
-    #[test]
-    fn known_poles_and_residues_are_found_from_a_spread_start() {
-        let rate = 4000.0;
-        let modes = [(120.0, 0.02), (300.0, 0.008), (310.0, 0.012), (800.0, 0.03)];
-        let poles: Vec<Complex64> =
-            modes.iter().map(|&(frequency_hz, damping)| pole(Mode { frequency_hz, damping }, rate)).collect();
-        let residue = |k: usize, e: usize| {
-            Complex64::from_polar(0.01 * (1.0 + (k + e) as f64), 0.7 * k as f64 - 1.1 * e as f64)
-        };
+    const RATE: f64 = 4000.0;
+    const MODES: [(f64, f64); 4] = [(120.0, 0.02), (300.0, 0.008), (310.0, 0.012), (800.0, 0.03)];
+
+    fn residue(k: usize, e: usize) -> Complex64 {
+        Complex64::from_polar(0.01 * (1.0 + (k + e) as f64), 0.7 * k as f64 - 1.1 * e as f64)
+    }
+
+    /// Four entries of [`MODES`], the pole 0.3 and a constant, plus `noise` that is no sum of poles.
+    fn response(noise: f64) -> FrequencyMatrix {
+        let poles = MODES.map(|(frequency_hz, damping)| pole(Mode { frequency_hz, damping }, RATE));
         let frequency_hz: Vec<f64> = (1..600).map(|k| 2.0 * f64::from(k)).collect();
         let mut values = Vec::new();
         for f in &frequency_hz {
-            let z = Complex64::from_polar(1.0, std::f64::consts::TAU * f / rate);
+            let z = Complex64::from_polar(1.0, std::f64::consts::TAU * f / RATE);
             for e in 0..4 {
                 let pairs = poles
                     .iter()
                     .enumerate()
                     .map(|(k, p)| residue(k, e) / (z - p) + residue(k, e).conj() / (z - p.conj()));
-                values.push(pairs.sum::<Complex64>() + 0.05 * e as f64 / (z - 0.3) + 0.4);
+                let rest = 0.05 * e as f64 / (z - 0.3) + 0.4;
+                values.push(pairs.sum::<Complex64>() + rest + Complex64::from_polar(noise, f * f));
             }
         }
-        let lines = (1..600).collect();
-        let response = FrequencyMatrix { inputs: 2, outputs: 2, frequency_hz, lines, values };
-        let fit = VectorFit::new(&response, rate, vec![0.3]);
-        let start = spread_poles(4, (100.0, 1200.0), 0.01, rate);
+        FrequencyMatrix { inputs: 2, outputs: 2, frequency_hz, lines: (1..600).collect(), values }
+    }
+
+    /// Both sums of the products at these poles.
+    fn both(fit: &VectorFit, poles: &CommonPoles) -> (Option<DMatrix<f64>>, DMatrix<f64>) {
+        let basis = fit.basis(poles);
+        let own = basis.columns(0, 2 * poles.pairs.len()).transpose();
+        let across = basis.qr().q().transpose();
+        let mut room = Vec::new();
+        fit.explain(&own, &across, &mut room);
+        let difference = fit.normal_by_difference(&own, &room);
+        (difference, normal_by_projection(&across, &mut room))
+    }
+
+    #[test]
+    fn the_difference_of_the_products_is_that_of_the_projected_columns_or_is_refused() {
+        let start = spread_poles(5, (100.0, 1200.0), 0.01, RATE);
+        let noisy = VectorFit::new(&response(1e-3), RATE, vec![0.3]);
+        let (difference, exact) = both(&noisy, &start);
+        let difference = difference.unwrap();
+        for i in 0..exact.nrows() {
+            for j in 0..exact.ncols() {
+                let size = (exact[(i, i)] * exact[(j, j)]).sqrt();
+                assert!((difference[(i, j)] - exact[(i, j)]).abs() < 1e-9 * size, "{i} {j}");
+            }
+        }
+        // Without noise and at the poles of the response, all columns of σ but one are explained.
+        let pairs = MODES.map(|(frequency_hz, damping)| pole(Mode { frequency_hz, damping }, RATE)).to_vec();
+        let exact = VectorFit::new(&response(0.0), RATE, vec![0.3]);
+        assert!(both(&exact, &CommonPoles { pairs, real: Vec::new() }).0.is_none());
+    }
+
+    #[test]
+    fn known_poles_and_residues_are_found_from_a_spread_start() {
+        let fit = VectorFit::new(&response(0.0), RATE, vec![0.3]);
+        let start = spread_poles(4, (100.0, 1200.0), 0.01, RATE);
         let found = fit.poles(start, 20, || true).unwrap();
         assert!(found.real.is_empty() && found.pairs.len() == 4, "{found:?}");
-        for (found, &(f, damping)) in found.pairs.iter().zip(&modes) {
-            let mode = frequency(*found, rate);
+        for (found, &(f, damping)) in found.pairs.iter().zip(&MODES) {
+            let mode = frequency(*found, RATE);
             assert!((mode.frequency_hz / f - 1.0).abs() < 1e-8, "{mode:?} {f}");
             assert!((mode.damping / damping - 1.0).abs() < 1e-6, "{mode:?} {damping}");
         }
