@@ -1,8 +1,9 @@
 //! Array kernels under the dynamics: exp(α(a + iθ)), power series, FFT plans, convolution.
 //!
 //! Everything here is arithmetic without physics. The kernels are bit-identical on every instruction set (no
-//! fused multiply-add); the FFTs need not be across processors.
+//! fused multiply-add); FFTs and matrix products need not be across processors.
 
+mod cholesky;
 mod complex_exponential;
 pub mod convolution;
 mod dispatch;
@@ -27,6 +28,7 @@ mod series;
 mod stop;
 mod triangular;
 
+pub use cholesky::cholesky;
 pub use dispatch::{
     InstructionSet, Pass, accumulate_power, accumulate_tangent, filter_every, half_turns, multiply,
     multiply_and_add, multiply_by, multiply_quotient, quotient_parts, quotient_tangent, rotate,

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::columns::Freedom;
 use super::linearised::Linearised;
-use super::records::{Alike, RecordPeriod};
+use super::records::RecordPeriod;
 use hysteron_model::axes::{ScheduledModes, Trajectory, simulate_steady};
 use hysteron_numeric::{InstructionSet, LANES, Lanes, TangentNumber};
 use hysteron_optimize::Stop;
@@ -104,12 +104,11 @@ pub(super) fn normal_equations(
 }
 
 /// The normal equations of all records, and Σ w² Jᵀ diag(`variance`) J with the variances of the outputs of
-/// each: both sides of the covariance of the estimates. The derivatives are those of the first record of each
-/// group, for all of it. `None` as for [`normal_equations`].
+/// each: both sides of the covariance of the estimates. `None` as for [`normal_equations`].
 pub(super) fn information(
     model: &ScheduledModes,
     freedom: &Freedom,
-    (pieces, alike): (&[&RecordPeriod], &Alike),
+    pieces: &[&RecordPeriod],
     variances: &[Vec<f64>],
     stop: &Stop,
 ) -> Option<(NormalEquations, DMatrix<f64>)> {
@@ -119,13 +118,12 @@ pub(super) fn information(
     let mut outer = DMatrix::zeros(count, count);
     let ones = vec![1.0; model.outputs];
     let mut room = Room::<f64>::default();
-    let first: Vec<&RecordPeriod> = alike.groups.iter().map(|group| pieces[group[0]]).collect();
-    each_record(model, freedom, &first, (&mut room, stop), |k, s, products| {
-        let (group, weight) = (&alike.groups[k], first[k].weight);
-        add_products(&mut inner.matrix, freedom, &products.weighted(&ones), s, weight * group.len() as f64);
-        let of_group = || group.iter().filter_map(|&record| variances.get(record));
-        let sums: Vec<f64> = (0..model.outputs).map(|m| of_group().map(|of| of[m]).sum()).collect();
-        add_products(&mut outer, freedom, &products.weighted(&sums), s, weight.powi(2));
+    each_record(model, freedom, pieces, (&mut room, stop), |k, s, products| {
+        let weight = pieces[k].weight;
+        add_products(&mut inner.matrix, freedom, &products.weighted(&ones), s, weight);
+        if let Some(variances) = variances.get(k) {
+            add_products(&mut outer, freedom, &products.weighted(variances), s, weight.powi(2));
+        }
     })?;
     Some((inner, outer))
 }

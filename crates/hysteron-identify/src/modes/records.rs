@@ -41,8 +41,7 @@ pub(super) fn error_of(cost: f64, pieces: &[&RecordPeriod]) -> Option<f64> {
 /// products of all take long and each of them drives all inputs independently; else every record is a group of
 /// its own. A search with the products of all needs fewer iterations where the errors that remain are small.
 pub(super) struct Alike {
-    /// Numbers of the records of each group, one or more.
-    pub groups: Vec<Vec<usize>>,
+    groups: Vec<Vec<usize>>,
     records: usize,
 }
 

@@ -17,6 +17,7 @@ use crate::{ModesCheckpoint, Searches, Watch};
 use hysteron_model::Model;
 use hysteron_model::axes::{LARGEST_POLE, ScheduledModes};
 use hysteron_model::model_file::ModesFile;
+use hysteron_numeric::cholesky;
 
 /// Factor of the damping after a step that does not lower the cost.
 const HARDER: f64 = 6.0;
@@ -122,7 +123,7 @@ pub(super) fn search(
         let trial = |damping: f64| -> Option<Step> {
             let mut matrix = scaled.clone();
             (0..count).for_each(|k| matrix[(k, k)] += damping);
-            let step = matrix.cholesky()?.solve(&target);
+            let step = cholesky(matrix)?.solve(&target);
             let step: Vec<f64> = step.iter().enumerate().map(|(k, x)| x * per(k)).collect();
             let model = freedom.moved(&model, &step);
             if stop.is_requested() || !is_stable(&model, campaign) {

@@ -230,7 +230,7 @@ fn products_in_single_precision_are_those_in_double() {
     let all: Vec<&RecordPeriod> = pieces.iter().collect();
     let freedom = Freedom::new(&model, &ALL);
     let single = normal_equations(&model, &freedom, &all, &[1.0, 1.0], &Stop::new()).unwrap();
-    let (double, _) = information(&model, &freedom, (&all, &Alike::new(&all, 1)), &[], &Stop::new()).unwrap();
+    let (double, _) = information(&model, &freedom, &all, &[], &Stop::new()).unwrap();
     assert_eq!(single.gradient, double.gradient);
     let scale = |k: usize| double.matrix[(k, k)].sqrt();
     for i in 0..single.matrix.nrows() {
@@ -249,8 +249,7 @@ fn the_scale_of_a_stress_is_held_and_nothing_else() {
     let pieces = [piece(7, 0.8, &model), top];
     let all: Vec<&RecordPeriod> = pieces.iter().collect();
     let freedom = Freedom::new(&model, &ALL);
-    let (mut equations, _) =
-        information(&model, &freedom, (&all, &Alike::new(&all, 1)), &[], &Stop::new()).unwrap();
+    let (mut equations, _) = information(&model, &freedom, &all, &[], &Stop::new()).unwrap();
     let matrix = equations.matrix.clone();
     stress_scale::hold(&mut equations, &freedom, &model);
     let added = equations.matrix - &matrix;
@@ -318,8 +317,7 @@ fn refitted(truth: &ScheduledModes, pieces: &[&RecordPeriod]) -> ScheduledModes 
     let mut model = truth.clone();
     let freedom = Freedom::new(truth, &ALL);
     for _ in 0..2 {
-        let (equations, _) =
-            information(&model, &freedom, (pieces, &Alike::new(pieces, 1)), &[], &Stop::new()).unwrap();
+        let (equations, _) = information(&model, &freedom, pieces, &[], &Stop::new()).unwrap();
         let mut matrix = equations.matrix;
         // Undetermined scales of the states stay.
         (0..matrix.nrows()).for_each(|k| matrix[(k, k)] *= 1.0 + 1e-9);

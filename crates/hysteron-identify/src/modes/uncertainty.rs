@@ -8,19 +8,20 @@
 //!
 //! with the ridge on the slopes in H, whose bias is not counted; σ² the mean square of an output's residual
 //! and τ its correlation time, as for the other kinds of model: correlated residuals carry less information
-//! than white ones. Records that the search takes in turns ([`Alike`]) have the JᵀJ of one of them. A search
-//! that ends before its optimum adds the square of the Gauss–Newton step that it has left. The scales of the
-//! states are undetermined, and H is singular along them; the quantities do not depend on them.
+//! than white ones. A search that ends before its optimum adds the square of the Gauss–Newton step that it
+//! has left. The scales of the states are undetermined, and H is singular along them; the quantities do not
+//! depend on them.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::columns::{Freedom, Group};
 use super::normal::{information, residual};
 use super::quantities::{Quantity, order, quantities};
-use super::records::{Alike, RecordPeriod};
+use super::records::RecordPeriod;
 use super::ridge::Ridge;
 use crate::uncertainty::correlation_time;
 use hysteron_model::axes::ScheduledModes;
+use hysteron_numeric::cholesky;
 use hysteron_optimize::Stop;
 
 /// Added to the diagonal of H, scaled to 1: directions of less information count as undetermined.
@@ -55,9 +56,8 @@ fn standard_errors(
     stop: &Stop,
 ) -> Option<Vec<Option<f64>>> {
     let variances = variances(model, freedom.columns.len(), pieces)?;
+    let (mut inner, outer) = information(model, freedom, pieces, &variances, stop)?;
     let count = freedom.columns.len();
-    let alike = Alike::new(pieces, count);
-    let (mut inner, outer) = information(model, freedom, (pieces, &alike), &variances, stop)?;
     let penalty = Ridge::new(freedom, model, &inner.matrix, ridge);
     penalty.add(&mut inner.matrix, &mut inner.gradient, &freedom.values(model));
     let per: Vec<f64> =
@@ -67,7 +67,7 @@ fn standard_errors(
     let mut regularised = scaled(&inner.matrix);
     (0..count).for_each(|k| regularised[(k, k)] += UNDETERMINED);
     let gradients = gradients(model, freedom, order, &per);
-    let moved = regularised.cholesky()?.solve(&gradients);
+    let moved = cholesky(regularised)?.solve(&gradients);
     let spread = scaled(&outer) * &moved;
     let descent = DVector::from_fn(count, |k, _| inner.gradient[k] * per[k]);
     let error = |q: usize| {
