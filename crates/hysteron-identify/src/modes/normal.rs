@@ -49,15 +49,17 @@ fn difference(piece: &RecordPeriod, y: &[f64]) -> Vec<f64> {
     e
 }
 
-/// Weighted sum of squares over the records; infinite where one cannot be simulated.
-pub(super) fn cost(model: &ScheduledModes, pieces: &[&RecordPeriod]) -> f64 {
-    let of = |piece: &&RecordPeriod| -> f64 {
+/// Weighted sum of squares over the records, each by its share; infinite where one cannot be simulated.
+pub(super) fn cost(model: &ScheduledModes, pieces: &[&RecordPeriod], shares: &[f64]) -> f64 {
+    let counted: Vec<(&RecordPeriod, f64)> =
+        pieces.iter().zip(shares).filter(|(_, share)| **share > 0.0).map(|(p, s)| (*p, *s)).collect();
+    let of = |(piece, share): &(&RecordPeriod, f64)| -> f64 {
         match residual(model, piece) {
-            Some(e) => piece.weight * e.iter().map(|e| e * e).sum::<f64>(),
+            Some(e) => share * piece.weight * e.iter().map(|e| e * e).sum::<f64>(),
             None => f64::INFINITY,
         }
     };
-    let costs: Vec<f64> = pieces.par_iter().map(of).collect();
+    let costs: Vec<f64> = counted.par_iter().map(of).collect();
     costs.iter().sum()
 }
 

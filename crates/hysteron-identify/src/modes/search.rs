@@ -1,8 +1,8 @@
 //! Levenberg–Marquardt on normal equations (J. J. Moré, doi:10.1007/BFb0067700: scaled by the diagonal).
 //!
 //! The matrix takes most of an iteration. So it is in single precision and, where it takes long, of one record of
-//! each level in turn, and several dampings are tried with it, of which the one that lowers the cost most is
-//! taken. The gradient is of all records, in double precision.
+//! each level in turn, and several dampings are tried with it on these records, of which the one that lowers their
+//! cost most is taken if it lowers that of all. The gradient is of all records, in double precision.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -97,7 +97,8 @@ pub(super) fn search(
     let freedom = Freedom::new(&start, stage.groups);
     let alike = Alike::new(pieces, freedom.columns.len());
     let mut model = start;
-    let mut misfit = cost(&model, pieces);
+    let all = vec![1.0; pieces.len()];
+    let mut misfit = cost(&model, pieces, &all);
     let mut damping = from.damping;
     let end = ledger.done + stage.work * stage.iterations as u64;
     ledger.done += stage.work * from.iteration as u64;
@@ -129,12 +130,18 @@ pub(super) fn search(
             if stop.is_requested() || !is_stable(&model, campaign) {
                 return None;
             }
-            let misfit = cost(&model, pieces);
-            let penalised = misfit + ridge.of(&freedom.values(&model));
-            (penalised < least).then_some(Step { model, misfit, penalised, damping })
+            let penalty = ridge.of(&freedom.values(&model));
+            let misfit = cost(&model, pieces, &shares);
+            misfit.is_finite().then_some(Step { model, damping, misfit, penalty })
         };
-        let Some(step) = best_step(damping, trial) else { break };
-        let fall = (least - step.penalised) / least;
+        let lowers = |mut step: Step| -> Option<Step> {
+            if shares != all {
+                step.misfit = cost(&step.model, pieces, &all);
+            }
+            (step.penalised() < least).then_some(step)
+        };
+        let Some(step) = best_step(damping, trial, lowers) else { break };
+        let fall = (least - step.penalised()) / least;
         (model, misfit, damping) = (step.model, step.misfit, step.damping);
         ledger.done += stage.work;
         // After a stop not all dampings were compared: a resumed search takes this iteration again.
@@ -146,36 +153,50 @@ pub(super) fn search(
     (model, freedom.columns.len())
 }
 
-/// A step that lowers the cost.
+/// A step at one damping.
 struct Step {
     model: ScheduledModes,
-    misfit: f64,
-    /// With the ridge.
-    penalised: f64,
     damping: f64,
+    /// Of the records compared; of all once the step is known to lower it.
+    misfit: f64,
+    /// Of the ridge.
+    penalty: f64,
 }
 
-/// The step of the least cost among dampings around `start`, each a trial: `None` where it does not lower the
-/// cost.
-fn best_step(start: f64, trial: impl Fn(f64) -> Option<Step> + Sync) -> Option<Step> {
-    let better = |a: Step, b: Step| if b.penalised < a.penalised { b } else { a };
+impl Step {
+    fn penalised(&self) -> f64 {
+        self.misfit + self.penalty
+    }
+}
+
+/// The step of the least cost of the records compared among dampings around `start`, each a trial, if it lowers
+/// the cost of all; else the first of harder dampings that does; `None` where none does.
+fn best_step(
+    start: f64,
+    trial: impl Fn(f64) -> Option<Step> + Sync,
+    lowers: impl Fn(Step) -> Option<Step>,
+) -> Option<Step> {
+    let better = |a: Step, b: Step| if b.penalised() < a.penalised() { b } else { a };
     let start = start.max(LEAST_DAMPING);
     let around = [start, start / COMPARED, start * COMPARED];
     let tried: Vec<Option<Step>> = around.into_par_iter().with_max_len(1).map(&trial).collect();
-    let mut best = tried.into_iter().flatten().reduce(better).or_else(|| {
-        let harder = |damping: &f64| Some((damping * HARDER).max(LEAST_DAMPING * 100.0));
-        std::iter::successors(harder(&(start * COMPARED)), harder).take(TRIES).find_map(&trial)
-    })?;
-    let factor = if best.damping < start { COMPARED.recip() } else { COMPARED };
-    if best.damping != start {
-        for _ in 0..COMPARISONS {
-            match trial(best.damping * factor) {
-                Some(next) if next.penalised < best.penalised => best = next,
-                _ => break,
+    let further = |mut best: Step| {
+        let factor = if best.damping < start { COMPARED.recip() } else { COMPARED };
+        if best.damping != start {
+            for _ in 0..COMPARISONS {
+                match trial(best.damping * factor) {
+                    Some(next) if next.penalised() < best.penalised() => best = next,
+                    _ => break,
+                }
             }
         }
-    }
-    Some(best)
+        best
+    };
+    tried.into_iter().flatten().reduce(better).map(further).and_then(&lowers).or_else(|| {
+        let harder = |damping: &f64| Some((damping * HARDER).max(LEAST_DAMPING * 100.0));
+        let dampings = std::iter::successors(harder(&(start * COMPARED)), harder);
+        dampings.take(TRIES).find_map(|damping| trial(damping).and_then(&lowers))
+    })
 }
 
 /// True if all poles are stable at every level of the records.

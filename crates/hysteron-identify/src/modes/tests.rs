@@ -182,7 +182,8 @@ fn the_normal_equations_are_those_of_the_columns_and_lower_the_cost() {
     // A short step along the gradient lowers the cost as it predicts: −2 ε |g|².
     let step = 1e-6 / gradient.norm();
     let moved = freedom.moved(&model, (&found.gradient * step).as_slice());
-    let fall = cost(&model, &all) - cost(&moved, &all);
+    let ones = [1.0; 2];
+    let fall = cost(&model, &all, &ones) - cost(&moved, &all, &ones);
     assert!((fall / (2.0 * step * gradient.norm_squared()) - 1.0).abs() < 1e-3, "{fall}");
 }
 
