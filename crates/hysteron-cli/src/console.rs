@@ -1,5 +1,6 @@
 //! Results to standard output, everything else to standard error.
 
+use std::borrow::Cow;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 
 use hysteron_report::results::Listing;
@@ -14,12 +15,25 @@ use crate::failure::Failure;
 /// If standard output cannot be written for another reason, e.g. a full disk.
 pub fn result(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(without_controls(text).as_bytes()).and_then(|()| out.flush()) {
         Err(e) if e.kind() != ErrorKind::BrokenPipe => {
             Err(Failure::new("cannot write to standard output").because(e))
         }
         _ => Ok(()),
     }
+}
+
+/// The text with control characters in names, units and keys of files written as `\u{1b}`: a terminal obeys them.
+fn without_controls(text: &str) -> Cow<'_, str> {
+    let is_obeyed = |c: char| c.is_control() && c != '\n' && c != '\t';
+    if !text.contains(is_obeyed) {
+        return Cow::Borrowed(text);
+    }
+    let mut plain = String::with_capacity(text.len());
+    for c in text.chars() {
+        if is_obeyed(c) { plain.extend(c.escape_debug()) } else { plain.push(c) }
+    }
+    Cow::Owned(plain)
 }
 
 /// Prints one JSON object to standard output.
@@ -34,7 +48,7 @@ pub fn json(value: &impl Serialize) -> Result<(), Failure> {
 
 /// Prints a line to standard error; a closed stream is ignored.
 pub fn message(text: &str) {
-    let _ = writeln!(io::stderr().lock(), "{text}");
+    let _ = writeln!(io::stderr().lock(), "{}", without_controls(text));
 }
 
 /// Prints a note; the command continues.
@@ -70,4 +84,18 @@ pub fn listed(listing: &Listing) -> comfy_table::Table {
 pub fn clock() -> impl Fn() -> std::time::Duration {
     let begun = std::time::Instant::now();
     move || begun.elapsed()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_terminal_obeys_nothing_in_a_text() {
+        assert_eq!(
+            without_controls("a\u{1b}[31m\u{7}b\r\u{9b}c\td\n"),
+            "a\\u{1b}[31m\\u{7}b\\r\\u{9b}c\td\n"
+        );
+        assert!(matches!(without_controls("5 µm, 3 × 10⁻⁵\n"), Cow::Borrowed(_)));
+    }
 }

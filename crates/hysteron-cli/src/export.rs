@@ -12,6 +12,7 @@ use hysteron_export::{
     write_folder,
 };
 use hysteron_identify::Listener;
+use hysteron_model::axes::AxesError;
 use hysteron_model::decoupling::DecouplingError;
 use hysteron_model::invert::InversionError;
 use hysteron_model::model::{Capability, InverseRequest};
@@ -117,7 +118,7 @@ pub struct Export {
     controller: Option<Controller>,
 
     /// Day in the headers [default: that of SOURCE_DATE_EPOCH, else today]; `none` leaves it out
-    #[arg(long, value_name = "DATE")]
+    #[arg(long, value_name = "YYYY-MM-DD", value_parser = day_or_none)]
     date: Option<String>,
 
     /// Print one JSON object
@@ -278,6 +279,9 @@ impl Export {
             ExportError::AxesController { .. } => failure.hint("leave --controller out"),
             ExportError::ControllerForm { .. } => failure.hint("export it with --to c, rust or fmu"),
             ExportError::ControllerAlone => failure.hint("add --inverse"),
+            ExportError::Decoupling(e) if matches!(**e, DecouplingError::Axes(AxesError::RunsAway)) => {
+                failure.hint("another --sample-rate: one that divides that of the model's steps is exact")
+            }
             ExportError::MatlabName { .. } => failure.hint("name it with --name, e.g. --name stage"),
             _ => failure,
         }
@@ -298,4 +302,43 @@ fn help() -> String {
          Example: hysteron export model.json --to c -o firmware/stage --float f32 --sample-rate 10000",
         forms.join("\n")
     )
+}
+
+/// `none` or a day of the calendar.
+fn day_or_none(text: &str) -> Result<String, String> {
+    let number = |part: &str, digits: usize| -> Option<u32> {
+        (part.len() == digits && part.bytes().all(|b| b.is_ascii_digit())).then(|| part.parse().ok())?
+    };
+    let mut parts = text.splitn(3, '-');
+    let (year, month, day) = (parts.next(), parts.next(), parts.next());
+    let of = |part: Option<&str>, digits: usize| part.and_then(|part| number(part, digits));
+    let days = match (of(year, 4), of(month, 2)) {
+        (Some(year), Some(2)) if year % 4 == 0 && (year % 100 != 0 || year % 400 == 0) => 29,
+        (Some(_), Some(2)) => 28,
+        (Some(_), Some(4 | 6 | 9 | 11)) => 30,
+        (Some(_), Some(1..=12)) => 31,
+        _ => 0,
+    };
+    let is_day = of(day, 2).is_some_and(|day| (1..=days).contains(&day));
+    if text == "none" || is_day {
+        return Ok(text.to_owned());
+    }
+    Err("expected a day as YYYY-MM-DD, e.g. 2026-01-31, or none".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::day_or_none;
+
+    #[test]
+    fn a_day_is_one_of_the_calendar() {
+        for day in ["none", "2026-01-31", "2024-02-29", "2000-02-29", "2026-12-01"] {
+            assert_eq!(day_or_none(day).unwrap(), day);
+        }
+        for day in
+            ["", "2024-13-45", "2026-02-29", "1900-02-29", "2026-00-01", "x*/", "2026-1-31", "2026-01-00"]
+        {
+            assert!(day_or_none(day).is_err(), "{day}");
+        }
+    }
 }

@@ -1,8 +1,8 @@
 //! Golden vectors of several axes.
 
-use hysteron_model::axes::HeldSimulation;
+use hysteron_model::axes::{AxesError, HeldSimulation};
 use hysteron_model::compensator::Limits;
-use hysteron_model::decoupling::DecouplingController;
+use hysteron_model::decoupling::{DecouplingController, DecouplingError};
 
 use super::AxesSubject;
 use super::single::{Single, SingleInverse};
@@ -124,6 +124,9 @@ impl Golden {
 
     /// The vectors with their tolerance: twice what single precision departs by.
     fn judged(mut self, what: &'static str, unit: &str) -> Result<Self, ExportError> {
+        if !self.wanted.iter().flatten().all(|x| x.is_finite()) {
+            return Err(DecouplingError::from(AxesError::RunsAway).into());
+        }
         let all = self.wanted.iter().flatten();
         let ends = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
         let span = ends.1 - ends.0;

@@ -52,7 +52,7 @@ fn controllers_in_c_are_the_library_s_own() {
     for (k, (name, controller, precision)) in cases().into_iter().enumerate() {
         let files = exported(name, controller, precision, Form::C).files;
         for (compiler, flags) in choices(&all, k) {
-            let own = format!("{name}_{}_{compiler}_{}", controller.name(), precision.name());
+            let own = format!("{name}_{}_{compiler}_{}_{}", controller.name(), precision.name(), flags.len());
             let folder = place.path().join(&own);
             write_folder(&folder, &files).unwrap();
             let mut sources: Vec<&str> = files

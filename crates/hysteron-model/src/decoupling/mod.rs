@@ -150,6 +150,8 @@ fn check_limits(limits: &[Limits], inputs: usize) -> Result<(), DecouplingError>
 /// The voltage nearest to `wanted` within range and slew of one actuator, and the active limit.
 fn limited(wanted: f64, last: f64, limits: &Limits, sample_rate_hz: f64) -> (f64, hysteron_rt::Limited) {
     use hysteron_rt::Limited;
+    // The last drive where the model has left the range of numbers.
+    let wanted = if wanted.is_finite() { wanted } else { last };
     let ranged = wanted.clamp(limits.low, limits.high);
     let step = limits.slew_v_per_s / sample_rate_hz;
     let slewed = ranged.clamp(last - step, last + step);

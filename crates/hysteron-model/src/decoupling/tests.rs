@@ -236,6 +236,26 @@ fn another_rate_is_refitted_and_a_slow_one_refused() {
     assert!(error < 5e-3, "{error}");
 }
 
+#[test]
+fn a_law_far_above_the_rate_of_the_model_stays_within_numbers_or_is_refused() {
+    let model = device(3);
+    for rate in [1e4, 3e4, 1e5, 3e5, 1e6, 1e7] {
+        let law = DecouplingLaw::new(&model, rate, &LawOptions::default()).unwrap();
+        assert!(law.held.error < if rate > 5e5 { 0.05 } else { 3e-3 }, "{rate}: {}", law.held.error);
+        let found = law.follow(&waves(3, 3000, 0.4, rate), &limits(3, 2.0));
+        println!("{rate}: {:?}", found.as_ref().err());
+        let Ok(found) = found else {
+            assert!(rate > 1e5, "{rate}");
+            continue;
+        };
+        assert!(found.predicted.iter().flatten().all(|y| y.abs() < 10.0), "{rate}");
+        assert!(found.drive.iter().flatten().all(|u| u.abs() <= 2.0), "{rate}");
+    }
+    // A drive that leaves the range of numbers is that before.
+    let limit = Limits { low: -1.0, high: 1.0, slew_v_per_s: f64::INFINITY };
+    assert_eq!(limited(f64::NAN, 0.5, &limit, RATE).0, 0.5);
+}
+
 fn actuator(alpha: f64, beta: f64, gamma: f64) -> BoucWen {
     BoucWen { polynomial: vec![1.0], alpha, beta, gamma, n: 1.0 }
 }
