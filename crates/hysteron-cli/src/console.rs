@@ -23,7 +23,8 @@ pub fn result(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// The text with control characters in names, units and keys of files written as `\u{1b}`: a terminal obeys them.
+/// The text with control characters in names, units and keys of files written as `\u001b`, as JSON has them: a
+/// terminal obeys them.
 fn without_controls(text: &str) -> Cow<'_, str> {
     let is_obeyed = |c: char| c.is_control() && c != '\n' && c != '\t';
     if !text.contains(is_obeyed) {
@@ -31,7 +32,7 @@ fn without_controls(text: &str) -> Cow<'_, str> {
     }
     let mut plain = String::with_capacity(text.len());
     for c in text.chars() {
-        if is_obeyed(c) { plain.extend(c.escape_debug()) } else { plain.push(c) }
+        if is_obeyed(c) { plain += &format!("\\u{:04x}", u32::from(c)) } else { plain.push(c) }
     }
     Cow::Owned(plain)
 }
@@ -94,8 +95,12 @@ mod tests {
     fn a_terminal_obeys_nothing_in_a_text() {
         assert_eq!(
             without_controls("a\u{1b}[31m\u{7}b\r\u{9b}c\td\n"),
-            "a\\u{1b}[31m\\u{7}b\\r\\u{9b}c\td\n"
+            "a\\u001b[31m\\u0007b\\u000d\\u009bc\td\n"
         );
+        // Those above 0x7e stand in JSON as they are; it is read the same.
+        let text = serde_json::to_string("a\u{9b}\u{1b}\u{7f}").unwrap();
+        let plain: String = serde_json::from_str(&without_controls(&text)).unwrap();
+        assert_eq!(plain, "a\u{9b}\u{1b}\u{7f}");
         assert!(matches!(without_controls("5 µm, 3 × 10⁻⁵\n"), Cow::Borrowed(_)));
     }
 }
