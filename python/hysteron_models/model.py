@@ -393,7 +393,7 @@ class Model:
             limits: least and largest drive of every actuator; the range of the identification if not given.
             slew: largest rate of every drive, per second.
             bandwidth: frequency up to which the inverse follows [Hz]; a twentieth of the sample rate if not
-                given.
+                given, at most of the rate of the model's steps.
             preview: samples known ahead; the whole references are known if not given.
             level: rms of the drives at which the modes are taken.
             periodic: the references repeat.

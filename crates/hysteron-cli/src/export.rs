@@ -94,7 +94,8 @@ pub struct Export {
     #[arg(long, value_name = "VOLTS", value_parser = positive, allow_hyphen_values = true)]
     level: Option<f64>,
 
-    /// Frequency up to which the inverse follows, in Hz [default: a twentieth of the sample rate]
+    /// Frequency up to which the inverse follows, in Hz [default: a twentieth of the sample rate, for
+    /// several axes at most of the rate of the model's steps]
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true, requires = "inverse")]
     bandwidth: Option<f64>,
 

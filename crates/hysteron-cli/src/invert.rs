@@ -79,7 +79,8 @@ pub struct Invert {
     #[arg(long, value_name = "VOLTS", value_parser = positive, allow_hyphen_values = true)]
     level: Option<f64>,
 
-    /// Frequency up to which the output follows, in Hz [default: a twentieth of the sample rate]
+    /// Frequency up to which the output follows, in Hz [default: a twentieth of the sample rate, for
+    /// several axes at most of the rate of the model's steps]
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     bandwidth: Option<f64>,
 

@@ -85,8 +85,7 @@ impl Rig {
         for run in &runs {
             files.push(self.file(run)?);
         }
-        write_folder(&self.out_dir, &files, None)
-            .map_err(|e| Failure::new("cannot write the records").because(e))?;
+        self.write(&files)?;
         for run in &runs {
             self.tell(run);
         }
@@ -110,6 +109,24 @@ impl Rig {
         let measured =
             |(stream, drive)| measure(truth, drive, self.seed, stream).map_err(|e| failure().because(e));
         drives.iter().enumerate().map(measured).collect()
+    }
+
+    /// Writes the records, with truth and plan. Those in the folder that were edited, and are not what was
+    /// simulated, are kept.
+    fn write(&self, files: &[NamedFile]) -> Result<(), Failure> {
+        let failure = || Failure::new("cannot write the records");
+        for (name, given) in [("truth.json", &self.truth), ("plan.json", &self.plan)] {
+            let path = self.out_dir.join(name);
+            let own = files.iter().find(|file| file.name == name);
+            let is_other = |found: Vec<u8>| own.is_some_and(|own| own.bytes != found);
+            if given.is_none() && std::fs::read(&path).is_ok_and(is_other) {
+                let flag = name.trim_end_matches(".json");
+                return Err(failure()
+                    .because(format!("{} is not what was simulated, and would be replaced", path.display()))
+                    .hint(format!("--{flag} {} simulates it; or another --out-dir", path.display())));
+            }
+        }
+        write_folder(&self.out_dir, files, None).map_err(|e| failure().because(e))
     }
 
     /// The record of a drive, named after it.

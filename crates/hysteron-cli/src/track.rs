@@ -89,7 +89,8 @@ pub struct Track {
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     predict_to: Option<f64>,
 
-    /// Frequency up to which the inverse follows, in Hz [default: a twentieth of the sample rate]
+    /// Frequency up to which the inverse follows, in Hz [default: a twentieth of the sample rate, for
+    /// several axes at most of the rate of the model's steps]
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     bandwidth: Option<f64>,
 
@@ -263,8 +264,7 @@ impl Track {
             ControlError::NoSampleRate => return failure.advised(Some(Advice::Resample)),
             ControlError::NoRange => return failure.hint("give the range of the drive, e.g. --range 0:100"),
             ControlError::NothingScored { .. } => {
-                return because(Failure::usage("nothing is left to score"))
-                    .hint("reduce --skip or --preview");
+                return because(Failure::usage("cannot score the motion")).hint("reduce --skip or --preview");
             }
             ControlError::Sines { .. } | ControlError::SlowSines { .. } => {
                 return because(Failure::usage("--sines cannot be simulated"));

@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
-use hysteron_io::sha256;
+use hysteron_io::{NamedFile, sha256};
 use hysteron_model::model_file::{ModelFile, Provenance};
+
+use crate::rust_crate::RUNTIME;
 
 /// What a header says of its origin.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +27,37 @@ impl Origin {
     /// How a model was made, without its file and a date.
     pub(crate) fn made(provenance: Option<&Provenance>) -> Self {
         Self { model_sha256: String::new(), date: None, provenance: provenance.cloned() }
+    }
+
+    /// Names model and program in every source that has no header with them: tests, examples, tables. The
+    /// source of the runtime is not the model's.
+    pub(crate) fn mark(&self, files: &mut [NamedFile]) {
+        if self.model_sha256.is_empty() {
+            return;
+        }
+        let own = files.iter_mut().filter(|file| !file.name.starts_with(RUNTIME));
+        for file in own {
+            let Some((_, extension)) = file.name.rsplit_once('.') else { continue };
+            let (open, close) = match extension {
+                "c" | "h" => ("/*", " */"),
+                "rs" => ("//", ""),
+                "m" => ("%", ""),
+                "toml" => ("#", ""),
+                _ => continue,
+            };
+            let text = String::from_utf8_lossy(&file.bytes);
+            if text.contains(&self.model_sha256) {
+                continue;
+            }
+            let mark = self.lines().into_iter().take(2).collect::<Vec<_>>().join(" ");
+            // A function of MATLAB begins with its name and what it does.
+            let before: usize = match extension {
+                "m" => text.split_inclusive('\n').take(2).map(str::len).sum(),
+                _ => 0,
+            };
+            let (head, rest) = text.split_at(before);
+            file.bytes = format!("{head}{open} {mark}{close}\n{rest}").into_bytes();
+        }
     }
 
     /// Lines of a header.

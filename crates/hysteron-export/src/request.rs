@@ -108,7 +108,8 @@ pub fn export(
     }
     subject.origin.date.clone_from(&request.date);
     findings.extend(coarse("displacement", &subject.output_unit, subject.rounding));
-    let sweep = Sweep::over(model.data().valid_range.as_ref(), rate);
+    let sweep =
+        Sweep::over(model.data().valid_range.as_ref(), rate, subject.realisation.dynamics.delay_samples);
     let along = verify(&subject.realisation, &sweep.drive)?;
     findings.extend(along.finding(accuracy));
     subject.along_sweep = Some((along, sweep.frequencies_hz));
@@ -135,7 +136,8 @@ pub fn export(
         (Some(inverse), None) => Around::Inverse(inverse),
         (None, None) => Around::Nothing,
     };
-    let files = form.files(&subject, around, means)?;
+    let mut files = form.files(&subject, around, means)?;
+    subject.origin.mark(&mut files);
     if form == Form::Fmu {
         findings.extend(Platform::left_out().into_iter().map(without_binary));
     }

@@ -147,21 +147,7 @@ impl Subject {
         if self.precision == Precision::F32 {
             lines.push(self.rounding.in_words("displacement", output));
         }
-        match &self.range {
-            Some(range) => {
-                let frequency = range.frequency.as_ref().map(|f| match f.low == f.high {
-                    true => format!(", at {} Hz", number(f.low)),
-                    false => format!(", {} to {} Hz", number(f.low), number(f.high)),
-                });
-                lines.push(format!(
-                    "Identified from {} to {} {input}{}; it extrapolates beyond.",
-                    number(range.input.low),
-                    number(range.input.high),
-                    frequency.unwrap_or_default()
-                ));
-            }
-            None => lines.push("The model file does not say which range it was identified in.".into()),
-        }
+        lines.push(range_in_words(self.range.as_ref(), input));
         lines.push(format!(
             "The code does not limit its {input}: limit it to what the amplifier can deliver before it is \
              passed in. After a value far outside, the output comes back only as fast as the model's creep \
@@ -183,6 +169,24 @@ impl Subject {
         }
         lines
     }
+}
+
+/// The range that a model was identified in, for the head of a source.
+pub(crate) fn range_in_words(range: Option<&ValidRange>, input_unit: &str) -> String {
+    let number = significant;
+    let Some(range) = range else {
+        return "The model file does not say which range it was identified in.".into();
+    };
+    let frequency = range.frequency.as_ref().map(|f| match f.low == f.high {
+        true => format!(", at {} Hz", number(f.low)),
+        false => format!(", {} to {} Hz", number(f.low), number(f.high)),
+    });
+    format!(
+        "Identified from {} to {} {input_unit}{}; it extrapolates beyond.",
+        number(range.input.low),
+        number(range.input.high),
+        frequency.unwrap_or_default()
+    )
 }
 
 /// Four significant digits.

@@ -11,7 +11,7 @@ use hysteron_model::model::{RunError, Unsupported};
 use hysteron_model::model_file::{Kind, ModelFileError};
 use hysteron_model::record::RecordError;
 use hysteron_model::validate::ScoreError;
-use hysteron_numeric::display::short;
+use hysteron_numeric::display::{exact, short};
 use hysteron_optimize::OptimizeError;
 use hysteron_rt::{ParameterError, SampleError};
 
@@ -51,7 +51,7 @@ pub enum IdentifyError {
         wanted: &'static str,
     },
     /// An option out of range.
-    #[error("option {option} = {value}: needs {wanted}")]
+    #[error("option {option} = {value}: needs {wanted}", value = exact(*.value))]
     Option {
         /// Option.
         option: &'static str,
@@ -59,6 +59,24 @@ pub enum IdentifyError {
         value: f64,
         /// Accepted values.
         wanted: &'static str,
+    },
+    /// A designed drive too short or too long.
+    #[error(
+        "a drive of {} s at {} Hz cannot be designed: from {} to {} s can, 400 to 4 000 000 samples",
+        short(*.time_s),
+        short(*.rate_hz),
+        short(*.least_s),
+        short(*.most_s)
+    )]
+    DesignTime {
+        /// Length asked for \[s\].
+        time_s: f64,
+        /// Sample rate \[Hz\].
+        rate_hz: f64,
+        /// Shortest \[s\].
+        least_s: f64,
+        /// Longest \[s\].
+        most_s: f64,
     },
     /// A record with a constant input or output.
     #[error(
@@ -123,7 +141,8 @@ pub enum IdentifyError {
     /// The model class does not describe the record.
     #[error(
         "the model class (hysteresis followed by linear dynamics) does not describe record '{record}': the \
-         best fit explains {fit_percent:.1} % of it, {need} % are needed. {because}"
+         best fit explains {fit_percent:.1} % of it, {need} % are needed. {because}",
+        need = exact(*.need)
     )]
     ModelClass {
         /// Record.
@@ -176,7 +195,8 @@ pub enum IdentifyError {
     /// A record that a model does not describe, even with the best gain, delay and offset.
     #[error(
         "record '{record}' contradicts the model: with the best gain, delay and offset it explains \
-         {fit_percent:.1} % of it, {need} % are needed"
+         {fit_percent:.1} % of it, {need} % are needed",
+        need = exact(*.need)
     )]
     OtherDevice {
         /// Record.
@@ -246,7 +266,7 @@ pub enum IdentifyError {
         record: String,
     },
     /// A parameter of an oscillator cannot be held.
-    #[error("parameter '{name}' = {value}: {wanted}")]
+    #[error("parameter '{name}' = {value}: {wanted}", value = exact(*.value))]
     OscillatorFixed {
         /// Parameter.
         name: String,
@@ -275,7 +295,8 @@ pub enum IdentifyError {
     /// The oscillator does not describe the record.
     #[error(
         "a mass on a hysteretic spring does not describe record '{record}': the best fit explains \
-         {fit_percent:.1} % of it, {need} % are needed"
+         {fit_percent:.1} % of it, {need} % are needed",
+        need = exact(*.need)
     )]
     OscillatorClass {
         /// Record.
@@ -312,7 +333,7 @@ pub enum IdentifyError {
         of_other: String,
     },
     /// An option of a fit of modes that cannot be met.
-    #[error("{name} is {value}: expected {expected}")]
+    #[error("{name} is {value}: expected {expected}", value = exact(*.value))]
     ModesOption {
         /// Its name.
         name: &'static str,
@@ -342,7 +363,8 @@ pub enum IdentifyError {
     /// The model of several axes does not describe a record.
     #[error(
         "the {what} do not describe record `{record}`: the best fit explains {fit_percent:.1} % of it, \
-         {need} % are needed"
+         {need} % are needed",
+        need = exact(*.need)
     )]
     AxesClass {
         /// `modes` or `branches`.
@@ -401,7 +423,9 @@ pub enum IdentifyError {
     /// Too few points of a frequency response for the parameters.
     #[error(
         "{found} points of `{name}` between {low_hz} and {high_hz} Hz; {structure} with {parameters} \
-         parameters needs at least {need}: take a wider band or a simpler structure"
+         parameters needs at least {need}: take a wider band or a simpler structure",
+        low_hz = exact(*.low_hz),
+        high_hz = exact(*.high_hz)
     )]
     TooFewPoints {
         /// The response.
@@ -473,7 +497,7 @@ pub enum IdentifyError {
     #[error(transparent)]
     Baseline(#[from] BaselineError),
     /// A term of a correction with a number out of its range.
-    #[error("term {index} (from 0): {name} is {value}, it must be {must}")]
+    #[error("term {index} (from 0): {name} is {value}, it must be {must}", value = exact(*.value))]
     CorrectionTerm {
         /// Number of the term, from 0.
         index: usize,
@@ -503,7 +527,8 @@ pub enum IdentifyError {
     },
     /// A creep coefficient that a Hammerstein model has no place for.
     #[error(
-        "term {index} (from 0) creeps by {value}: a model file has no place for it; leave creep terms out"
+        "term {index} (from 0) creeps by {value}: a model file has no place for it; leave creep terms out",
+        value = exact(*.value)
     )]
     CorrectionCreep {
         /// Number of the term, from 0.

@@ -1,5 +1,6 @@
 //! Errors of reading and writing files.
 
+use hysteron_numeric::display::exact;
 use std::path::PathBuf;
 
 use crate::atomic_file::AtomicWriteError;
@@ -140,7 +141,10 @@ pub enum IoError {
         found: String,
     },
     /// An invalid sample rate in the file.
-    #[error("{place}: no sample rate follows from {value}, expected a finite number above 0; correct it")]
+    #[error(
+        "{place}: no sample rate follows from {value}, expected a finite number above 0; correct it",
+        value = exact(*.value)
+    )]
     BadRate {
         /// Place in the file.
         place: Place,
@@ -148,7 +152,11 @@ pub enum IoError {
         value: f64,
     },
     /// Sample rates in the file that differ.
-    #[error("{place}: {hz} Hz, but {other_hz} Hz by `{other}`; give the sample rate that holds")]
+    #[error(
+        "{place}: {hz} Hz, but {other_hz} Hz by `{other}`; give the sample rate that holds",
+        hz = exact(*.hz),
+        other_hz = exact(*.other_hz)
+    )]
     ChooseRate {
         /// Place of one of them.
         place: Place,
@@ -231,8 +239,16 @@ pub enum IoError {
         /// Place in the file.
         place: Place,
     },
-    /// A column without a name.
-    #[error("{place}: no column name; give every column one, e.g. `u_V`")]
+    /// A format that is not written.
+    #[error("cannot write {path}: no .{extension} is written; use .csv, .npz or .mat")]
+    NotWritten {
+        /// Path of the file.
+        path: String,
+        /// Its extension.
+        extension: String,
+    },
+    /// A column without a name, or with one that cannot be printed.
+    #[error("{place}: no column name of printable characters; give every column one, e.g. `u_V`")]
     UnnamedColumn {
         /// Place in the file.
         place: Place,
@@ -418,7 +434,9 @@ pub enum IoError {
     /// Time that runs backwards.
     #[error(
         "{place}: time runs backwards, {after} s after {before} s; sort the rows, or split the file where \
-         the clock was reset"
+         the clock was reset",
+        after = exact(*.after),
+        before = exact(*.before)
     )]
     TimeDecreases {
         /// Place in the file.

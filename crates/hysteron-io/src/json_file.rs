@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use hysteron_numeric::display::json_problem;
+
 use crate::IoError;
 use crate::atomic_file::write_atomically;
 
@@ -31,7 +33,7 @@ pub enum JsonFileError {
         most_bytes: u64,
     },
     /// It is not JSON, or not of the expected content.
-    #[error("{}: {cause}", path.display())]
+    #[error("{}: {}", path.display(), json_problem(cause))]
     Content {
         /// The file.
         path: PathBuf,

@@ -2,6 +2,7 @@
 
 use hysteron_model::Advice;
 use hysteron_model::record::RecordError;
+use hysteron_numeric::display::exact;
 
 use crate::place::{FilePart, Place};
 
@@ -52,7 +53,10 @@ pub enum ResponseFileError {
         found: String,
     },
     /// Two lines at one frequency.
-    #[error("`{file}`: two lines at {frequency_hz} Hz; average them or delete one")]
+    #[error(
+        "`{file}`: two lines at {frequency_hz} Hz; average them or delete one",
+        frequency_hz = exact(*.frequency_hz)
+    )]
     RepeatedFrequency {
         /// The file.
         file: String,

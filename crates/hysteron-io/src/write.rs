@@ -17,6 +17,10 @@ pub fn write_record(path: &Path, record: &Record) -> Result<(), IoError> {
     produce(path, record, |content| write_atomically_with(path, content))
 }
 
+/// Formats that are not written: text under such a name is not read back, by this program or by others.
+const OTHER_FORMATS: [&str; 12] =
+    ["h5", "hdf5", "hdf", "nxs", "xlsx", "xls", "ods", "tdms", "parquet", "feather", "npy", "json"];
+
 /// Hands the content of [`write_record`] to `write`.
 pub(crate) fn produce(
     path: &Path,
@@ -27,6 +31,12 @@ pub(crate) fn produce(
     let bytes = match extension.as_deref().and_then(|extension| extension.to_str()) {
         Some("npz") => npz_write::content(path, record)?,
         Some("mat") => mat_write::content(path, record)?,
+        Some(other) if OTHER_FORMATS.contains(&other) => {
+            return Err(IoError::NotWritten {
+                path: path.display().to_string(),
+                extension: other.to_owned(),
+            });
+        }
         _ => {
             check(path, record)?;
             return Ok(write(&mut |out| write_csv_to(out, record))?);

@@ -111,6 +111,14 @@ fn a_record_is_written_in_the_format_of_its_name_and_reads_back() {
     let part = read_part(&folder.path().join("out.npz"), &part).unwrap();
     assert_eq!((part.record.len(), part.file_samples), (2, 4));
 
+    // Text under the name of a format that is not written would not be read back.
+    let error = write_record(&folder.path().join("out.H5"), &record).unwrap_err();
+    assert!(error.to_string().ends_with("no .h5 is written; use .csv, .npz or .mat"), "{error}");
+    assert!(!folder.path().join("out.H5").exists());
+    let odd = vec![Channel::new("u", "V\u{1b}[31m", vec![0.0; 4])];
+    let error = write_record(&folder.path().join("odd.csv"), &Record { channels: odd, ..record.clone() });
+    assert!(error.unwrap_err().to_string().contains("the unit of channel `u` has control characters"));
+
     let twice = Record { channels: vec![Channel::new("t", "s", vec![0.0; 4])], ..record };
     let path = folder.path().join("twice.csv");
     let error = write_record(&path, &twice).unwrap_err();

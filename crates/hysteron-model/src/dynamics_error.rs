@@ -1,7 +1,7 @@
 //! Errors of sampled fractional calculus and of the dynamic block.
 
 use crate::fractional::Scheme;
-use hysteron_numeric::display::short;
+use hysteron_numeric::display::{exact, short};
 
 /// Error of [`crate::fractional`] and [`crate::dynamics`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -14,7 +14,7 @@ pub enum DynamicsError {
         part: &'static str,
     },
     /// A coefficient is not finite.
-    #[error("coefficient {index} of the {part} must be finite, but it is {value}")]
+    #[error("coefficient {index} of the {part} must be finite, but it is {value}", value = exact(*.value))]
     Coefficient {
         /// `numerator` or `denominator`.
         part: &'static str,
@@ -26,7 +26,8 @@ pub enum DynamicsError {
     /// An order is not finite or negative.
     #[error(
         "order {index} of the {part} must be a real number ≥ 0 (complex orders are not supported), but it is \
-         {order}"
+         {order}",
+        order = exact(*.order)
     )]
     Order {
         /// `numerator` or `denominator`.
@@ -39,7 +40,9 @@ pub enum DynamicsError {
     /// The terms are not in strictly ascending order.
     #[error(
         "the terms of the {part} must be in ascending order without repeats, but order {order} (term \
-         {index}) follows {before}"
+         {index}) follows {before}",
+        order = exact(*.order),
+        before = exact(*.before)
     )]
     NotAscending {
         /// `numerator` or `denominator`.
@@ -52,7 +55,7 @@ pub enum DynamicsError {
         before: f64,
     },
     /// A parameter is outside its range.
-    #[error("{name} must be {allowed}, but it is {value}")]
+    #[error("{name} must be {allowed}, but it is {value}", value = exact(*.value))]
     Parameter {
         /// Name of the parameter, with its unit where it has one.
         name: &'static str,
@@ -64,7 +67,9 @@ pub enum DynamicsError {
     /// The bandwidth of an inverse is out of range.
     #[error(
         "the bandwidth of the inverse is {bandwidth_hz} Hz: it must be above 0 and below {highest_hz} Hz, \
-         half the sample rate, and the plant must pass something there"
+         half the sample rate, and the plant must pass something there",
+        bandwidth_hz = exact(*.bandwidth_hz),
+        highest_hz = exact(*.highest_hz)
     )]
     Bandwidth {
         /// The bandwidth given \[Hz\].
@@ -103,7 +108,10 @@ pub enum DynamicsError {
         found: usize,
     },
     /// The sample rate is not a positive finite number.
-    #[error("the sample rate must be a positive finite number of hertz, but it is {sample_rate_hz}")]
+    #[error(
+        "the sample rate must be a positive finite number of hertz, but it is {sample_rate_hz}",
+        sample_rate_hz = exact(*.sample_rate_hz)
+    )]
     SampleRate {
         /// The sample rate given \[Hz\].
         sample_rate_hz: f64,
@@ -127,7 +135,7 @@ pub enum DynamicsError {
         found: usize,
     },
     /// An input sample is not finite.
-    #[error("sample {index} of the {what} is {value}; every sample must be finite")]
+    #[error("sample {index} of the {what} is {value}; every sample must be finite", value = exact(*.value))]
     InputNotFinite {
         /// Which signal.
         what: &'static str,
@@ -144,7 +152,9 @@ pub enum DynamicsError {
     /// The transfer function is improper under `Tustin`.
     #[error(
         "the tustin scheme needs a proper transfer function, but the highest orders are {numerator} over \
-         {denominator}; use grunwald-letnikov or bdf2"
+         {denominator}; use grunwald-letnikov or bdf2",
+        numerator = exact(*.numerator),
+        denominator = exact(*.denominator)
     )]
     Improper {
         /// Highest order of the numerator.
@@ -155,7 +165,9 @@ pub enum DynamicsError {
     /// G(0) is infinite under an initial condition that needs it finite.
     #[error(
         "the gain at zero frequency is infinite (lowest orders {numerator} over {denominator}), so a state \
-         of rest or a steady state does not exist; give the model a low-frequency corner, or start from zero"
+         of rest or a steady state does not exist; give the model a low-frequency corner, or start from zero",
+        numerator = exact(*.numerator),
+        denominator = exact(*.denominator)
     )]
     InfiniteDcGain {
         /// Lowest order of the numerator.
@@ -212,7 +224,10 @@ pub enum DynamicsError {
         form: String,
     },
     /// The order of an operator is not a finite number.
-    #[error("the order must be a finite real number (complex orders are not supported), but it is {order}")]
+    #[error(
+        "the order must be a finite real number (complex orders are not supported), but it is {order}",
+        order = exact(*.order)
+    )]
     OperatorOrder {
         /// The order given.
         order: f64,
@@ -226,7 +241,9 @@ pub enum DynamicsError {
     /// The operator is improper under `Tustin`: its response at the Nyquist frequency is infinite.
     #[error(
         "tustin needs a proper operator (numerator order ≤ denominator order), but the orders are \
-         {numerator} over {denominator} and it would diverge; use grunwald-letnikov or bdf2"
+         {numerator} over {denominator} and it would diverge; use grunwald-letnikov or bdf2",
+        numerator = exact(*.numerator),
+        denominator = exact(*.denominator)
     )]
     ImproperOperator {
         /// Highest order of the numerator.

@@ -3,6 +3,7 @@
 use crate::dynamics::DynamicsError;
 use crate::force::ForceModelError;
 use crate::hysteresis::HysteresisError;
+use hysteron_numeric::display::exact;
 
 /// A Hammerstein model, an oscillator or a force that cannot be simulated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -14,7 +15,9 @@ pub enum SimulationError {
     /// The model's parameters belong to one sample rate.
     #[error(
         "the model ({scheme}) belongs to the sample rate it was identified at, {model_hz} Hz, and the record \
-         has {record_hz} Hz"
+         has {record_hz} Hz",
+        model_hz = exact(*.model_hz),
+        record_hz = exact(*.record_hz)
     )]
     SampleRate {
         /// Scheme that ties the model to its rate, or `ARX`.
@@ -48,7 +51,7 @@ pub enum SimulationError {
     )]
     Memory,
     /// A parameter of an oscillator is out of range.
-    #[error("oscillator parameter {name} is {value}: expected {expected}")]
+    #[error("oscillator parameter {name} is {value}: expected {expected}", value = exact(*.value))]
     Parameter {
         /// Its name.
         name: &'static str,
@@ -58,7 +61,12 @@ pub enum SimulationError {
         expected: &'static str,
     },
     /// A state to start from is infinite or not a number.
-    #[error("the state to start from (y = {y}, velocity {velocity}, z = {z}) is not finite")]
+    #[error(
+        "the state to start from (y = {y}, velocity {velocity}, z = {z}) is not finite",
+        y = exact(*.y),
+        velocity = exact(*.velocity),
+        z = exact(*.z)
+    )]
     State {
         /// Displacement.
         y: f64,
@@ -74,7 +82,7 @@ pub enum SimulationError {
         samples: usize,
     },
     /// A sample of the force is infinite or not a number.
-    #[error("sample {index} of the force is {value}: it must be finite")]
+    #[error("sample {index} of the force is {value}: it must be finite", value = exact(*.value))]
     Force {
         /// Number of the sample, from 0.
         index: usize,
@@ -82,7 +90,7 @@ pub enum SimulationError {
         value: f64,
     },
     /// The sample rate is invalid.
-    #[error("the sample rate is {value} Hz: it must be finite and above 0")]
+    #[error("the sample rate is {value} Hz: it must be finite and above 0", value = exact(*.value))]
     BadSampleRate {
         /// The rate given.
         value: f64,

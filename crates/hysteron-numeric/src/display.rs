@@ -26,9 +26,69 @@ pub fn short_to(x: f64, digits: usize) -> String {
     }
 }
 
+/// `x` with as many digits as it takes to tell it from every other number, as a power of ten where that is
+/// shorter: `0.1`, `1e300`.
+///
+/// ```
+/// use hysteron_numeric::display::exact;
+/// assert_eq!(exact(1e300), "1e300");
+/// assert_eq!(exact(12345.678), "12345.678");
+/// ```
+pub fn exact(x: f64) -> String {
+    let size = x.abs();
+    if x == 0.0 || (1e-5..1e9).contains(&size) || !size.is_finite() {
+        x.to_string()
+    } else {
+        format!("{x:e}")
+    }
+}
+
+/// What a JSON parser says of a file, in words for who wrote it.
+pub fn json_problem(problem: &dyn std::fmt::Display) -> String {
+    const LONGEST: usize = 400;
+    let said = problem.to_string();
+    if said == "EOF while parsing a value at line 1 column 0" {
+        return "the file is empty".to_owned();
+    }
+    let mut words = said.replace("EOF while parsing", "the file ends within");
+    for (type_name, plain) in [
+        ("usize", "a whole number"),
+        ("u8", "a whole number"),
+        ("u32", "a whole number"),
+        ("u64", "a whole number"),
+        ("i32", "a whole number"),
+        ("i64", "a whole number"),
+        ("f64", "a number"),
+    ] {
+        words = words.replace(&format!("expected {type_name}"), &format!("expected {plain}"));
+    }
+    match words.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{} …", &words[..end]),
+        None => words,
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{short, short_to};
+    use super::{exact, json_problem, short, short_to};
+
+    #[test]
+    fn a_number_is_told_from_every_other_without_rows_of_zeros() {
+        for (x, text) in [(0.0, "0"), (12.5, "12.5"), (1e300, "1e300"), (1.5e-7, "1.5e-7"), (f64::NAN, "NaN")]
+        {
+            assert_eq!(exact(x), text);
+        }
+    }
+
+    #[test]
+    fn a_parser_is_quoted_in_plain_words() {
+        assert_eq!(json_problem(&"EOF while parsing a value at line 1 column 0"), "the file is empty");
+        let ends = json_problem(&"EOF while parsing an object at line 3 column 0");
+        assert_eq!(ends, "the file ends within an object at line 3 column 0");
+        let float = json_problem(&"invalid type: floating point `1.5`, expected usize at line 2 column 9");
+        assert_eq!(float, "invalid type: floating point `1.5`, expected a whole number at line 2 column 9");
+        assert!(json_problem(&"a".repeat(5000)).chars().count() < 500);
+    }
 
     #[test]
     fn digits_that_do_not_matter_are_dropped() {

@@ -1,5 +1,6 @@
 //! Errors of an optimisation.
 
+use hysteron_numeric::display::exact;
 use thiserror::Error;
 
 /// Error of a minimisation.
@@ -10,7 +11,7 @@ pub enum OptimizeError {
     #[error("the search box is empty: there is no parameter to search for")]
     NoParameters,
     /// A range that cannot be searched.
-    #[error("range of {name} is [{low}, {high}]: need {wanted}")]
+    #[error("range of {name} is [{low}, {high}]: need {wanted}", low = exact(*.low), high = exact(*.high))]
     Range {
         /// Parameter.
         name: String,
@@ -22,7 +23,7 @@ pub enum OptimizeError {
         wanted: &'static str,
     },
     /// An option outside its allowed range.
-    #[error("option {option} is {value}: need {wanted}")]
+    #[error("option {option} is {value}: need {wanted}", value = exact(*.value))]
     Option {
         /// Option, as named in the settings or the algorithm's options.
         option: &'static str,
@@ -127,7 +128,9 @@ pub enum OptimizeError {
     /// The cost at the checkpoint's best point differs from the stored one: other data.
     #[error(
         "the cost at the checkpoint's best point is {now} here and {stored} there: it was made with other \
-         data"
+         data",
+        now = exact(*.now),
+        stored = exact(*.stored)
     )]
     CheckpointCost {
         /// Cost in the checkpoint.

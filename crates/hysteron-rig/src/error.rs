@@ -1,6 +1,6 @@
 //! Errors of a simulated bench or its drive.
 
-use hysteron_numeric::display::short;
+use hysteron_numeric::display::{exact, short};
 use thiserror::Error;
 
 /// Why the simulated bench could not be run.
@@ -8,7 +8,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum RigError {
     /// A parameter of the truth is outside its valid range.
-    #[error("truth: {parameter} is {value}, expected {expected}")]
+    #[error("truth: {parameter} is {value}, expected {expected}", value = exact(*.value))]
     Parameter {
         /// Path of the field, as in the truth file.
         parameter: String,
@@ -33,8 +33,22 @@ pub enum RigError {
         /// Most that are taken.
         most: usize,
     },
+    /// A number of the plan is outside its valid range.
+    #[error("plan: {parameter} is {value}, expected {expected}", value = exact(*.value))]
+    Plan {
+        /// Name of the field, as in the plan file.
+        parameter: &'static str,
+        /// Value found.
+        value: f64,
+        /// Allowed values.
+        expected: &'static str,
+    },
     /// The displacement is no finite number.
-    #[error("truth: the displacement at {} s is {value}: the plant cannot be computed", short(*.time_s))]
+    #[error(
+        "truth: the displacement at {} s is {value}: the plant cannot be computed",
+        short(*.time_s),
+        value = exact(*.value)
+    )]
     NotFinite {
         /// Time \[s\].
         time_s: f64,
@@ -44,7 +58,9 @@ pub enum RigError {
     /// The numerator's highest order is above the denominator's.
     #[error(
         "truth: the transfer function is improper, numerator order {numerator_order} above denominator order \
-         {denominator_order}"
+         {denominator_order}",
+        numerator_order = exact(*.numerator_order),
+        denominator_order = exact(*.denominator_order)
     )]
     Improper {
         /// Highest order of the numerator.
@@ -53,7 +69,11 @@ pub enum RigError {
         denominator_order: f64,
     },
     /// The linear dynamics have a pole in the closed right half plane.
-    #[error("truth: the dynamics are unstable, pole at {re} + {im}i rad/s")]
+    #[error(
+        "truth: the dynamics are unstable, pole at {re} + {im}i rad/s",
+        re = exact(*.re),
+        im = exact(*.im)
+    )]
     Unstable {
         /// Real part \[rad/s\].
         re: f64,
@@ -82,13 +102,16 @@ pub enum RigError {
         drive_v: f64,
     },
     /// A drive that starts away from 0 V needs a finite static gain to be at rest there.
-    #[error("the drive starts at {drive_v} V, but the dynamics have no finite static gain; start at 0 V")]
+    #[error(
+        "the drive starts at {drive_v} V, but the dynamics have no finite static gain; start at 0 V",
+        drive_v = exact(*.drive_v)
+    )]
     NoRest {
         /// First sample of the drive \[V\].
         drive_v: f64,
     },
     /// The drive waveform cannot be played.
-    #[error("drive: {what} is {value}, expected {expected}")]
+    #[error("drive: {what} is {value}, expected {expected}", value = exact(*.value))]
     Drive {
         /// Quantity that is wrong.
         what: &'static str,
@@ -104,7 +127,7 @@ pub enum RigError {
     )]
     Ahead,
     /// A parameter of a waveform is outside its valid range.
-    #[error("{waveform}: {parameter} is {value}, expected {expected}")]
+    #[error("{waveform}: {parameter} is {value}, expected {expected}", value = exact(*.value))]
     Waveform {
         /// Kind of waveform.
         waveform: &'static str,
@@ -141,7 +164,9 @@ pub enum RigError {
         "sample {sample} at {} s is {} V, outside the amplifier's {low_v} V to {high_v} V; change \
          low_v/high_v of the waveform",
         short(*.time_s),
-        short(*.value_v)
+        short(*.value_v),
+        low_v = exact(*.low_v),
+        high_v = exact(*.high_v)
     )]
     Voltage {
         /// First offending sample.
@@ -160,7 +185,8 @@ pub enum RigError {
         "from sample {sample} at {} s the drive moves at {} V/s, the amplifier allows {limit_v_per_s} V/s; \
          lower the frequency or the amplitude, or start softly",
         short(*.time_s),
-        short(*.slew_v_per_s)
+        short(*.slew_v_per_s),
+        limit_v_per_s = exact(*.limit_v_per_s)
     )]
     Slew {
         /// Sample at the start of the offending step.
@@ -177,7 +203,9 @@ pub enum RigError {
         "from sample {sample} at {} s the actuator of {capacitance_f} F draws {} A, the amplifier gives \
          {limit_a} A; lower the frequency or the amplitude",
         short(*.time_s),
-        short(*.current_a)
+        short(*.current_a),
+        capacitance_f = exact(*.capacitance_f),
+        limit_a = exact(*.limit_a)
     )]
     Current {
         /// Sample at the start of the offending step.
@@ -192,7 +220,7 @@ pub enum RigError {
         capacitance_f: f64,
     },
     /// A limit of the amplifier is invalid.
-    #[error("amplifier limit {parameter} is {value}, expected {expected}")]
+    #[error("amplifier limit {parameter} is {value}, expected {expected}", value = exact(*.value))]
     Limit {
         /// Field of the limits.
         parameter: &'static str,

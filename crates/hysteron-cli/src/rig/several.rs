@@ -1,6 +1,6 @@
 //! `hysteron rig --axes`: the bench of several axes.
 
-use hysteron_io::{NamedFile, write_csv_to, write_folder};
+use hysteron_io::{NamedFile, write_csv_to};
 use hysteron_rig::axes::{AxesPlan, AxesRole, AxesRun, AxesTruth, run_axes_campaign};
 
 use super::{Rig, read_or_default, read_settings, settings};
@@ -23,8 +23,7 @@ impl Rig {
         for run in &runs {
             files.push(file(run)?);
         }
-        write_folder(&self.out_dir, &files, None)
-            .map_err(|e| Failure::new("cannot write the records").because(e))?;
+        self.write(&files)?;
         for run in &runs {
             let path = self.record_of(&run.record.name);
             let use_of = match run.role {

@@ -9,9 +9,9 @@ fn every_way_to_spoil_a_model_file_is_named() {
     let good = std::fs::read_to_string(bench.path("model.json")).unwrap();
     let cut = &good[..good.len() / 2];
     for (content, part) in [
-        (String::new(), "line 1"),
+        (String::new(), "the file is empty"),
         ("t_s,u_V\n0,1\n".into(), "line 1"),
-        (cut.into(), "EOF while parsing"),
+        (cut.into(), "the file ends within"),
         (
             good.replace("hysteron-model", "other-model"),
             r#"format: expected "hysteron-model", found "other-model""#,

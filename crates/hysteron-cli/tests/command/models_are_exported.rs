@@ -97,6 +97,11 @@ fn the_other_forms_are_written_as_well() {
     assert_eq!(run.exit_code, 0, "{run:?}");
     let functions = ["stage.m", "stage_inverse.m", "stage_inverse_parameters.m", "stage_inverse_selftest.m"];
     assert_eq!(names(&bench, "m"), [&functions[..], &["stage_parameters.m", "stage_selftest.m"]].concat());
+    for file in ["crate/Cargo.toml", "crate/tests/selftest.rs", "m/stage_parameters.m", "m/stage_selftest.m"]
+    {
+        let text = std::fs::read_to_string(bench.path(file)).unwrap();
+        assert!(text.contains("Model file: SHA-256 "), "{file}: {text:.300}");
+    }
     let run = bench.run("export P-885_stage.json --to simulink -o block --name stage --float f32");
     assert_eq!(run.exit_code, 0, "{run:?}");
     assert_eq!(names(&bench, "block"), ["stage.c", "stage.h", "stage_selftest.c", "stage_sfun.c"]);

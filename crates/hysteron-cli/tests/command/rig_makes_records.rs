@@ -29,6 +29,14 @@ fn a_campaign_is_written_with_its_truth_and_repeats_by_seed() {
     let run = bench.run("rig --truth a/truth.json --plan a/plan.json --out-dir d --seed 1");
     assert_eq!(run.exit_code, 0, "{run:?}");
     assert_eq!(read("a", names[1]), read("d", names[1]));
+
+    // Edited, it is not replaced by the default.
+    let edited = read("a", "truth.json").replace("\"oversampling\": ", "\"oversampling\": 2");
+    bench.write("a/truth.json", &edited);
+    let run = bench.run("rig --plan plan.json --out-dir a --seed 1");
+    assert_eq!(run.exit_code, 1, "{run:?}");
+    assert!(run.stderr.contains("--truth a/truth.json simulates it"), "{}", run.stderr);
+    assert_eq!(read("a", "truth.json"), edited);
 }
 
 #[test]
@@ -55,7 +63,7 @@ fn a_truth_that_makes_no_sense_is_refused_by_name_and_nothing_is_written() {
     for (truth, part) in [
         (modes.as_str(), "plant.modes has 202 entries, expected at most 100"),
         (strong, "plant.linear_um_per_v is 1"),
-        ("{", "EOF while parsing"),
+        ("{", "the file ends within an object"),
         (r#"{"sensr": {}}"#, "unknown field `sensr`"),
         (r#"{"oversampling": 2}"#, "oversampling is 2"),
         (r#"{"sensor": {"noise_um": -1}}"#, "noise_um is -1"),

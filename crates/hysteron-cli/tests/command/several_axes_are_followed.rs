@@ -56,6 +56,8 @@ fn drives_of_all_actuators_are_written_and_the_model_follows_them() {
     // The drives are a record of the model's inputs.
     let run = bench.run("simulate stage.json drives.csv -o motion.csv");
     assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    let run = bench.run("invert stage.json references.csv -o drives.csv --range=-1:1 --level 1e9");
+    assert!(run.stdout.contains("is beyond those identified, 0.100 to 0.500 V"), "{}", run.stdout);
     let run = bench.run("invert stage.json references.csv -o drives.csv --range=-1:1");
     assert!(run.exit_code == 0 && run.stdout.contains("predicted error, rms [µm]"), "{}", run.stdout);
 }
@@ -98,7 +100,12 @@ fn model_and_inverse_are_written_in_c() {
     }
     let run = bench.run("export stage.json --to c --float f32 -o single");
     assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    let test = std::fs::read_to_string(bench.path("out").join("stage_selftest.c")).unwrap();
+    assert!(test.contains("Model file: SHA-256 "), "{test:.300}");
     let header = std::fs::read_to_string(bench.path("single").join("stage.h")).unwrap();
+    for line in ["Actuators: u1 [0], u2 [1].", "Axes: y1 [0], y2 [1].", "had levels of 0.1 to 0.5 V rms"] {
+        assert!(header.contains(line), "{header:.1000}");
+    }
     assert!(header.contains("single precision departs from double by"), "{header}");
     let run = bench.run("export stage.json --to fmu -o units");
     assert_eq!(run.exit_code, 0, "{}", run.stderr);

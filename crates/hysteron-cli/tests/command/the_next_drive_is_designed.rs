@@ -54,6 +54,9 @@ fn a_drive_keeps_its_limits_and_beats_loop_and_sweep() {
     assert!(written.iter().all(|(_, u)| (1.0..=9.0).contains(u)));
     assert!(written.windows(2).all(|w| (w[1].1 - w[0].1).abs() * 2000.0 <= 500.0 * (1.0 + 1e-9)));
 
+    let long = bench.run("design model.json --for delay --time 1e9s --range 1:9 -o delay.csv");
+    assert_eq!(long.exit_code, 1, "{long:?}");
+    assert!(long.stderr.contains("from 0.2 to 2000 s can, 400 to 4 000 000 samples"), "{long:?}");
     let wrong = bench.run("design model.json --for delay --time 1.5s --slew 0.1 -o delay.csv");
     assert_eq!(wrong.exit_code, 1, "{wrong:?}");
     assert!(wrong.stderr.contains("slew rate") && wrong.stderr.contains("--slew"), "{wrong:?}");

@@ -13,6 +13,7 @@ use hysteron_io::NamedFile;
 use hysteron_model::axes::{HeldSimulation, ScheduledModes};
 use hysteron_model::compensator::Limits;
 use hysteron_model::decoupling::{DecouplingError, DecouplingLaw};
+use hysteron_model::model_file::ValidRange;
 
 use crate::c::description_comment;
 use crate::error::ExportError;
@@ -22,7 +23,7 @@ use crate::form::Means;
 use crate::number::Precision;
 use crate::origin::Origin;
 use crate::saved;
-use crate::subject::{check_name, significant};
+use crate::subject::{check_name, range_in_words, significant};
 use crate::template::Filling;
 use golden::Golden;
 pub use request::{AxesExportRequest, AxesExported, export_axes};
@@ -56,6 +57,9 @@ pub struct AxesSubject {
     law: DecouplingLaw,
     limits: Vec<Limits>,
     origin: Origin,
+    /// Names of the actuators and of the axes, where the model has them.
+    channels: (Vec<String>, Vec<String>),
+    range: Option<ValidRange>,
 }
 
 impl AxesSubject {
@@ -83,6 +87,8 @@ impl AxesSubject {
             law,
             limits,
             origin: Origin::made(None),
+            channels: Default::default(),
+            range: None,
         })
     }
 
@@ -133,6 +139,20 @@ impl AxesSubject {
             ),
         ];
         lines.splice(2..2, self.origin.lines());
+        for (what, names) in [("Actuators", &self.channels.0), ("Axes", &self.channels.1)] {
+            let numbered: Vec<String> =
+                names.iter().enumerate().map(|(k, name)| format!("{name} [{k}]")).collect();
+            if !numbered.is_empty() {
+                lines.push(format!("{what}: {}.", numbered.join(", ")));
+            }
+        }
+        lines.push(range_in_words(self.range.as_ref(), input));
+        let identified = &model.level;
+        lines.push(format!(
+            "Its records had levels of {} to {} {input} rms.",
+            significant(identified.lowest),
+            significant(identified.highest)
+        ));
         if law.held.error > 0.0 {
             lines.push(format!(
                 "At this rate the linear response of the model file is matched to {} rms.",

@@ -5,7 +5,7 @@ use hysteron_model::compensator::Limits;
 use hysteron_model::decoupling::DecouplingLaw;
 use hysteron_model::model::{Capability, DecouplingRequest};
 use hysteron_model::tracking::Controller;
-use hysteron_model::{Finding, Model};
+use hysteron_model::{Finding, FindingKind, Model};
 use serde::{Deserialize, Serialize};
 
 use super::{AxesSubject, axes_files, axes_fmu_files, axes_inverse_files, axes_rust_files};
@@ -15,6 +15,7 @@ use crate::form::{Form, Means};
 use crate::number::Precision;
 use crate::origin::Origin;
 use crate::request::without_binary;
+use crate::subject::significant;
 
 /// What a model of several axes is exported as; what is left out takes its default.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -89,8 +90,23 @@ pub fn export_axes(
     subject.origin = Origin::made(model.provenance());
     subject.origin.model_sha256 = request.model_sha256.clone().unwrap_or_default();
     subject.origin.date.clone_from(&request.date);
+    if let Some((inputs, outputs)) = model.channels() {
+        subject.channels = (inputs.to_vec(), outputs.to_vec());
+    }
+    subject.range = model.valid_range().cloned();
     let mut findings = Vec::new();
-    let files = match request.form {
+    if let Some((low, high)) = model.beyond_levels(subject.law.level) {
+        let text = format!(
+            "The level of {} {unit} rms is beyond those identified, {} to {} {unit}: the modes are those of the \
+             nearest.",
+            significant(subject.law.level),
+            significant(low),
+            significant(high),
+            unit = units.input
+        );
+        findings.push(Finding::new(FindingKind::Warning, "level", text));
+    }
+    let mut files = match request.form {
         Form::Rust => axes_rust_files(&subject, request.inverse)?,
         Form::Fmu => {
             findings.extend(Platform::left_out().into_iter().map(without_binary));
@@ -104,5 +120,6 @@ pub fn export_axes(
             files
         }
     };
+    subject.origin.mark(&mut files);
     Ok(AxesExported { subject, files, findings })
 }

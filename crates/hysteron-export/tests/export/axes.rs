@@ -74,6 +74,7 @@ pub fn subjects() -> Vec<(&'static str, AxesSubject)> {
     [
         ("held", true, 2000.0, double),
         ("refitted", true, 20_000.0, double),
+        ("far_above", true, 120_000.0, double),
         ("linear", false, 4000.0, double),
         ("single", true, 2000.0, single),
         ("single_linear", false, 4000.0, single),

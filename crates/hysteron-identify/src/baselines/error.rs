@@ -1,6 +1,6 @@
 //! Errors of a baseline.
 
-use hysteron_numeric::display::short;
+use hysteron_numeric::display::{exact, short};
 
 /// Error of [`crate::baselines`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -18,7 +18,9 @@ pub enum BaselineError {
     /// A record whose samples do not fit the lag interval.
     #[error(
         "{record} is sampled at {sample_rate_hz} Hz, and {interval_s} s between the lags of a NARX model is \
-         no whole number of its samples: resample the records to one rate"
+         no whole number of its samples: resample the records to one rate",
+        sample_rate_hz = exact(*.sample_rate_hz),
+        interval_s = exact(*.interval_s)
     )]
     Interval {
         /// Name of the record.

@@ -167,8 +167,9 @@ impl Waves {
         let Lines { lines, peak, slope } = self.lines(from_hz, to_hz, seed);
         let scale = (self.limits.half() / peak).min(0.99 * self.limits.slew / slope);
         let words = format!(
-            "multisine, {} lines from {} to {} Hz, amplitude {}",
+            "multisine, {} line{} from {} to {} Hz, amplitude {}",
             lines.len(),
+            if lines.len() == 1 { "" } else { "s" },
             brief(from_hz),
             brief(to_hz),
             brief(scale * peak)

@@ -49,7 +49,12 @@ impl Limits {
         }
         let samples = (time_s * rate_hz).round();
         if !(FEWEST_SAMPLES..=MOST_SAMPLES).contains(&samples) {
-            return refuse("time", time_s, "from 400 to 4 000 000 samples");
+            return Err(IdentifyError::DesignTime {
+                time_s,
+                rate_hz,
+                least_s: FEWEST_SAMPLES / rate_hz,
+                most_s: MOST_SAMPLES / rate_hz,
+            });
         }
         if !(highest_hz > 0.0 && highest_hz <= rate_hz / SAMPLES_A_PERIOD * (1.0 + 1e-9)) {
             return refuse("highest frequency", highest_hz, "above 0 and at most a tenth of the sample rate");

@@ -47,9 +47,12 @@ pub struct Design {
     pub segments: Vec<String>,
     /// What becomes how certain.
     pub expected: Vec<Expected>,
+    /// Range of the output that the model predicts for the drive \[output unit\].
+    pub stroke: f64,
     /// Standard deviation of the noise \[output unit\].
     pub noise: f64,
-    /// Times that loop and sweep must be repeated to reach the same; `None` where they cannot.
+    /// Times that loop and sweep must be repeated to reach the same; `None` where they cannot. Longer ones may
+    /// need less time.
     pub usual_repetitions: Option<f64>,
     /// What the design rests on.
     pub findings: Vec<Finding>,
@@ -76,9 +79,11 @@ pub struct DesignSummary {
     pub segments: Vec<String>,
     /// What becomes how certain.
     pub expected: Vec<Expected>,
+    /// Range of the output that the model predicts for the drive \[output unit\].
+    pub stroke: f64,
     /// Standard deviation of the noise \[output unit\].
     pub noise: f64,
-    /// Times that loop and sweep must be repeated to reach the same.
+    /// Times that loop and sweep must be repeated to reach the same; longer ones may need less time.
     pub usual_repetitions: Option<f64>,
     /// What the design rests on.
     pub findings: Vec<Finding>,
@@ -117,6 +122,7 @@ impl Design {
             highest_hz: self.highest_hz,
             segments: self.segments.clone(),
             expected: self.expected.clone(),
+            stroke: self.stroke,
             noise: self.noise,
             usual_repetitions: self.usual_repetitions,
             findings: self.findings.clone(),

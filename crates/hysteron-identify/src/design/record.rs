@@ -6,7 +6,7 @@ use super::prior::Prior;
 use crate::IdentifyError;
 use crate::sensitivity::{about_mean, sensitivities};
 use hysteron_model::hammerstein::Model;
-use hysteron_model::record::{InputOutput, TimeBase, Timing, find_periods, noise_floor};
+use hysteron_model::record::{InputOutput, TimeBase, Timing, find_periods, noise_floor, range_of};
 use hysteron_model::{Memory, Start};
 use hysteron_numeric::Meter;
 use rand::Rng;
@@ -80,11 +80,21 @@ impl Records<'_> {
         Ok(derivative.iter().any(|d| *d != 0.0).then_some(derivative))
     }
 
+    /// Range of the output along a drive.
+    pub(super) fn stroke(&self, drive: &[f64]) -> Result<f64, IdentifyError> {
+        let (low, high) = range_of(&self.simulated(drive)?);
+        Ok(high - low)
+    }
+
+    fn simulated(&self, drive: &[f64]) -> Result<Vec<f64>, IdentifyError> {
+        let start = Start::Rest { voltage_v: self.rest_v };
+        Ok(self.model.simulate(drive, Timing::Rate(self.rate_hz), &start)?)
+    }
+
     /// Share of its due weight that a fit gives the record: the noise over the noise floor that will be found
     /// in it, squared.
     pub(super) fn weight(&self, drive: &[f64], noise: &Noise) -> Result<f64, IdentifyError> {
-        let start = Start::Rest { voltage_v: self.rest_v };
-        let output = self.model.simulate(drive, Timing::Rate(self.rate_hz), &start)?;
+        let output = self.simulated(drive)?;
         let noise = noise_like(noise, drive.len());
         let noisy = output.iter().zip(&noise).map(|(y, e)| y + e).collect();
         let floor = |y: Vec<f64>| -> Result<f64, IdentifyError> {

@@ -18,6 +18,7 @@ use crate::IdentifyError;
 use crate::uncertainty::correlation_time;
 use hysteron_model::dynamics::Dynamics;
 use hysteron_model::hammerstein::Model;
+use hysteron_model::record::Unit;
 use hysteron_model::{Finding, FindingKind};
 use hysteron_numeric::display::short_to;
 use hysteron_numeric::{Listener, Meter};
@@ -43,6 +44,8 @@ const COARSEST: f64 = 5.0;
 const MUCH: usize = 20_000_000;
 /// Fewest samples of a segment then.
 const FEWEST_COARSE: usize = 50;
+/// Range of the output over the widest of the records from which it is remarked on.
+const WIDER: f64 = 1.2;
 /// Share of the work that choosing the segments is.
 const CHOOSING: f64 = 0.7;
 
@@ -76,7 +79,8 @@ pub(super) fn design(
     };
     let usual_repetitions = aim.repetitions(&of_usual, aim.error(&best.information));
     let expected = experiment.expected(options.purpose, [&nothing, &best.information, &of_usual])?;
-    findings.extend(experiment.remarks(basis));
+    let stroke = experiment.records().stroke(&best.drive)?;
+    findings.extend(experiment.remarks(basis, stroke));
     Ok(Design {
         purpose: options.purpose,
         drive: best.drive,
@@ -87,6 +91,7 @@ pub(super) fn design(
         unit: basis.file().units.input.clone(),
         segments: best.words,
         expected,
+        stroke,
         noise: experiment.noise.deviation(),
         usual_repetitions,
         findings,
@@ -326,7 +331,7 @@ impl Experiment {
     }
 
     /// What the figures rest on.
-    fn remarks(&self, basis: &DesignBasis) -> Vec<Finding> {
+    fn remarks(&self, basis: &DesignBasis, stroke: f64) -> Vec<Finding> {
         let mut found = Vec::new();
         let mut say = |kind, topic: &'static str, text: String| found.push(Finding::new(kind, topic, text));
         if basis.file().misfit.is_some() {
@@ -337,6 +342,19 @@ impl Experiment {
                  class does not."
                     .to_owned(),
             );
+        }
+        let scores = basis.file().scores.iter();
+        let measured =
+            scores.filter_map(|s| Some(100.0 * s.rmse / s.rmse_percent_of_stroke?)).fold(0.0, f64::max);
+        if measured > 0.0 && stroke > WIDER * measured {
+            let unit = Unit::new(&self.output_unit).spaced();
+            let text = format!(
+                "By the model the output moves over {}{unit}, {} times as far as in its records: see that \
+                 stage and sensor allow it, else narrow the range or lower the slew rate.",
+                short_to(stroke, 3),
+                short_to(stroke / measured, 2)
+            );
+            say(FindingKind::Warning, "stroke", text);
         }
         if matches!(self.noise, Noise::White(_)) && basis.residual.is_none() {
             let text = "The noise is taken as white: a model file does not hold its spectrum. Design from \

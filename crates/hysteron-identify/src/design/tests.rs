@@ -5,8 +5,9 @@ use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
 use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
-use hysteron_model::model_file::{Interval, SignalUnits, ValidRange};
-use hysteron_model::record::InterSample;
+use hysteron_model::model_file::{Interval, ScoreEntry, ScoreRole, SignalUnits, ValidRange};
+use hysteron_model::record::{InputOutput, InterSample, TimeBase};
+use hysteron_model::validate::Scoring;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -69,6 +70,35 @@ fn every_purpose_is_served_better_than_by_loop_and_sweep_within_range_and_slew()
 }
 
 #[test]
+fn a_drive_that_moves_the_output_farther_than_the_records_did_says_so() {
+    let mut file = file();
+    let warns = |file: &ModelFile| {
+        let found =
+            design(&DesignBasis::from(file), &options(Purpose::Resonance), Listener::silent()).unwrap();
+        (found.stroke, found.findings.iter().any(|f| f.topic == "stroke"))
+    };
+    let (stroke, warned) = warns(&file);
+    // Resonant: more than the static stroke of some 20 µm.
+    assert!(stroke > 25.0 && !warned, "{stroke}");
+    let scores = |measured: f64| hysteron_model::validate::Scores {
+        rmse: 0.01 * measured,
+        rmse_percent_of_stroke: Some(1.0),
+        ..flat_scores()
+    };
+    for (measured, expected) in [(1.1 * stroke, false), (0.5 * stroke, true)] {
+        file.scores = vec![ScoreEntry::new("r", ScoreRole::Training, "um", &scores(measured))];
+        assert_eq!(warns(&file).1, expected, "{measured}");
+    }
+}
+
+/// Scores of no record in particular.
+fn flat_scores() -> hysteron_model::validate::Scores {
+    let u: Vec<f64> = (0..100).map(f64::from).collect();
+    let record = InputOutput::new("r", TimeBase::uniform(1.0), u.clone(), u.clone()).unwrap();
+    hysteron_model::validate::score(&record, &u, &Scoring::default()).unwrap()
+}
+
+#[test]
 fn the_same_options_give_the_same_drive() {
     let [a, b] = [(); 2].map(|()| made(Purpose::Delay).drive);
     assert_eq!(a, b);
@@ -101,8 +131,6 @@ fn a_design_needs_a_covariance_limits_and_can_be_stopped() {
     let delay = options(Purpose::Delay);
     assert!(matches!(fails(&bare, &delay), IdentifyError::NoCorrelation));
     for wrong in [
-        DesignOptions { time_s: -1.0, ..delay.clone() },
-        DesignOptions { time_s: f64::NAN, ..delay.clone() },
         DesignOptions { range: Some([5.0, 5.0]), ..delay.clone() },
         DesignOptions { slew_per_s: Some(0.1), ..delay.clone() },
         DesignOptions { highest_hz: Some(900.0), ..delay.clone() },
@@ -110,6 +138,10 @@ fn a_design_needs_a_covariance_limits_and_can_be_stopped() {
         DesignOptions { resonance_hz: Some(f64::NAN), ..delay.clone() },
     ] {
         assert!(matches!(fails(&file(), &wrong), IdentifyError::Option { .. }), "{wrong:?}");
+    }
+    for time_s in [-1.0, f64::NAN, 0.1, 1e9] {
+        let wrong = DesignOptions { time_s, ..delay.clone() };
+        assert!(matches!(fails(&file(), &wrong), IdentifyError::DesignTime { .. }), "{time_s}");
     }
     let stop = |_: &str, _: f64| ControlFlow::Break(());
     let stopped = design(&DesignBasis::from(&file()), &delay, Listener::new(&stop));

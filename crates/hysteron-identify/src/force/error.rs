@@ -1,13 +1,14 @@
 //! Errors of the identification of a force.
 
 use hysteron_model::force::ForceModelError;
+use hysteron_numeric::display::exact;
 
 /// No force was identified.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ForceError {
     /// A number that cannot be held, or not at this value.
-    #[error("'{name}' = {value}: {wanted}")]
+    #[error("'{name}' = {value}: {wanted}", value = exact(*.value))]
     Fixed {
         /// Name of the number.
         name: String,
@@ -17,7 +18,7 @@ pub enum ForceError {
         wanted: String,
     },
     /// An option out of range.
-    #[error("{option} is {value}: expected {expected}")]
+    #[error("{option} is {value}: expected {expected}", value = exact(*.value))]
     Option {
         /// Its name.
         option: &'static str,
@@ -46,7 +47,8 @@ pub enum ForceError {
     /// The structure does not describe the record.
     #[error(
         "hysteresis of the displacement with forces of its rate does not describe record '{record}': the \
-         best fit explains {fit_percent:.1} % of it, {need} % are needed"
+         best fit explains {fit_percent:.1} % of it, {need} % are needed",
+        need = exact(*.need)
     )]
     Class {
         /// Record.

@@ -352,21 +352,19 @@ fn findings(
         // Two digits, as the table has them.
         let percent = |x: f64| short(format!("{x:.1e}").parse().unwrap_or(x));
         let (least, most) = (falls.first().copied().unwrap_or(0.0), falls.last().copied().unwrap_or(0.0));
-        let median = falls[falls.len() / 2];
-        let (way, sign, from, to) =
-            if median < 0.0 { ("rise", -1.0, most, least) } else { ("fall", 1.0, least, most) };
         say(
             &mut all,
             FindingKind::Verdict,
             "levels",
             format!(
-                "from {} to {}{unit} rms the resonances {way} by {} % in the median of the modes ({} to {} \
-                 %).",
+                "from {} to {}{unit} rms the resonances fall by {} % in the median of the modes ({} to {} \
+                 %{}).",
                 short(model.level.lowest),
                 short(model.level.highest),
-                percent(sign * median),
-                percent(sign * from),
-                percent(sign * to)
+                percent(falls[falls.len() / 2]),
+                percent(least),
+                percent(most),
+                if least < 0.0 { ", below 0 where they rise" } else { "" }
             ),
         );
         let p = short(exponent.value);

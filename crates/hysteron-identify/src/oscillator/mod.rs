@@ -108,7 +108,7 @@ pub struct Identification {
 /// One record and the oscillator's simulation of it.
 #[derive(Clone, Debug)]
 pub struct RecordFit {
-    /// The record.
+    /// The record, those samples masked in which the displacement settles to the steady state fitted.
     pub data: InputOutput,
     /// Fitted start; see also `period_samples`.
     pub start: Start<OscillatorState>,

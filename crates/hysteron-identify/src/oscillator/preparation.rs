@@ -26,6 +26,8 @@ pub(super) struct PreparedRecord {
     pub start: Start<()>,
     /// Periods averaged.
     pub periods: usize,
+    /// Samples before those, in which the displacement still settles.
+    pub settling: usize,
 }
 
 impl PreparedRecord {
@@ -64,8 +66,9 @@ fn piece(facts: &RecordFacts, initial: Initial) -> Result<PreparedRecord, Identi
         rate,
         start,
         periods: 1,
+        settling: 0,
     };
-    Ok(match (initial, repeating(facts.periods)) {
+    Ok(match (initial, repeating(facts.periods, &data.y)) {
         (Initial::Rest | Initial::Zero, _) | (Initial::Auto, None) => whole(Start::AsIdentified),
         (Initial::Free, _) => whole(Start::Remembering { voltage_v: 0.0, memory: () }),
         (Initial::Periodic, None) => whole(Start::PERIODIC),
@@ -77,11 +80,11 @@ fn piece(facts: &RecordFacts, initial: Initial) -> Result<PreparedRecord, Identi
 
 /// Samples of a period, number of settling periods and of all periods, for a record that repeats from its
 /// first sample on.
-fn repeating(periods: Option<Periods>) -> Option<(usize, usize, usize)> {
+fn repeating(periods: Option<Periods>, y: &[f64]) -> Option<(usize, usize, usize)> {
     let p = periods.filter(|p| p.start == 0 && p.count >= 2)?;
     let samples = p.period_samples.round();
     let off = (p.period_samples - samples).abs() * p.count as f64;
-    (off <= WHOLE).then_some((samples as usize, p.settling.min(p.count - 1), p.count))
+    (off <= WHOLE).then_some((samples as usize, p.settling_before_mean(y), p.count))
 }
 
 /// The mean over the settled periods, a sufficient statistic for a steady state under white noise.
@@ -101,6 +104,7 @@ fn mean_period(
         rate,
         start: Start::PERIODIC,
         periods: count - settling,
+        settling: settling * samples,
     };
     for k in 0..samples {
         let places = (settling..count).map(|p| p * samples + k).filter(|&i| i < data.len());

@@ -151,9 +151,10 @@ fn record_fit(
     oscillator.simulate(drive, start, &mut one)?;
     let repeats = drive.ends() == RecordEnds::Periodic;
     let simulated: Vec<f64> = one.iter().cycle().take(data.len()).copied().collect();
-    let scores = score(data, &simulated, &Scoring::default())?;
+    let data = data.without_first(piece.settling);
+    let scores = score(&data, &simulated, &Scoring::default())?;
     let period_samples = repeats.then_some(piece.y.len());
-    Ok(RecordFit { data: data.clone(), start, period_samples, simulated, scores })
+    Ok(RecordFit { data, start, period_samples, simulated, scores })
 }
 
 fn treatment(piece: &PreparedRecord) -> String {
@@ -163,6 +164,11 @@ fn treatment(piece: &PreparedRecord) -> String {
             "{name}: the force repeats every {} samples; the fit sees the mean of {} settled periods",
             piece.y.len(),
             piece.periods
+        ),
+        Start::Settled { .. } if piece.settling > 0 => format!(
+            "{name}: the force repeats every {} samples; the fit sees the last period, before which the \
+             displacement settles",
+            piece.y.len()
         ),
         Start::Settled { .. } => format!("{name}: one period of a steady state"),
         Start::AsIdentified | Start::Rest { .. } => format!("{name}: from rest"),

@@ -123,6 +123,19 @@ fn a_record_from_rest_and_one_cut_from_motion_serve_as_well() {
 }
 
 #[test]
+fn of_two_periods_from_rest_the_second_is_fitted_and_scored() {
+    let u: Vec<f64> = multisine(2048, 17).iter().map(|u| 0.08 * u).collect::<Vec<_>>().repeat(2);
+    let y = simulate(&DEVICE, &u, Start::AsIdentified);
+    let n = Options { fixed: vec![("n".into(), DEVICE.n)], ..Options::default() };
+    let rest = record("simulated from rest", u, &y, 0.01, &mut Random::new(17));
+    let found = identify(&[rest], &n).unwrap();
+    assert_eq!(within_three(&found, &DEVICE), 8);
+    let scores = &found.records[0].scores;
+    assert_eq!((scores.skipped_samples, scores.samples), (2048, 2048));
+    assert!(scores.fit_percent.unwrap() > 98.5, "{scores:?}");
+}
+
+#[test]
 fn a_mass_that_is_known_stays() {
     let options = Options { fixed: vec![("mass".into(), DEVICE.mass)], ..Options::default() };
     let found = identify(&[steady(&DEVICE, 2048, 2, 0.08, 15)], &options).unwrap();

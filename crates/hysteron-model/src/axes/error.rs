@@ -4,6 +4,7 @@ use crate::advice::{Advice, ColumnRole};
 use crate::hysteresis::HysteresisError;
 use crate::record::RecordError;
 use crate::validate::ScoreError;
+use hysteron_numeric::display::exact;
 
 /// A record or a model of several axes that cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -78,7 +79,8 @@ pub enum AxesError {
     /// The inputs of the records are linearly dependent at a frequency.
     #[error(
         "the {inputs} inputs of these {records} records are not independent at {frequency_hz} Hz: drive them \
-         with different phases, in {inputs} records or more"
+         with different phases, in {inputs} records or more",
+        frequency_hz = exact(*.frequency_hz)
     )]
     Dependent {
         /// Inputs.
@@ -109,7 +111,7 @@ pub enum AxesError {
         found: usize,
     },
     /// A number of a model is not allowed.
-    #[error("{what} is {value}: expected {expected}")]
+    #[error("{what} is {value}: expected {expected}", value = exact(*.value))]
     Value {
         /// Which.
         what: &'static str,
@@ -119,7 +121,11 @@ pub enum AxesError {
         expected: &'static str,
     },
     /// A mode that does not decay.
-    #[error("mode {mode} is unstable at the level {level}: its pole has the magnitude {magnitude}")]
+    #[error(
+        "mode {mode} is unstable at the level {level}: its pole has the magnitude {magnitude}",
+        level = exact(*.level),
+        magnitude = exact(*.magnitude)
+    )]
     Unstable {
         /// Number of the mode, from 1; the lags of the inputs come after the modes.
         mode: usize,
@@ -139,7 +145,11 @@ pub enum AxesError {
         record: usize,
     },
     /// The sample rate differs from the model's.
-    #[error("the model was identified at {model_hz} Hz, the record has {record_hz} Hz")]
+    #[error(
+        "the model was identified at {model_hz} Hz, the record has {record_hz} Hz",
+        model_hz = exact(*.model_hz),
+        record_hz = exact(*.record_hz)
+    )]
     SampleRate {
         /// Of the model \[Hz\].
         model_hz: f64,
@@ -150,7 +160,9 @@ pub enum AxesError {
     #[error(
         "the model, identified at {model_hz} Hz, cannot be run at {rate_hz} Hz{}: choose a rate that divides \
          that of its steps, or one above its sample rate",
-        matched(*error)
+        matched(*error),
+        model_hz = exact(*.model_hz),
+        rate_hz = exact(*.rate_hz)
     )]
     Rate {
         /// Rate requested \[Hz\].

@@ -89,6 +89,16 @@ impl AxesRecord {
         self.len() == 0
     }
 
+    /// The record with its first `samples` samples masked as not valid.
+    pub fn without_first(&self, samples: usize) -> Self {
+        let mut masked = self.clone();
+        if samples > 0 {
+            let mask = masked.valid.get_or_insert_with(|| vec![true; self.len()]);
+            mask.iter_mut().take(samples).for_each(|valid| *valid = false);
+        }
+        masked
+    }
+
     /// Path of the file, else the name.
     pub fn label(&self) -> String {
         self.source.as_ref().map_or_else(|| self.name.clone(), |s| s.path.clone())

@@ -2,7 +2,7 @@
 
 use super::{AxesError, AxesRecord, SteadyPeriod, remove_means};
 use crate::record::InputOutput;
-use crate::validate::{Scores, Scoring, score};
+use crate::validate::{Scores, Scoring, score, scored_variance};
 
 /// Agreement of a simulation with a record, output by output and pooled.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,15 +18,6 @@ pub struct AxesScores {
     /// √(mean e²) of the mean period against the first simulated one, means removed, where the record
     /// repeats.
     pub mean_period_rmse: Option<f64>,
-}
-
-/// Mean square about the mean, over the valid samples.
-fn variance_of(y: &[f64], valid: Option<&[bool]>) -> f64 {
-    let is_valid = |k: usize| valid.is_none_or(|mask| mask.get(k) == Some(&true));
-    let kept: Vec<f64> = y.iter().enumerate().filter(|(k, _)| is_valid(*k)).map(|(_, y)| *y).collect();
-    let count = kept.len().max(1) as f64;
-    let mean = kept.iter().sum::<f64>() / count;
-    kept.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / count
 }
 
 impl AxesScores {
@@ -52,7 +43,7 @@ impl AxesScores {
             data.valid = record.valid.clone();
             let scores = score(&data, simulated, scoring)?;
             squares += scores.rmse.powi(2);
-            variance += variance_of(y, record.valid.as_deref());
+            variance += scored_variance(&data, scoring)?;
             outputs.push(scores);
         }
         let count = outputs.len() as f64;

@@ -59,7 +59,7 @@ impl SteadyPeriod {
             let Some(p) = periods else { continue };
             let samples = p.period_samples.round();
             if (p.period_samples - samples).abs() * p.count as f64 <= WHOLE {
-                let settling = p.settling.min(p.count - 1).max(found.map_or(0, |f| f.1));
+                let settling = p.settling_before_mean(y).max(found.map_or(0, |f| f.1));
                 found = Some((samples as usize, settling, p.count));
             }
         }

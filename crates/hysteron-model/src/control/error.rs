@@ -8,7 +8,7 @@ use crate::invert::InversionError;
 use crate::realise::RealiseError;
 use crate::record::Unit;
 use hysteron_numeric::Stopped;
-use hysteron_numeric::display::short;
+use hysteron_numeric::display::{exact, short};
 
 /// Error of a [`Stage`](super::Stage), in the words of what drives it.
 pub type StageError = Box<dyn std::error::Error + Send + Sync>;
@@ -51,7 +51,7 @@ pub enum ControlError {
     #[error("a reference needs at least 2 samples, all of them finite")]
     Reference,
     /// A number of the feedback is out of range.
-    #[error("{name} is out of range: {value}")]
+    #[error("{name} is out of range: {value}", value = exact(*.value))]
     Number {
         /// Its name, with its unit where it has one.
         name: &'static str,

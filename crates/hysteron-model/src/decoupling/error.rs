@@ -4,7 +4,7 @@ use crate::axes::AxesError;
 use crate::dynamics::DynamicsError;
 use crate::hammerstein::SimulationError;
 use crate::hysteresis::HysteresisError;
-use hysteron_numeric::display::short;
+use hysteron_numeric::display::{exact, short};
 
 /// The references of several axes cannot be followed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -101,7 +101,7 @@ pub enum DecouplingError {
     #[error("no stable regulator of the axes was found; ask for a lower bandwidth")]
     NoRegulator,
     /// An option out of its range.
-    #[error("{name} must be {allowed}, but it is {value}")]
+    #[error("{name} must be {allowed}, but it is {value}", value = exact(*.value))]
     Option {
         /// Its name, with its unit where it has one.
         name: &'static str,

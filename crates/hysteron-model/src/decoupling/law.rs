@@ -12,11 +12,11 @@
 use nalgebra::DMatrix;
 
 use super::linear::{LinearAxes, right_inverse};
-use super::{AxesDrive, DecouplingController, DecouplingError, check};
+use super::{AxesDrive, DecouplingController, DecouplingError, check, own_bandwidth};
 use crate::axes::{HeldModes, ScheduledModes};
 use crate::compensator::Limits;
 use crate::compensator::riccati::{SeveralInputs, several_inputs};
-use crate::invert::{BANDWIDTH_SHARE, ERROR_AT_BANDWIDTH};
+use crate::invert::ERROR_AT_BANDWIDTH;
 use hysteron_numeric::Complex64;
 use hysteron_rt::Limited;
 use std::f64::consts::{PI, TAU};
@@ -34,7 +34,7 @@ const SURPLUS: f64 = 1e-6;
 /// Options of a law.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LawOptions {
-    /// Tracking bandwidth \[Hz\]; `None`: [`BANDWIDTH_SHARE`] of the sample rate.
+    /// Tracking bandwidth \[Hz\]; `None`: [`super::own_bandwidth`].
     pub bandwidth_hz: Option<f64>,
     /// Preview of the references in samples; 0: the present ones only. `None`: as many as are useful.
     pub preview: Option<usize>,
@@ -86,7 +86,7 @@ impl DecouplingLaw {
             return Err(DecouplingError::TooFewActuators { inputs: n, outputs: m });
         }
         let held = model.held_at(sample_rate_hz)?;
-        let bandwidth_hz = options.bandwidth_hz.unwrap_or(BANDWIDTH_SHARE * sample_rate_hz);
+        let bandwidth_hz = options.bandwidth_hz.unwrap_or_else(|| own_bandwidth(model, sample_rate_hz));
         if !(bandwidth_hz > 0.0 && bandwidth_hz < 0.5 * sample_rate_hz) {
             let allowed = "positive and below half the sample rate";
             return Err(DecouplingError::Option { name: "bandwidth [Hz]", value: bandwidth_hz, allowed });

@@ -40,13 +40,15 @@ pub use tracking::{
     AxesController, AxesControllerRun, AxesTrackOptions, AxesTracking, CrossCoupling, track_axes,
 };
 
+use crate::axes::ScheduledModes;
 use crate::compensator::Limits;
 use crate::invert::ERROR_AT_BANDWIDTH;
 
 /// Options of the inverse of several axes, the references known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DecouplingOptions {
-    /// Tracking bandwidth \[Hz\]; `None`: [`crate::invert::BANDWIDTH_SHARE`] of the sample rate.
+    /// Tracking bandwidth \[Hz\]; `None`: [`own_bandwidth`], for branches
+    /// [`crate::invert::BANDWIDTH_SHARE`] of the sample rate.
     pub bandwidth_hz: Option<f64>,
     /// Relative error there.
     pub error_at_bandwidth: f64,
@@ -107,6 +109,12 @@ impl AxesDrive {
 }
 
 /// Checks references and limits against the numbers of inputs and outputs of a model.
+/// Tracking bandwidth of modes without another one \[Hz\]: [`crate::invert::BANDWIDTH_SHARE`] of the sample rate,
+/// or of the rate of the model's steps where that is lower. What the model does above is not known.
+pub fn own_bandwidth(model: &ScheduledModes, sample_rate_hz: f64) -> f64 {
+    crate::invert::BANDWIDTH_SHARE * sample_rate_hz.min(model.step_rate_hz())
+}
+
 fn check(
     references: &[Vec<f64>],
     limits: &[Limits],

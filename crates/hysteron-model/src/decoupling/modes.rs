@@ -1,11 +1,10 @@
 //! Inverse of scheduled modes for references known ahead.
 
 use super::linear::{LinearAxes, right_inverse};
-use super::{AxesDrive, DecouplingError, DecouplingOptions, check, limited};
+use super::{AxesDrive, DecouplingError, DecouplingOptions, check, limited, own_bandwidth};
 use crate::axes::{AxesError, ScheduledModes, Streaming, level};
 use crate::compensator::Limits;
 use crate::dynamics::{InverseAim, ResponseMatrix, Scheme, SimulationPlan};
-use crate::invert::BANDWIDTH_SHARE;
 use crate::start::Start;
 use hysteron_rt::Limited;
 
@@ -32,7 +31,7 @@ pub fn decouple(
 ) -> Result<AxesDrive, DecouplingError> {
     check(references, &options.limits, (model.inputs, model.outputs))?;
     let held = model.held_at(sample_rate_hz)?;
-    let bandwidth_hz = options.bandwidth_hz.unwrap_or(BANDWIDTH_SHARE * sample_rate_hz);
+    let bandwidth_hz = options.bandwidth_hz.unwrap_or_else(|| own_bandwidth(model, sample_rate_hz));
     // The level decides on the linear response, and the drive on the level.
     let mut level_v = options.level.unwrap_or(held.model.level.highest);
     for attempt in 0.. {

@@ -237,15 +237,16 @@ fn another_rate_is_refitted_and_a_slow_one_refused() {
 }
 
 #[test]
-fn a_law_far_above_the_rate_of_the_model_stays_within_numbers_or_is_refused() {
+fn a_law_far_above_the_rate_of_the_model_follows_as_far_as_the_model_goes() {
     let model = device(3);
     for rate in [1e4, 3e4, 1e5, 3e5, 1e6, 1e7] {
         let law = DecouplingLaw::new(&model, rate, &LawOptions::default()).unwrap();
         assert!(law.held.error < if rate > 5e5 { 0.05 } else { 3e-3 }, "{rate}: {}", law.held.error);
+        assert_eq!(law.bandwidth_hz, 0.05 * rate.min(model.step_rate_hz()));
         let found = law.follow(&waves(3, 3000, 0.4, rate), &limits(3, 2.0));
-        println!("{rate}: {:?}", found.as_ref().err());
+        // The slowest mode settles in more samples than are simulated to find the rest.
         let Ok(found) = found else {
-            assert!(rate > 1e5, "{rate}");
+            assert!(rate > 1e6, "{rate}");
             continue;
         };
         assert!(found.predicted.iter().flatten().all(|y| y.abs() < 10.0), "{rate}");

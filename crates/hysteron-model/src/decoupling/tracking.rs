@@ -136,7 +136,6 @@ pub fn track_axes(
     options: &AxesTrackOptions,
     stage: &dyn AxesStage,
 ) -> Result<AxesTracking, DecouplingError> {
-    let bench = Bench::new(model, sample_rate_hz, options, stage)?;
     super::check(references, &options.limits, (model.inputs, model.outputs))?;
     let samples = references.first().map_or(0, Vec::len);
     let skip = options.skip_s.map_or(SKIPPED * samples as f64, |s| s * sample_rate_hz);
@@ -148,6 +147,7 @@ pub fn track_axes(
             allowed,
         });
     }
+    let bench = Bench::new(model, sample_rate_hz, options, stage)?;
     let scored = skip as usize..samples;
     let stroke = |r: &Vec<f64>| {
         let (low, high) = range_of(&r[scored.clone()]);

@@ -1,13 +1,14 @@
 //! Errors of a force against a displacement.
 
 use crate::hysteresis::HysteresisError;
+use hysteron_numeric::display::exact;
 
 /// A force that cannot be simulated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ForceModelError {
     /// A parameter is out of range.
-    #[error("parameter {name} of the force is {value}: expected {expected}")]
+    #[error("parameter {name} of the force is {value}: expected {expected}", value = exact(*.value))]
     Parameter {
         /// Its name.
         name: &'static str,
@@ -52,7 +53,7 @@ pub enum ForceModelError {
         displacement: String,
     },
     /// A sample is infinite or not a number.
-    #[error("sample {index} of the {signal} is {value}: it must be finite")]
+    #[error("sample {index} of the {signal} is {value}: it must be finite", value = exact(*.value))]
     Sample {
         /// `displacement` or `rate`.
         signal: &'static str,

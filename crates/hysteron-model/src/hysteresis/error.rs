@@ -4,7 +4,7 @@ use hysteron_rt::{ParameterError, SimulateError, StepError};
 use thiserror::Error;
 
 use hysteron_numeric::Stopped;
-use hysteron_numeric::display::short;
+use hysteron_numeric::display::{exact, short};
 
 /// A hysteresis block that cannot be built or simulated.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -14,7 +14,10 @@ pub enum HysteresisError {
     #[error("the polynomial of the hysteresis block is empty: give at least the linear coefficient")]
     EmptyPolynomial,
     /// A polynomial coefficient is infinite or not a number.
-    #[error("the coefficient of u^{power} is {value}: polynomial coefficients must be finite")]
+    #[error(
+        "the coefficient of u^{power} is {value}: polynomial coefficients must be finite",
+        value = exact(*.value)
+    )]
     Coefficient {
         /// Power of u it belongs to.
         power: usize,
@@ -22,7 +25,7 @@ pub enum HysteresisError {
         value: f64,
     },
     /// A shape parameter is infinite or not a number.
-    #[error("hysteresis parameter {name} is {value}: it must be finite")]
+    #[error("hysteresis parameter {name} is {value}: it must be finite", value = exact(*.value))]
     Parameter {
         /// Its name.
         name: &'static str,
@@ -30,7 +33,7 @@ pub enum HysteresisError {
         value: f64,
     },
     /// n < 1.
-    #[error("hysteresis exponent n is {n}: it must be at least 1")]
+    #[error("hysteresis exponent n is {n}: it must be at least 1", n = exact(*.n))]
     Exponent {
         /// The exponent given.
         n: f64,
@@ -94,7 +97,8 @@ pub enum HysteresisError {
     /// The steady state of a period does not determine its own derivatives.
     #[error(
         "the steady state has no derivatives: a period multiplies a state difference by {slope}, which must \
-         be less than 1; give the loop a shape with β' > |γ'|, or another start than the periodic one"
+         be less than 1; give the loop a shape with β' > |γ'|, or another start than the periodic one",
+        slope = exact(*.slope)
     )]
     NotContracting {
         /// ∂ζ(end of the period)/∂ζ(its start).
@@ -109,7 +113,11 @@ pub enum HysteresisError {
         weights: usize,
     },
     /// Thresholds of plays must be finite, positive and increasing.
-    #[error("play threshold {index} (from 0) is {value}: it must be finite and above {above}")]
+    #[error(
+        "play threshold {index} (from 0) is {value}: it must be finite and above {above}",
+        value = exact(*.value),
+        above = exact(*.above)
+    )]
     Threshold {
         /// Number of the play, from 0.
         index: usize,
@@ -119,7 +127,7 @@ pub enum HysteresisError {
         above: f64,
     },
     /// The weight of a play is infinite or not a number.
-    #[error("the weight of play {index} (from 0) is {value}: it must be finite")]
+    #[error("the weight of play {index} (from 0) is {value}: it must be finite", value = exact(*.value))]
     Weight {
         /// Number of the play, from 0.
         index: usize,
@@ -161,7 +169,8 @@ pub enum HysteresisError {
     /// A branch of a model with a linear polynomial does not increase.
     #[error(
         "the model has no inverse: with its {plays} narrowest plays moving, the output moves by {slope} \
-         times the input, which must be positive"
+         times the input, which must be positive",
+        slope = exact(*.slope)
     )]
     PartialSlope {
         /// Number of plays that move, from the narrowest.
@@ -173,7 +182,9 @@ pub enum HysteresisError {
     #[error(
         "the model has no inverse over this range: at the input {u} a branch has the slope {slope}, which \
          must be positive beyond rounding; choose a range without this input or a polynomial and weights \
-         that increase there"
+         that increase there",
+        u = exact(*.u),
+        slope = exact(*.slope)
     )]
     NotSteep {
         /// Voltage \[V\].
@@ -211,7 +222,10 @@ pub enum HysteresisError {
     /// No voltage of the range gives the output.
     #[error(
         "no input of the range gives the output {v} of sample {index}: from where the plays stand it gives \
-         {from} to {to}; ask for an output between these or allow a wider range"
+         {from} to {to}; ask for an output between these or allow a wider range",
+        v = exact(*.v),
+        from = exact(*.from),
+        to = exact(*.to)
     )]
     OutOfReach {
         /// Number of the sample, from 0.
@@ -224,7 +238,10 @@ pub enum HysteresisError {
         to: f64,
     },
     /// The largest step of the drive is not positive.
-    #[error("the largest change of the drive from one sample to the next is {step}: it must be positive")]
+    #[error(
+        "the largest change of the drive from one sample to the next is {step}: it must be positive",
+        step = exact(*.step)
+    )]
     Step {
         /// The step \[V\].
         step: f64,
@@ -270,7 +287,7 @@ pub enum HysteresisError {
         found: usize,
     },
     /// A shape parameter or a number of the structure out of its range.
-    #[error("{name} is {value}: it must be {must}")]
+    #[error("{name} is {value}: it must be {must}", value = exact(*.value))]
     ShapeParameter {
         /// Its name.
         name: &'static str,
@@ -282,7 +299,10 @@ pub enum HysteresisError {
     /// The envelopes leave no admissible state of a play.
     #[error(
         "at the input {u} the right envelope lies {by} above the left one, more than twice the narrowest \
-         threshold {narrowest}: widen the thresholds or bring the envelopes together"
+         threshold {narrowest}: widen the thresholds or bring the envelopes together",
+        u = exact(*.u),
+        by = exact(*.by),
+        narrowest = exact(*.narrowest)
     )]
     Envelopes {
         /// Voltage \[V\].
@@ -301,7 +321,7 @@ pub enum HysteresisError {
         weights: usize,
     },
     /// The weight of a column is infinite or not a number.
-    #[error("the weight of column {index} (from 0) is {value}: it must be finite")]
+    #[error("the weight of column {index} (from 0) is {value}: it must be finite", value = exact(*.value))]
     ColumnWeight {
         /// Number of the column, from 0.
         index: usize,

@@ -7,7 +7,7 @@ use crate::misfit::NotCorrected;
 use crate::realise::RealiseError;
 use crate::record::Unit;
 use hysteron_numeric::Stopped;
-use hysteron_numeric::display::short;
+use hysteron_numeric::display::{exact, short};
 
 /// Error of an inversion.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -121,7 +121,7 @@ pub enum InversionError {
     #[error("the hysteresis cannot be inverted: {0}")]
     Hysteresis(HysteresisError),
     /// An option of a compensator is out of range.
-    #[error("{name} must be {allowed}, but it is {value}")]
+    #[error("{name} must be {allowed}, but it is {value}", value = exact(*.value))]
     Option {
         /// Its name, with its unit where it has one.
         name: &'static str,

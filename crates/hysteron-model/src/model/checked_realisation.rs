@@ -9,8 +9,9 @@ use crate::realise::{
     Realisation, RealiseError, Section, StreamParts, Verification, nanoseconds_per_sample, sweep, verify,
 };
 
-/// Samples of the sweep that is compared and timed, and timing passes.
+/// Fewest and most samples of the sweep that is compared and timed, and timing passes.
 const SAMPLES: usize = 20_000;
+const MOST_SAMPLES: usize = 20 * SAMPLES;
 const ROUNDS: usize = 20;
 
 /// A drive over the range and the frequencies of a model's records.
@@ -25,11 +26,13 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// Two periods of the lowest frequency of the records, within limits.
-    pub fn over(range: Option<&ValidRange>, sample_rate_hz: f64) -> Self {
+    /// Two periods of the lowest frequency of the records, within limits, and the samples that the output
+    /// comes later.
+    pub fn over(range: Option<&ValidRange>, sample_rate_hz: f64, delay_samples: usize) -> Self {
         let voltages = range.map_or((0.0, 1.0), |r| (r.input.low, r.input.high));
         let frequencies_hz = frequencies(range, sample_rate_hz);
-        let samples = ((2.0 * sample_rate_hz / frequencies_hz.0) as usize).clamp(SAMPLES, 20 * SAMPLES);
+        let samples =
+            ((2.0 * sample_rate_hz / frequencies_hz.0) as usize).clamp(SAMPLES, MOST_SAMPLES) + delay_samples;
         Self { drive: sweep(voltages, frequencies_hz, sample_rate_hz, samples), voltages, frequencies_hz }
     }
 }
@@ -40,7 +43,10 @@ fn frequencies(range: Option<&ValidRange>, sample_rate_hz: f64) -> (f64, f64) {
     let own = range.and_then(|r| r.frequency.as_ref()).map(|f| (f.low, f.high));
     let (low, high) = own.unwrap_or((0.01 * most, most));
     let high = if high > 0.0 { high.min(0.1 * sample_rate_hz) } else { most };
-    (if low > 0.0 { low.clamp(1e-4 * high, high) } else { 0.01 * high }, high)
+    let low = if low > 0.0 { low.clamp(1e-4 * high, high) } else { 0.01 * high };
+    // At least two periods, or the sweep would not cover its range.
+    let low = low.max(2.0 * sample_rate_hz / MOST_SAMPLES as f64);
+    (low, high.max(low))
 }
 
 /// A realisation with its verification and timing.
@@ -71,7 +77,11 @@ impl CheckedRealisation {
         accuracy: f64,
         now: &dyn Fn() -> Duration,
     ) -> Result<Self, RealiseError> {
-        let sweep = Sweep::over(file.valid_range.as_ref(), realisation.sample_rate_hz);
+        let sweep = Sweep::over(
+            file.valid_range.as_ref(),
+            realisation.sample_rate_hz,
+            realisation.dynamics.delay_samples,
+        );
         let verification = verify(&realisation, &sweep.drive)?;
         let mut parts = StreamParts::new(&realisation)?;
         let mut streams = [parts.stream()?];
@@ -187,5 +197,22 @@ impl CheckedRealisation {
 impl Serialize for CheckedRealisation {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         self.summary().serialize(serializer)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sweep_outlasts_the_delay_and_covers_its_range() {
+        let range = ValidRange::of_inputs(&[0.0, 3.6], "V", Some((1.0, 1.0)));
+        for (rate, delay) in [(1e3, 6), (1e6, 5_716), (1e8, 571_598)] {
+            let sweep = Sweep::over(Some(&range), rate, delay);
+            let before_delay = &sweep.drive[..sweep.drive.len() - delay];
+            let (low, high) = crate::record::range_of(before_delay);
+            assert!(low < 0.01 && high > 3.59, "{rate}: {low} {high}");
+            assert!(sweep.drive.len() <= MOST_SAMPLES + delay);
+        }
     }
 }

@@ -42,7 +42,12 @@ impl Model {
         limits: &[Limits],
     ) -> Result<(AxesDrive, DecouplingLaw), RunError> {
         self.check_references(references)?;
-        let model = self.scheduled_modes(Capability::Inversion)?;
+        let wanted = match self {
+            // Its inverse takes the whole reference.
+            Self::Branches(_) => Capability::Realisation,
+            _ => Capability::Inversion,
+        };
+        let model = self.scheduled_modes(wanted)?;
         let law = DecouplingLaw::new(model, references.sample_rate_hz, options)?;
         Ok((law.follow(&references.u, limits)?, law))
     }
@@ -64,6 +69,14 @@ impl Model {
         let (inputs, _) = self.channels()?;
         let range = &self.valid_range()?.input;
         Some(vec![Limits::range(range.low, range.high); inputs.len()])
+    }
+
+    /// Lowest and highest level identified, where `level` is beyond them: the modes are those of the nearest
+    /// then.
+    pub fn beyond_levels(&self, level: f64) -> Option<(f64, f64)> {
+        let Self::Modes(body) = self else { return None };
+        let law = &body.law().level;
+        (!law.holds_at(level)).then_some((law.lowest, law.highest))
     }
 
     fn check_references(&self, references: &AxesRecord) -> Result<(), RunError> {
@@ -90,6 +103,8 @@ pub struct DecoupledSummary {
     pub preview: Option<Preview>,
     /// Level of the drive for which the modes were taken, rms.
     pub level: f64,
+    /// Levels identified, where that is beyond them.
+    pub beyond_levels: Option<(f64, f64)>,
     /// Rounds of the iteration.
     pub rounds: usize,
     /// Relative rms error of the model's linear response at this rate; 0 where it is exact.
@@ -173,6 +188,7 @@ impl DecoupledSummary {
             bandwidth_hz: found.bandwidth_hz,
             preview,
             level: found.level,
+            beyond_levels: model.beyond_levels(found.level),
             rounds: found.rounds,
             rate_error: found.rate_error,
             actuators: inputs.iter().zip(&found.drive).enumerate().map(actuator).collect(),

@@ -52,6 +52,12 @@ pub enum Remark {
         /// Number of samples.
         samples: usize,
     },
+    /// The model is in the steady state of the drive, the device was not yet: this many samples are not
+    /// scored.
+    Settling {
+        /// Number of samples.
+        samples: usize,
+    },
     /// A drive or a reference exceeds the frequencies identified: beyond them the model extrapolates, and a
     /// predicted error does not include this.
     Fast {
@@ -119,6 +125,12 @@ impl Remark {
                 format!(
                     "the drive starts with a jump, which a model without dynamics cannot follow: its first \
                      {samples} samples are not scored"
+                ),
+                Some(Advice::ScoreAll),
+            ),
+            Self::Settling { samples } => (
+                format!(
+                    "the output settles to repeating after its first {samples} samples, which are not scored"
                 ),
                 Some(Advice::ScoreAll),
             ),

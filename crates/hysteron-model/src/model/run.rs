@@ -12,10 +12,10 @@ use crate::record::{
     InputOutput, InterSample, MeasurementRun, RunPart, TimeBase, Unit, find_periods, range_of,
 };
 use crate::start::Start;
-use crate::validate::{OffsetTreatment, ScoreError, Scores, Scoring, choose_start, score, unfollowed_start};
+use crate::validate::{
+    OffsetTreatment, ScoreError, Scores, Scoring, choose_start, score, settling_start, unfollowed_start,
+};
 
-/// Share by which a level may exceed those identified without a remark.
-const LEVEL_SLACK: f64 = 0.02;
 /// Fewest samples for a score: with two and an estimated offset, any line fits.
 const FEWEST_SAMPLES: usize = 3;
 /// Variation of a simulation, over its size, that is rounding.
@@ -72,21 +72,21 @@ impl Model {
                     Start::AsIdentified => self.explain_hammerstein(body, record, scoring)?,
                     given => self.simulate(signals, given)?,
                 };
-                self.scored_single(record, simulation, scoring, body.law.dynamics == Dynamics::None)?
+                self.scored_single(record, simulation, scoring)?
             }
             (Self::Oscillator(body), Signals::Single(record)) => {
                 let simulation = match start {
                     Start::AsIdentified => self.explain_oscillator(body, record, scoring)?,
                     given => self.simulate(signals, given)?,
                 };
-                self.scored_single(record, simulation, scoring, false)?
+                self.scored_single(record, simulation, scoring)?
             }
             (Self::Force(body), Signals::Single(record)) => {
                 let simulation = match start {
                     Start::AsIdentified => self.explain_force(body, record, scoring)?,
                     given => self.simulate(signals, given)?,
                 };
-                self.scored_single(record, simulation, scoring, false)?
+                self.scored_single(record, simulation, scoring)?
             }
             (Self::Modes(_) | Self::Branches(_), Signals::Several(record)) => {
                 return self.score_axes(record, start, scoring);
@@ -253,17 +253,21 @@ impl Model {
         record: &'r InputOutput,
         mut simulation: Simulation,
         scoring: &Scoring,
-        is_static: bool,
     ) -> Result<(Simulation, &'r InputOutput, Scores), RunError> {
-        let unfollowed = if is_static && scoring.skip_s.is_none() {
-            unfollowed_start(record, &simulation.start)
-        } else {
-            0
+        let (samples, remark) = match self {
+            _ if scoring.skip_s.is_some() => (0, None),
+            Self::Hammerstein(body) if body.law.dynamics == Dynamics::None => {
+                let samples = unfollowed_start(record, &simulation.start);
+                (samples, Some(Remark::LeftOut { samples }))
+            }
+            Self::Oscillator(_) => {
+                let samples = settling_start(record, &simulation.start);
+                (samples, Some(Remark::Settling { samples }))
+            }
+            _ => (0, None),
         };
-        let masked = record.without_first(unfollowed);
-        if unfollowed > 0 {
-            simulation.remarks.push(Remark::LeftOut { samples: unfollowed });
-        }
+        let masked = record.without_first(samples);
+        simulation.remarks.extend(remark.filter(|_| samples > 0));
         let y = simulation.outputs.first().map_or(&[][..], Vec::as_slice);
         check_meaningful(&masked, y)?;
         let scores = score(&masked, y, scoring)?;
@@ -295,9 +299,7 @@ impl Model {
                 match &period {
                     Some(SteadyPeriod { level, .. }) => {
                         let law = &body.law.level;
-                        if *level < (1.0 - LEVEL_SLACK) * law.lowest
-                            || *level > (1.0 + LEVEL_SLACK) * law.highest
-                        {
+                        if !law.holds_at(*level) {
                             remarks.push(Remark::LevelExtrapolates {
                                 level: *level,
                                 identified: (law.lowest, law.highest),
@@ -324,8 +326,18 @@ impl Model {
     }
 
     fn score_axes(&self, record: &AxesRecord, start: Start, scoring: &Scoring) -> Result<Score, RunError> {
-        let simulation = self.simulate_axes(record, start)?;
-        let scores = AxesScores::new(record, &simulation.outputs, scoring, simulation.period.as_ref())?;
+        let mut simulation = self.simulate_axes(record, start)?;
+        let settling = match (&simulation.start, &simulation.period) {
+            (Start::Settled { .. }, Some(period)) if scoring.skip_s.is_none() => {
+                period.settling * period.samples()
+            }
+            _ => 0,
+        };
+        if settling > 0 {
+            simulation.remarks.push(Remark::Settling { samples: settling });
+        }
+        let settled = record.without_first(settling);
+        let scores = AxesScores::new(&settled, &simulation.outputs, scoring, simulation.period.as_ref())?;
         Ok(Score {
             record: record.label(),
             unit: record.y_unit.clone(),

@@ -3,6 +3,7 @@
 use super::{FORMAT, Kind, VERSION};
 use crate::axes::AxesError;
 use crate::hysteresis::HysteresisError;
+use hysteron_numeric::display::{exact, json_problem};
 
 /// Error in a model file: the fault, its place, and the value expected.
 #[derive(Debug, thiserror::Error)]
@@ -15,7 +16,7 @@ pub enum ModelFileError {
         limit_bytes: u64,
     },
     /// Not JSON, an unknown or missing key, or a value of the wrong type.
-    #[error("{}{problem}", at(path))]
+    #[error("{}{}", at(path), json_problem(problem))]
     Syntax {
         /// Place in the file, e.g. `dynamics.denominator[1].order.value`; empty for the file itself.
         path: String,
@@ -61,7 +62,7 @@ pub enum ModelFileError {
         found: Option<String>,
     },
     /// A number is outside of what is allowed.
-    #[error("{path}: expected {expected}, found {value}")]
+    #[error("{path}: expected {expected}, found {value}", value = exact(*.value))]
     NotAllowed {
         /// Place in the file.
         path: String,

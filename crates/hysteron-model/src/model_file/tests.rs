@@ -227,8 +227,12 @@ fn every_refusal_names_the_place_and_what_is_expected() {
         ("/delay", None, "missing field `delay`"),
         ("/sample_rate_hz", None, "missing field `sample_rate_hz`"),
         ("/delay/value", None, "delay: missing field `value`"),
-        ("/delay/value", Some(json!("fast")), "delay.value: invalid type: string \"fast\", expected f64"),
-        ("/delay/value", Some(json!(null)), "delay.value: invalid type: null, expected f64"),
+        (
+            "/delay/value",
+            Some(json!("fast")),
+            "delay.value: invalid type: string \"fast\", expected a number",
+        ),
+        ("/delay/value", Some(json!(null)), "delay.value: invalid type: null, expected a number"),
         (
             "/delay/value",
             Some(json!(-0.1)),
@@ -349,11 +353,11 @@ fn unknown_and_duplicate_keys_are_refused_at_every_level() {
 #[test]
 fn what_is_not_json_is_refused_with_line_and_column() {
     let message = |text: &str| read(text).unwrap_err().to_string();
-    assert!(message("").contains("line 1 column 0"));
+    assert_eq!(message(""), "the file is empty");
     assert!(message("[]").contains("expected a model file (a JSON object)"));
     let text = complete().to_json().unwrap();
     let half = text[..text.len() / 2].rfind('\n').unwrap();
-    assert!(message(&text[..half]).contains("EOF"));
+    assert!(message(&text[..half]).contains("the file ends within"));
     assert!(message(&(text.clone() + "x")).contains("trailing characters"));
     assert!(message(&text.replacen("0.01", "NaN", 1)).contains("line"));
     assert!(message(&text.replacen("0.01", "1e999", 1)).contains("number out of range"));

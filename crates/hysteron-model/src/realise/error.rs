@@ -3,13 +3,14 @@
 use crate::dynamics::DynamicsError;
 use crate::hammerstein::SimulationError;
 use crate::hysteresis::HysteresisError;
+use hysteron_numeric::display::exact;
 
 /// Error of [`crate::realise`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RealiseError {
     /// An option is out of range.
-    #[error("{name} must be {allowed}, but it is {value}")]
+    #[error("{name} must be {allowed}, but it is {value}", value = exact(*.value))]
     Option {
         /// Its name, with its unit where it has one.
         name: &'static str,
@@ -21,7 +22,9 @@ pub enum RealiseError {
     /// The model's parameters belong to one sample rate.
     #[error(
         "the model ({scheme}) belongs to {model_hz} Hz, the rate it was identified at, and cannot run at \
-         {rate_hz} Hz"
+         {rate_hz} Hz",
+        model_hz = exact(*.model_hz),
+        rate_hz = exact(*.rate_hz)
     )]
     SampleRate {
         /// Scheme that ties the model to its rate, or `ARX`.
@@ -61,7 +64,10 @@ pub enum RealiseError {
         poles: usize,
     },
     /// The delay has more whole samples than are kept.
-    #[error("a delay of {samples} samples is longer than the {most} that are kept")]
+    #[error(
+        "a delay of {samples} samples is longer than the {most} that are kept",
+        samples = exact(*.samples)
+    )]
     Delay {
         /// Whole samples of delay.
         samples: f64,

@@ -1,6 +1,6 @@
 //! Errors of a record.
 
-use hysteron_numeric::display::short;
+use hysteron_numeric::display::{exact, short};
 
 use super::time_base::NO_TIMES;
 use super::{MOST_MAGNITUDE, RATES_HZ};
@@ -46,7 +46,8 @@ pub enum RecordError {
     /// NaN or infinity in a channel.
     #[error(
         "record `{record}`, channel `{channel}`, sample {index}: {value} is not a finite number; cut the \
-         record there, or fill the gap from its neighbours and mark it 0 in a `valid` column"
+         record there, or fill the gap from its neighbours and mark it 0 in a `valid` column",
+        value = exact(*.value)
     )]
     NotFinite {
         /// Name of the record.
@@ -84,6 +85,14 @@ pub enum RecordError {
         record: String,
         /// The name found.
         name: String,
+    },
+    /// A unit that cannot be written to a file and read back.
+    #[error("record `{record}`: the unit of channel `{channel}` has control characters; use printable ones")]
+    BadUnit {
+        /// Name of the record.
+        record: String,
+        /// Name of the channel.
+        channel: String,
     },
     /// Two channels with the same header.
     #[error("record `{record}` has two channels `{channel}`; rename one of them")]
@@ -172,7 +181,9 @@ pub enum RecordError {
     /// Time stamps that run backwards.
     #[error(
         "record `{record}`: time runs backwards at sample {index}: {after} s follows {before} s; sort the \
-         rows, or split the file where the clock was reset"
+         rows, or split the file where the clock was reset",
+        after = exact(*.after),
+        before = exact(*.before)
     )]
     TimeDecreases {
         /// Name of the record.
@@ -187,7 +198,8 @@ pub enum RecordError {
     /// All time stamps are the same.
     #[error(
         "record `{record}`: all {samples} time stamps are {time_s} s; write time with more digits, or leave \
-         the column out and give the sample rate"
+         the column out and give the sample rate",
+        time_s = exact(*.time_s)
     )]
     TimeStandsStill {
         /// Name of the record.
@@ -214,7 +226,8 @@ pub enum RecordError {
         "record `{record}`: the sample rate given is {given_hz} Hz, but {samples} samples span {} s by the \
          time column, {} Hz; correct the one or drop the other",
         short(*.duration_s),
-        short(*.measured_hz)
+        short(*.measured_hz),
+        given_hz = exact(*.given_hz)
     )]
     RateContradictsTime {
         /// Name of the record.
@@ -256,7 +269,8 @@ pub enum RecordError {
     /// A factor that cannot scale a channel.
     #[error(
         "record `{record}`, channel `{channel}`: cannot scale by {factor}; the factor must be finite and not \
-         zero"
+         zero",
+        factor = exact(*.factor)
     )]
     BadScale {
         /// Name of the record.
@@ -282,7 +296,7 @@ pub enum RecordError {
     #[error("{0}")]
     ScaleText(&'static str),
     /// A setting of a preparation step out of its range.
-    #[error("record `{record}`: {setting} = {value} is not possible; {allowed}")]
+    #[error("record `{record}`: {setting} = {value} is not possible; {allowed}", value = exact(*.value))]
     BadSetting {
         /// Name of the record.
         record: String,
@@ -379,7 +393,9 @@ pub enum RecordError {
     /// Records that overlap in time.
     #[error(
         "record `{later}` begins at {begins_s} s, before `{earlier}` ends at {ends_s} s: time must increase \
-         from record to record; give them in order, and cut what overlaps"
+         from record to record; give them in order, and cut what overlaps",
+        begins_s = exact(*.begins_s),
+        ends_s = exact(*.ends_s)
     )]
     JoinOrder {
         /// Name of the record before.
@@ -406,7 +422,8 @@ pub enum RecordError {
     /// A frequency that is not positive and finite, or not above the one before.
     #[error(
         "frequency response `{name}`, point {index}: frequency {value} Hz; frequencies must be positive, \
-         finite and strictly ascending"
+         finite and strictly ascending",
+        value = exact(*.value)
     )]
     ResponseFrequency {
         /// The response.
@@ -417,7 +434,10 @@ pub enum RecordError {
         value: f64,
     },
     /// A value that is not finite, or zero where it has to be divided by.
-    #[error("frequency response `{name}`, {frequency_hz} Hz: the value {found} is not {wanted}")]
+    #[error(
+        "frequency response `{name}`, {frequency_hz} Hz: the value {found} is not {wanted}",
+        frequency_hz = exact(*.frequency_hz)
+    )]
     ResponseValue {
         /// The response.
         name: String,
@@ -431,7 +451,9 @@ pub enum RecordError {
     /// A standard deviation that is not positive and finite.
     #[error(
         "frequency response `{name}`, {frequency_hz} Hz: the standard deviation is {found}; it must be \
-         positive and finite"
+         positive and finite",
+        frequency_hz = exact(*.frequency_hz),
+        found = exact(*.found)
     )]
     ResponseUncertainty {
         /// The response.

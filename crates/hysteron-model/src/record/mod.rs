@@ -245,6 +245,9 @@ impl Record {
             if name.is_empty() || name.trim() != name || name.chars().any(char::is_control) {
                 return Err(RecordError::BadChannelName { record: record(), name: name.clone() });
             }
+            if channel.unit.symbol().chars().any(char::is_control) {
+                return Err(RecordError::BadUnit { record: record(), channel: name.clone() });
+            }
             if self.channels[..i].iter().any(|c| c.name == *name && c.unit == channel.unit) {
                 return Err(RecordError::DuplicateChannel { record: record(), channel: channel.header() });
             }

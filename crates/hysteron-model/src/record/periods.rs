@@ -3,9 +3,13 @@
 use super::turning_points::median;
 use super::{InputOutput, RecordError};
 use hysteron_numeric::fft::{RealFft, fast_length};
+use hysteron_numeric::root_mean_square;
 
 /// Similarity of the drive with itself one period later above which it counts as repeating (1: exactly).
 const REPEATS: f64 = 0.98;
+
+/// Change of an output that settles, against its typical or last one.
+const SETTLES: f64 = 2.0;
 
 /// Periods of a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +31,23 @@ impl Periods {
     /// First sample of period `m`, rounded to the nearest.
     pub fn first_sample(&self, m: usize) -> usize {
         self.start + (m as f64 * self.period_samples).round() as usize
+    }
+
+    /// Periods to leave out of a mean of steady periods: [`Self::settling`]; of two, the first where it
+    /// differs from the second more than twice as much in its first quarter as in its last.
+    pub fn settling_before_mean(&self, y: &[f64]) -> usize {
+        if self.count != 2 {
+            return self.settling.min(self.count.saturating_sub(1));
+        }
+        let change = self.change(y, 1);
+        let quarter = (change.len() / 4).max(1).min(change.len());
+        let (first, last) = (&change[..quarter], &change[change.len() - quarter..]);
+        usize::from(root_mean_square(first) > SETTLES * root_mean_square(last))
+    }
+
+    /// Change from period m − 1 to period m.
+    fn change(&self, y: &[f64], m: usize) -> Vec<f64> {
+        self.one(y, m - 1).iter().zip(self.one(y, m)).map(|(a, b)| b - a).collect()
     }
 
     /// First sample of the part in which the output repeats.
@@ -180,17 +201,11 @@ fn settling_periods(periods: &Periods, y: &[f64]) -> usize {
     if periods.count < 3 {
         return 0;
     }
-    let changes: Vec<f64> = (1..periods.count)
-        .map(|m| {
-            let (a, b) = (periods.one(y, m - 1), periods.one(y, m));
-            let n = a.len().max(1) as f64;
-            (a.iter().zip(&b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>() / n).sqrt()
-        })
-        .collect();
+    let changes: Vec<f64> = (1..periods.count).map(|m| root_mean_square(&periods.change(y, m))).collect();
     let typical = median(changes[changes.len() / 2..].to_vec());
     // Only the first half may count as settling: a disturbance near the end does not.
     let half = changes.len().div_ceil(2);
-    changes[..half].iter().rposition(|c| *c > 2.0 * typical).map_or(0, |m| m + 1)
+    changes[..half].iter().rposition(|c| *c > SETTLES * typical).map_or(0, |m| m + 1)
 }
 
 /// Value between samples by the cubic through the four nearest (exact at samples; the ends are held).
@@ -273,6 +288,23 @@ mod tests {
         assert!((99..=101).contains(&periods.start), "{}", periods.start);
         assert!((9..=10).contains(&periods.count), "{}", periods.count);
         assert!(periods.settling >= 3, "{}", periods.settling);
+    }
+
+    #[test]
+    fn the_first_of_two_periods_settles_where_its_change_dies_down() {
+        let noise = |k: usize| 0.01 * ((k * k * 31) as f64).sin();
+        let settling = |size: f64, decay: f64| {
+            let u = sine(800, 400.0);
+            let y = u.iter().enumerate().map(|(k, u)| u + size * (-(k as f64) / decay).exp() + noise(k));
+            let data = data(u.clone(), y.collect());
+            find_periods(&data).unwrap().settling_before_mean(&data.y)
+        };
+        assert_eq!(settling(0.0, 1.0), 0);
+        for decay in [30.0, 100.0, 300.0] {
+            assert_eq!(settling(0.5, decay), 1, "{decay}");
+        }
+        // Below the noise it does not count.
+        assert_eq!(settling(0.002, 100.0), 0);
     }
 
     #[test]

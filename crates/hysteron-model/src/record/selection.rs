@@ -272,8 +272,16 @@ impl Record {
         match self.named(asked, role)? {
             Some(index) => Ok(index),
             None if self.channels.len() == 1 => Ok(0),
-            None => self.guess(role, None, notes),
+            None => self.guess(role, None, notes).or_else(|e| self.beside_output(role).ok_or(e)),
         }
+    }
+
+    /// The input of a record of two channels of which one is recognised as the output.
+    fn beside_output(&self, role: Role) -> Option<usize> {
+        if role != Role::Input || self.channels.len() != 2 {
+            return None;
+        }
+        self.guess(Role::Output, None, &mut Vec::new()).ok().map(|output| 1 - output)
     }
 
     fn named(&self, asked: Option<&str>, role: Role) -> Result<Option<usize>, RecordError> {

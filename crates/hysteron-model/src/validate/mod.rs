@@ -13,10 +13,13 @@ pub use loop_width::loop_opening;
 pub use residual_tests::{CorrelationTest, Correlogram, residual_input_correlation, residual_whiteness};
 #[doc(hidden)]
 pub use start::settling_samples;
-pub use start::{choose_start, first_cycle, possible_starts, settled_period, unfollowed_start};
+pub use start::{
+    choose_start, first_cycle, possible_starts, settled_period, settling_start, unfollowed_start,
+};
 
 use crate::hammerstein::SimulationError;
 use crate::record::{InputOutput, TimeBase};
+use hysteron_numeric::display::exact;
 use serde::{Deserialize, Serialize};
 
 /// Options of scoring.
@@ -110,19 +113,25 @@ pub enum ScoreError {
         need: usize,
     },
     /// The time to skip is invalid.
-    #[error("the time to skip must be a finite number of seconds, not negative; found {skip_s}")]
+    #[error(
+        "the time to skip must be a finite number of seconds, not negative; found {skip_s}",
+        skip_s = exact(*.skip_s)
+    )]
     InvalidSkip {
         /// The value.
         skip_s: f64,
     },
     /// Seconds cannot be skipped without a time base.
-    #[error("cannot skip {skip_s} s: the record has neither a time column nor a sample rate")]
+    #[error(
+        "cannot skip {skip_s} s: the record has neither a time column nor a sample rate",
+        skip_s = exact(*.skip_s)
+    )]
     SkipNeedsTime {
         /// Seconds requested.
         skip_s: f64,
     },
     /// A sample is NaN or infinite.
-    #[error("{signal} is not finite at sample {index}: {value}")]
+    #[error("{signal} is not finite at sample {index}: {value}", value = exact(*.value))]
     NotFinite {
         /// Which signal.
         signal: &'static str,
@@ -223,6 +232,17 @@ pub fn rmse(
         return Err(overflow("rmse", &y, simulated));
     }
     Ok(SimulationRmse { rmse, offset, samples: e.len() })
+}
+
+/// Mean square of the record's output about its mean, over the samples that [`score`] scores.
+///
+/// # Errors
+/// Those of [`score`].
+pub(crate) fn scored_variance(record: &InputOutput, scoring: &Scoring) -> Result<f64, ScoreError> {
+    let scored = scored_samples(record, scoring.skip_s.unwrap_or(0.0))?;
+    let y: Vec<f64> = record.y.iter().zip(&scored).filter(|(_, scored)| **scored).map(|(y, _)| *y).collect();
+    let mean = mean(&y);
+    Ok(root_mean_square(y.iter().map(|y| y - mean)).powi(2))
 }
 
 /// The mean residual y − ŷ over all valid samples: the offset that [`score`] estimates.

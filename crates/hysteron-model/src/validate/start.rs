@@ -85,6 +85,20 @@ pub fn unfollowed_start(record: &InputOutput, start: &Start) -> usize {
     if jump > JUMP * (high - low) { settling_samples(&record.u, shortest_swing(&record.u)) } else { 0 }
 }
 
+/// Samples at the start of a record in which a device has not yet settled to the steady state that a
+/// simulation assumes: 0 for any other start.
+pub fn settling_start(record: &InputOutput, start: &Start) -> usize {
+    match start {
+        Start::Settled { .. } => {
+            find_periods(record).map_or(0, |periods| match periods.settling_before_mean(&record.y) {
+                0 => 0,
+                settling => periods.first_sample(settling),
+            })
+        }
+        _ => 0,
+    }
+}
+
 /// A quarter of the shortest period of the drive, at most a quarter of the record.
 #[doc(hidden)]
 pub fn settling_samples(u: &[f64], shortest_swing: usize) -> usize {

@@ -1,5 +1,6 @@
 //! Figures as PNG, for places that show no SVG (feature `png`).
 
+use hysteron_numeric::display::exact;
 use resvg::{tiny_skia, usvg};
 
 use super::Figure;
@@ -14,7 +15,8 @@ pub enum PngError {
     /// The picture would have no or too many pixels.
     #[error(
         "a scale of {scale} gives a picture of {width_px:.0} × {height_px:.0} px; choose one that gives 1 to \
-         20 000 px"
+         20 000 px",
+        scale = exact(*.scale)
     )]
     Size {
         /// Scale asked for.

@@ -69,7 +69,16 @@ pub fn sentences(found: &DecoupledSummary) -> Vec<String> {
         ));
     }
     if found.level > 0.0 {
-        lines.push(format!("Modes as at a drive of {} {input} rms.", significant(found.level, 3)));
+        lines.push(match found.beyond_levels {
+            None => format!("Modes as at a drive of {} {input} rms.", significant(found.level, 3)),
+            Some((low, high)) => format!(
+                "Warning: the level of {} {input} rms is beyond those identified, {} to {} {input}: the modes \
+                 are those of the nearest.",
+                significant(found.level, 3),
+                significant(low, 3),
+                significant(high, 3)
+            ),
+        });
     }
     if found.rate_error > 0.0 {
         lines.push(format!(

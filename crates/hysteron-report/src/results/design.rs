@@ -47,10 +47,15 @@ pub fn verdict(design: &DesignSummary) -> String {
         .collect();
     let against = match design.usual_repetitions {
         Some(times) if times > 1.005 => {
-            format!("a loop and a sweep would take {} times as long for the same", significant(times, 3))
+            format!(
+                "a loop and a sweep of this length must be run {} times for the same",
+                significant(times, 3)
+            )
         }
         Some(_) => "this is the usual loop and sweep: no other drive tried is better".to_owned(),
-        None => "a loop and a sweep of any length would not reach the same".to_owned(),
+        None => {
+            "a loop and a sweep of this length do not reach the same however often they are run".to_owned()
+        }
     };
     format!("{}; {against}.", changes.join(", and "))
 }

@@ -12,7 +12,6 @@ use hysteron_model::record::Record;
 
 use super::{AxesTruth, measure_axes};
 use crate::RigError;
-use crate::validation::wrong;
 
 /// Use of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,10 +70,14 @@ impl AxesPlan {
     /// Checks every number.
     ///
     /// # Errors
-    /// [`RigError::Parameter`].
+    /// [`RigError::Plan`].
     pub fn validate(&self) -> Result<(), RigError> {
-        let within = |name: &str, value: f64, low: f64, high: f64, expected: &'static str| {
-            if (low..=high).contains(&value) { Ok(()) } else { Err(wrong(name, value, expected)) }
+        let within = |parameter, value: f64, low: f64, high: f64, expected: &'static str| {
+            if (low..=high).contains(&value) {
+                Ok(())
+            } else {
+                Err(RigError::Plan { parameter, value, expected })
+            }
         };
         within("sample_rate_hz", self.sample_rate_hz, 1e-3, 1e8, "a rate from 1e-3 to 1e8 Hz")?;
         within("period_samples", self.period_samples as f64, 16.0, 1e6, "a whole number from 16 to 1e6")?;
@@ -82,10 +85,7 @@ impl AxesPlan {
         let half = 0.5 * self.sample_rate_hz;
         within("highest_hz", self.highest_hz, 0.0, half, "at most half the sample rate")?;
         within("corner_hz", self.corner_hz, 1e-6, 1e9, "a frequency from 1e-6 to 1e9 Hz")?;
-        if self.levels_v.is_empty() {
-            return Err(RigError::EmptyList { parameter: "levels_v" });
-        }
-        within("levels_v", self.levels_v.len() as f64, 1.0, 20.0, "at most 20 levels")?;
+        within("number of levels_v", self.levels_v.len() as f64, 1.0, 20.0, "from 1 to 20 levels")?;
         self.levels_v
             .iter()
             .try_for_each(|v| within("levels_v", *v, 1e-9, 1e6, "a voltage from 1e-9 to 1e6 V rms"))

@@ -1,10 +1,14 @@
 //! Scheduled modes at a controller's rate, their inputs held from sample to sample.
 //!
 //! Where the rate divides that of the model's steps, each sample is a whole number of steps under one input:
-//! exact. At any other rate, not below the model's sample rate, poles move by p → p^(rate ratio), and the
-//! rows of the outputs, of the free strokes and of the stresses are refitted by least squares to the model's
-//! response times that of the hold, (1 − e^(−iωT))/(iωT), over the model's band. A pair of fast poles per
-//! input keeps its last samples, so that the delay of the hold is in the basis of the fit.
+//! exact. At any other rate, not below the model's sample rate, poles move by p → p^r, r = T/T_s, and the
+//! rows of the outputs, of the free strokes and of the stresses aim at the model's response times that of the
+//! hold, H(s) = (1 − e^(−sT))/(sT), over the model's band:
+//!
+//! - on the modes, inputs scaled by r, by equal residues: c → c p^(r−1) H(s_k), complex, s_k = ln p/T_s. What
+//!   the hysteresis drives then has its poles right, too;
+//! - on the lags, the inputs and a pair of fast poles per input, which keeps its last steps, by least squares
+//!   of what is left: smooth, since the poles are accounted for.
 
 use std::f64::consts::TAU;
 
@@ -21,11 +25,10 @@ const AROUND: [f64; 6] = [-3.0, -1.0, -0.3, 0.3, 1.0, 3.0];
 const BAND: f64 = 0.94;
 /// Share of the largest response of a row below which its error counts absolutely.
 const FLOOR: f64 = 0.03;
-/// Poles ±i times this of the pairs that keep the last inputs.
-const FAST_POLE: f64 = 0.25;
-/// Ridge of the refit, relative to the columns: with less, coefficients that cancel under the drive alone make the loop
-/// through the hysteresis unstable far above the rate of the model.
-const RIDGE: f64 = 1e-3;
+/// Poles ±i times this, a step of the model, of the pairs that keep the last inputs.
+const FAST_POLE: f64 = 0.05;
+/// Ridge of the refit, relative to the columns.
+const RIDGE: f64 = 1e-5;
 /// Largest relative rms error of the refitted outputs.
 const WORST: f64 = 0.05;
 
@@ -92,7 +95,7 @@ fn refitted(model: &ScheduledModes, rate_hz: f64) -> Option<HeldModes> {
         (held.input[k], held.strain_input[k]) = (model.input[k] * ratio, model.strain_input[k] * ratio);
     }
     for i in 0..n {
-        held.input[(2 * modes + 2 * i) * n + i] = 1.0;
+        held.input[(2 * modes + 2 * i) * n + i] = ratio.min(1.0);
         let (own, lag) = ((2 * modes + i) * n, (2 * kept + i) * n);
         let alpha = model.transition[2 * modes + i];
         let scale = (1.0 - lag_at(alpha, ratio)) / (1.0 - alpha);
@@ -140,11 +143,13 @@ fn at_end(model: &ScheduledModes, held: &ScheduledModes, s: f64, ratio: f64) -> 
         let moved = Complex64::new(p[0], p[1]).powf(ratio);
         (transition[2 * k], transition[2 * k + 1]) = (moved.re, moved.im);
     }
+    // Not faster than the model's steps, or the last samples would differ in nothing.
+    let last = Complex64::new(0.0, FAST_POLE).powf(ratio.min(1.0));
     for i in 0..n {
-        transition[2 * (model.modes + i) + 1] = FAST_POLE;
+        let fast = 2 * (model.modes + i);
+        (transition[fast], transition[fast + 1]) = (last.re, last.im);
         transition[2 * held.modes + i] = lag_at(at.transition[2 * model.modes + i], ratio);
     }
-    let split = |row: &[f64]| row.to_vec();
     let mut targets: Vec<Vec<f64>> = (0..m)
         .map(|o| {
             let states = &at.output[o * own_states..(o + 1) * own_states];
@@ -153,7 +158,7 @@ fn at_end(model: &ScheduledModes, held: &ScheduledModes, s: f64, ratio: f64) -> 
         .collect();
     if let Some(feedback) = &model.feedback {
         let rows = feedback.drive_rows.chunks_exact(own_states + n);
-        targets.extend(rows.chain(feedback.stress_rows.chunks_exact(own_states + n)).map(split));
+        targets.extend(rows.chain(feedback.stress_rows.chunks_exact(own_states + n)).map(<[f64]>::to_vec));
     }
     // Signals at every frequency, input by input: the model's (x, u), and those of the basis.
     let response = |(z, poles, of, input, u): (Complex64, &[f64], &ScheduledModes, &[f64], usize)| {
@@ -181,11 +186,19 @@ fn at_end(model: &ScheduledModes, held: &ScheduledModes, s: f64, ratio: f64) -> 
         }
     }
     let of = |row: &[f64], x: &[Complex64]| -> Complex64 { row.iter().zip(x).map(|(c, x)| x * *c).sum() };
+    let moved = moved_residues(&at.transition[..2 * model.modes], ratio);
     let mut rows = Vec::with_capacity(targets.len());
     let (mut missed, mut all) = (0.0, 0.0);
     for (o, target) in targets.iter().enumerate() {
         let wanted: Vec<Complex64> = own.iter().map(|x| of(target, x)).collect();
-        let row = least_squares(&basis, &wanted)?;
+        let of_modes = moved.iter().zip(target.chunks_exact(2)).flat_map(|(factor, c)| {
+            // Re(c̄ q) for the row c on Re q, Im q.
+            let c = Complex64::new(c[0], -c[1]) * factor;
+            [c.re, -c.im]
+        });
+        let mut row: Vec<f64> = of_modes.collect();
+        let left: Vec<Complex64> = basis.iter().zip(&wanted).map(|(x, y)| y - of(&row, x)).collect();
+        row.extend(least_squares(&basis, row.len(), &left, &wanted)?);
         if o < m {
             for (x, wanted) in basis.iter().zip(&wanted) {
                 missed += (of(&row, x) - wanted).norm_sqr();
@@ -210,6 +223,18 @@ fn at_end(model: &ScheduledModes, held: &ScheduledModes, s: f64, ratio: f64) -> 
     Some(AtEnd { transition, rows, strain_feedthrough, error })
 }
 
+/// Factors of the complex rows on the modes that keep their residues, times the hold: b moves by r, and
+/// 1/(z − p) is near the pole 1/(p T (s − s_k)).
+fn moved_residues(poles: &[f64], ratio: f64) -> Vec<Complex64> {
+    let factor = |p: &[f64]| {
+        let log = Complex64::new(p[0], p[1]).ln();
+        let hold =
+            if log.norm() > 0.0 { (1.0 - (-log * ratio).exp()) / (log * ratio) } else { Complex64::ONE };
+        (log * (ratio - 1.0)).exp() * hold
+    };
+    poles.chunks_exact(2).map(factor).collect()
+}
+
 fn frequencies(model: &ScheduledModes, s: f64) -> Vec<f64> {
     let top = BAND * 0.5 * model.sample_rate_hz;
     let mut all: Vec<f64> = (0..EVEN).map(|k| top * (k as f64 + 0.5) / EVEN as f64).collect();
@@ -222,19 +247,25 @@ fn frequencies(model: &ScheduledModes, s: f64) -> Vec<f64> {
     all
 }
 
-/// The real row that maps the basis to what is wanted, relative errors weighted alike down to the floor.
-fn least_squares(basis: &[Vec<Complex64>], wanted: &[Complex64]) -> Option<Vec<f64>> {
-    let columns = basis.first()?.len();
+/// The real row over the columns of the basis from `first` on that maps it to what is `left` of what is
+/// `wanted`, relative errors weighted alike down to the floor.
+fn least_squares(
+    basis: &[Vec<Complex64>],
+    first: usize,
+    left: &[Complex64],
+    wanted: &[Complex64],
+) -> Option<Vec<f64>> {
+    let columns = basis.first()?.len().checked_sub(first)?;
     let floor = FLOOR * wanted.iter().fold(f64::MIN_POSITIVE, |most, y| most.max(y.norm()));
     let rows = 2 * wanted.len();
     let mut matrix = DMatrix::<f64>::zeros(rows + columns, columns);
     let mut right = DVector::<f64>::zeros(rows + columns);
-    for (k, (x, y)) in basis.iter().zip(wanted).enumerate() {
-        let weight = 1.0 / y.norm().max(floor);
-        for (j, x) in x.iter().enumerate() {
+    for (k, ((x, left), wanted)) in basis.iter().zip(left).zip(wanted).enumerate() {
+        let weight = 1.0 / wanted.norm().max(floor);
+        for (j, x) in x[first..].iter().enumerate() {
             (matrix[(2 * k, j)], matrix[(2 * k + 1, j)]) = (weight * x.re, weight * x.im);
         }
-        (right[2 * k], right[2 * k + 1]) = (weight * y.re, weight * y.im);
+        (right[2 * k], right[2 * k + 1]) = (weight * left.re, weight * left.im);
     }
     let sizes: Vec<f64> = matrix.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
     for (j, size) in sizes.iter().enumerate() {

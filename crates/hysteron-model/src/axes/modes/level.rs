@@ -18,7 +18,15 @@ pub struct LevelLaw {
     pub time_constant_s: f64,
 }
 
+/// Relative distance from the levels identified at which one counts as beyond them.
+const SLACK: f64 = 0.02;
+
 impl LevelLaw {
+    /// True if this level is one of those identified, to two percent.
+    pub fn holds_at(&self, level: f64) -> bool {
+        ((1.0 - SLACK) * self.lowest..=(1.0 + SLACK) * self.highest).contains(&level)
+    }
+
     /// S at a level: (level/reference)^exponent − 1, clamped to the levels identified.
     pub fn state(&self, level: f64) -> f64 {
         (level.max(self.lowest).min(self.highest) / self.reference).powf(self.exponent) - 1.0

@@ -121,6 +121,11 @@ fn units_are_converted_on_the_way_into_a_fit() {
 }
 
 #[test]
+fn the_drive_beside_a_displacement_is_the_other_channel() {
+    assert_eq!(record(&["x_mm", "F_N"]).drive(None).unwrap().name, "F");
+}
+
+#[test]
 fn a_drive_alone_is_enough_for_a_simulation() {
     let drive = record(&["photodiode_mV"]).drive(None).unwrap();
     assert_eq!((drive.samples[1], drive.unit.symbol()), (1e-3, "V"));
