@@ -94,7 +94,7 @@ def test_the_next_drive_is_better_than_a_loop_and_a_sweep(stage: hy.Hammerstein)
     aim = frame[frame["aim"]]
     assert len(aim) == 1 and (aim["designed"] <= aim["usual"] * (1 + 1e-9)).all()
     assert (aim["designed"] < aim["now"]).all() and len(found.motion) > 0
-    with pytest.raises(hy.IdentifyError, match="time"):
+    with pytest.raises(hy.IdentifyError, match="a drive of -1 s at 500 Hz"):
         hy.design(stage, "delay", time=-1.0)
 
 

@@ -36,7 +36,7 @@ def jobs(program: str) -> list[Job]:
     """What is killed, with the files that it makes and the share of the kills."""
     short = f"identify loop.csv {SEARCH} --generations 150 -o m.json --report r.html"
     # Long enough to keep its state on the way.
-    long = f"identify loop.csv {SEARCH} --generations 3000 -o m.json"
+    long = f"identify loop.csv {SEARCH} --generations 12000 -o m.json"
     compare = "compare loop.csv sweep.csv --candidates none+degree1,none,integer1 -o m.json"
     export = "export kept.json --out-dir code --sample-rate 1000 --date 2026-01-01"
     exports = [Job(program, f"{export} --to {form}", ["code"], 3) for form in FORMS]
