@@ -135,7 +135,7 @@ impl AxesSubject {
                  move with the drive.",
                 model.modes,
                 model.inputs,
-                significant(law.level)
+                significant(law.level.clamp(model.level.lowest, model.level.highest))
             ),
         ];
         lines.splice(2..2, self.origin.lines());

@@ -31,7 +31,9 @@ $name_status $name_step($name_state *state, const $name_real voltages[$NAME_INPU
         }
     }
     next_sample(state);
-    apply(state, u);
+    if (!apply(state, u)) {
+        status = $NAME_OVERFLOW;
+    }
     for (m = 0; m < OUTPUTS; m++) {
         outputs[m] = state->output[m];
     }

@@ -6,12 +6,13 @@
 /* The voltage nearest to `wanted` within range and slew of an actuator. */
 static real limited(int32_t i, real wanted, real last, $name_status *status)
 {
-    const real ranged = wanted < LOW[i] ? LOW[i] : wanted > HIGH[i] ? HIGH[i] : wanted;
+    const real target = is_finite(wanted) ? wanted : last;
+    const real ranged = target < LOW[i] ? LOW[i] : target > HIGH[i] ? HIGH[i] : target;
     const real least = last - STEP[i], most = last + STEP[i];
     const real slewed = ranged < least ? least : ranged > most ? most : ranged;
     if (slewed != ranged && *status >= $NAME_OK) {
         *status = $NAME_AT_SLEW;
-    } else if (ranged != wanted && *status == $NAME_OK) {
+    } else if (ranged != target && *status == $NAME_OK) {
         *status = $NAME_AT_RANGE;
     }
     return slewed;
@@ -98,7 +99,13 @@ $name_status $name_step($name_state *state, const $name_real references[$NAME_OU
         state->before[i] = state->held[i];
         voltages[i] = u[i];
     }
-    apply(state, u);
+    if (!apply(state, u)) {
+        status = $NAME_OVERFLOW;
+        for (i = 0; i < INPUTS; i++) {
+            state->last_strain[i] = state->strain[i];
+            state->rate[i] = R(0);
+        }
+    }
     for (i = 0; i < INPUTS; i++) {
         state->rate[i] += SMOOTHING * (state->strain[i] - state->last_strain[i] - state->rate[i]);
         state->predicted[i] = state->strain[i] + state->rate[i];

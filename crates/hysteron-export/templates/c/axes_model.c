@@ -104,20 +104,48 @@ static void next_sample($name_state *state)
     }
 }
 
-/* Holds voltages from the present sample on; the outputs at it. */
-static void apply($name_state *state, const real *u)
+/* The outputs under voltages; true if they are numbers. */
+static bool find_output($name_state *state, const real *u)
 {
-    int32_t i, m;
-    for (i = 0; i < INPUTS; i++) {
-        state->held[i] = u[i];
-    }
+    bool all = true;
+    int32_t m;
 //{ strains
     strains(state, u);
 //}
     for (m = 0; m < OUTPUTS; m++) {
         state->output[m] = dot(OUTPUT[m], state->x, STATES) + dot(FEEDTHROUGH[m], u, INPUTS)
             + dot(STRAIN_FEEDTHROUGH[m], state->strain, INPUTS);
+        all = all && is_finite(state->output[m]);
     }
+    return all;
+}
+
+/* Holds voltages from the present sample on; the outputs at it. False where the motion has left the range of
+   numbers: it goes on from 0 then, without memory. */
+static bool apply($name_state *state, const real *u)
+{
+    int32_t i, k;
+//{ plays
+    int32_t j;
+//}
+    for (i = 0; i < INPUTS; i++) {
+        state->held[i] = u[i];
+    }
+    if (find_output(state, u)) {
+        return true;
+    }
+    for (k = 0; k < STATES; k++) {
+        state->x[k] = R(0);
+    }
+//{ plays
+    for (i = 0; i < 2 * INPUTS; i++) {
+        for (j = 0; j < PLAYS; j++) {
+            state->plays[i][j] = R(0);
+        }
+    }
+//}
+    (void)find_output(state, u);
+    return false;
 }
 
 static void settle($name_state *state, const real *u)
@@ -135,5 +163,5 @@ static void settle($name_state *state, const real *u)
 //}
         advance(state);
     }
-    apply(state, u);
+    (void)apply(state, u);
 }

@@ -23,6 +23,9 @@ typedef enum {
 //}
     /* A number handed in is infinite or not a number: the last finite one is used in its place. */
     $NAME_NOT_FINITE = -1,
+    /* The motion of the model has left the range of numbers, under a drive far from those it was identified with:
+       it goes on from 0, without memory. Voltages stay within their limits. */
+    $NAME_OVERFLOW = -2,
     /* The bytes are no saved state of this export, or damaged: the state is what it was. */
     $NAME_NOT_SAVED = -3
 } $name_status;

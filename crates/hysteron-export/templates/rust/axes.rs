@@ -88,7 +88,8 @@ impl Model {
     }
 
     /// One sample: these voltages \[$INPUT_UNIT\] are held from now on; returns the outputs \[$OUTPUT_UNIT\]
-    /// now. One that is not finite is replaced by the last.
+    /// now. One that is not finite is replaced by the last. Where a drive far from those of the identification
+    /// throws the motion out of the range of numbers, it goes on from 0, without memory.
     pub fn step(&mut self, voltages: [$float; INPUTS]) -> [$float; OUTPUTS] {
         let mut u = voltages;
         for (u, held) in u.iter_mut().zip(&self.held) {
@@ -214,9 +215,24 @@ impl Model {
 //}
     }
 
-    /// Holds voltages from the present sample on.
-    fn apply(&mut self, u: [$float; INPUTS]) {
+    /// Holds voltages from the present sample on. False where the motion has left the range of numbers: it goes
+    /// on from 0 then, without memory.
+    fn apply(&mut self, u: [$float; INPUTS]) -> bool {
         self.held = u;
+        self.find_output();
+        if self.output.iter().all(|y| y.is_finite()) {
+            return true;
+        }
+        self.x = [0.0; STATES];
+//{ strains
+        self.plays = [[0.0; PLAYS]; 2 * INPUTS];
+//}
+        self.find_output();
+        false
+    }
+
+    /// The outputs under the voltages held.
+    fn find_output(&mut self) {
 //{ strains
         self.strains();
 //}

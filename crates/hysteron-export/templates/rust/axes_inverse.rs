@@ -92,12 +92,18 @@ impl Inverse {
             for (j, gains) in LAW_REFERENCES.iter().enumerate() {
                 wanted += dot(&gains[i], &self.window[(self.present + j) % (PREVIEW + 1)]);
             }
-            let ranged = wanted.clamp(LOW[i], HIGH[i]);
+            let target = if wanted.is_finite() { wanted } else { last[i] };
+            let ranged = target.clamp(LOW[i], HIGH[i]);
             u[i] = ranged.clamp(last[i] - STEP[i], last[i] + STEP[i]);
         }
         self.before = last;
-        self.model.apply(u);
+        let went_on = self.model.apply(u);
         for i in 0..INPUTS {
+            if !went_on {
+                self.rate[i] = 0.0;
+                self.predicted[i] = self.model.strain[i];
+                continue;
+            }
             self.rate[i] += SMOOTHING * (self.model.strain[i] - last_strain[i] - self.rate[i]);
             self.predicted[i] = self.model.strain[i] + self.rate[i];
         }

@@ -111,6 +111,49 @@ fn several_axes_in_c_are_the_library_s() {
     }
 }
 
+/// Drives a thousand times too large, then none; references as large. What it says of itself by its exit code.
+const RUNS_AWAY: &str = r#"
+#include "held.h"
+#include "held_inverse.h"
+
+int main(void)
+{
+    static held_state model;
+    static held_inverse_state inverse;
+    int k, m, overflows = 0;
+    held_init(&model);
+    held_inverse_init(&inverse);
+    for (k = 0; k < 20000; k++) {
+        const double size = k >= 4000 ? 0.0 : k / 10 % 2 ? 500.0 : -500.0;
+        const double voltages[HELD_INPUTS] = {size, size}, references[HELD_OUTPUTS] = {1e6 * size, -1e6 * size};
+        double outputs[HELD_OUTPUTS], found[HELD_INPUTS];
+        overflows += held_step(&model, voltages, outputs) == HELD_OVERFLOW;
+        (void)held_inverse_step(&inverse, references, found);
+        for (m = 0; m < 2; m++) {
+            if (!(outputs[m] - outputs[m] == 0.0) || !(found[m] >= -1.0 && found[m] <= 1.5)) {
+                return 1;
+            }
+        }
+        if (k == 19999 && !(outputs[0] * outputs[0] < 1.0)) {
+            return 2;
+        }
+    }
+    return overflows > 0 ? 0 : 3;
+}
+"#;
+
+#[test]
+fn a_motion_that_runs_away_is_told_and_comes_back() {
+    let place = tempfile::tempdir().unwrap();
+    let (_, subject) = subjects().into_iter().find(|(name, _)| *name == "held").unwrap();
+    let mut files = [axes_files(&subject).unwrap(), axes_inverse_files(&subject).unwrap()].concat();
+    files.push(NamedFile::new("runs_away.c", RUNS_AWAY));
+    write_folder(place.path(), &files).unwrap();
+    let sources = ["held.c", "held_inverse.c", "runs_away.c", "-o", "runs_away"];
+    run(place.path(), "cc", &[&["-std=c99", "-O1"], &sources[..], &["-lm"]].concat());
+    run(place.path(), "./runs_away", &[]);
+}
+
 #[test]
 fn several_axes_in_rust_are_the_library_s() {
     let place = tempfile::tempdir().unwrap();

@@ -87,8 +87,8 @@ impl DecouplingLaw {
         }
         let held = model.held_at(sample_rate_hz)?;
         let bandwidth_hz = options.bandwidth_hz.unwrap_or_else(|| own_bandwidth(model, sample_rate_hz));
-        if !(bandwidth_hz > 0.0 && bandwidth_hz < 0.5 * sample_rate_hz) {
-            let allowed = "positive and below half the sample rate";
+        if !(bandwidth_hz > 0.0 && bandwidth_hz < 0.5 * sample_rate_hz.min(model.sample_rate_hz)) {
+            let allowed = "positive and below half the sample rates of controller and model";
             return Err(DecouplingError::Option { name: "bandwidth [Hz]", value: bandwidth_hz, allowed });
         }
         let level = options.level.unwrap_or(model.level.highest);

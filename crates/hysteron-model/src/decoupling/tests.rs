@@ -1,7 +1,9 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
-use crate::axes::{CoupledHammerstein, FeedbackStrain, LevelLaw, Path, ScheduledModes, StrainLaw, Streaming};
+use crate::axes::{
+    CoupledHammerstein, FeedbackStrain, HeldSimulation, LevelLaw, Path, ScheduledModes, StrainLaw, Streaming,
+};
 use crate::dynamics::{Dynamics, Scheme, SecondOrder};
 use crate::hammerstein;
 use crate::hysteresis::{BoucWen, Hysteresis};
@@ -221,6 +223,19 @@ fn another_rate_is_refitted_and_a_slow_one_refused() {
         let held = model.held_at(rate).unwrap();
         assert!(held.error < largest, "{rate}: {}", held.error);
         held.model.validate().unwrap();
+    }
+    // Held voltages come to rest, at any rate.
+    for rate in [2300.0, 2700.0, 3100.0, 3900.0, 4400.0, 5000.0, 7300.0, 20_000.0] {
+        let mut simulation = HeldSimulation::new(model.held_at(rate).unwrap().model, 0.0);
+        simulation.apply(&[0.7, -0.4, 0.5]);
+        (0..(2.0 * rate) as usize).for_each(|_| {
+            simulation.advance();
+            simulation.apply(&[0.7, -0.4, 0.5]);
+        });
+        let rest = simulation.output().to_vec();
+        simulation.advance();
+        let moved = simulation.apply(&[0.7, -0.4, 0.5]).iter().zip(&rest).map(|(a, b)| (a - b).abs());
+        assert!(moved.fold(0.0, f64::max) < 1e-9, "{rate}");
     }
     assert!(matches!(model.held_at(1500.0), Err(crate::axes::AxesError::Rate { rate_hz: 1500.0, .. })));
     // The drive at ten times the rate moves the model of the other rate along the same references.

@@ -1,14 +1,16 @@
 //! Scheduled modes at a controller's rate, their inputs held from sample to sample.
 //!
 //! Where the rate divides that of the model's steps, each sample is a whole number of steps under one input:
-//! exact. At any other rate, not below the model's sample rate, poles move by p → p^r, r = T/T_s, and the
+//! exact. At any other rate, not below the model's sample rate, a sample is as many steps as make them at least as
+//! many as the model's; poles move by p → p^r, r = T/T_s ≤ 1 of the steps, and the
 //! rows of the outputs, of the free strokes and of the stresses aim at the model's response times that of the
 //! hold, H(s) = (1 − e^(−sT))/(sT), over the model's band:
 //!
 //! - on the modes, inputs scaled by r, by equal residues: c → c p^(r−1) H(s_k), complex, s_k = ln p/T_s. What
 //!   the hysteresis drives then has its poles right, too;
-//! - on the lags, the inputs and a pair of fast poles per input, which keeps its last steps, by least squares
-//!   of what is left: smooth, since the poles are accounted for.
+//! - on the lags as they are, their inputs scaled to the same gain: so is the loop through the hysteresis;
+//! - on the inputs, a pair of fast poles per input, which keeps its last steps, and a copy of each lag that its
+//!   input alone drives, by least squares of what is left: smooth, since the poles are accounted for.
 
 use std::f64::consts::TAU;
 
@@ -27,6 +29,10 @@ const BAND: f64 = 0.94;
 const FLOOR: f64 = 0.03;
 /// Poles ±i times this, a step of the model, of the pairs that keep the last inputs.
 const FAST_POLE: f64 = 0.05;
+/// Smallest pole of a copy of a lag, and the angle by which its pair lies beside the lag: of one pole the regulator
+/// could tell them no more apart than the inputs.
+const SLOWEST_COPY: f64 = 0.1;
+const BESIDE: f64 = 0.3;
 /// Ridge of the refit, relative to the columns.
 const RIDGE: f64 = 1e-5;
 /// Largest relative rms error of the refitted outputs.
@@ -61,8 +67,12 @@ impl ScheduledModes {
         if rate_hz < self.sample_rate_hz {
             return Err(refused(f64::INFINITY));
         }
-        match refitted(self, rate_hz) {
-            Some(held) if held.error <= WORST => Ok(held),
+        let substeps = (steps - 1e-9).ceil().max(1.0);
+        match refitted(self, rate_hz * substeps) {
+            Some(HeldModes { model, error }) if error <= WORST => {
+                let model = ScheduledModes { sample_rate_hz: rate_hz, steps: substeps as usize, ..model };
+                Ok(HeldModes { model, error })
+            }
             Some(held) => Err(refused(held.error)),
             None => Err(refused(f64::INFINITY)),
         }
@@ -81,7 +91,7 @@ struct AtEnd {
 fn refitted(model: &ScheduledModes, rate_hz: f64) -> Option<HeldModes> {
     let ratio = model.step_rate_hz() / rate_hz;
     let (n, modes) = (model.inputs, model.modes);
-    let kept = modes + n;
+    let kept = modes + 2 * n;
     let states = 2 * kept + n;
     let mut held = ScheduledModes {
         modes: kept,
@@ -95,7 +105,8 @@ fn refitted(model: &ScheduledModes, rate_hz: f64) -> Option<HeldModes> {
         (held.input[k], held.strain_input[k]) = (model.input[k] * ratio, model.strain_input[k] * ratio);
     }
     for i in 0..n {
-        held.input[(2 * modes + 2 * i) * n + i] = ratio.min(1.0);
+        held.input[(2 * modes + 2 * i) * n + i] = ratio;
+        held.input[(2 * (modes + n) + 2 * i) * n + i] = ratio;
         let (own, lag) = ((2 * modes + i) * n, (2 * kept + i) * n);
         let alpha = model.transition[2 * modes + i];
         let scale = (1.0 - lag_at(alpha, ratio)) / (1.0 - alpha);
@@ -144,10 +155,13 @@ fn at_end(model: &ScheduledModes, held: &ScheduledModes, s: f64, ratio: f64) -> 
         (transition[2 * k], transition[2 * k + 1]) = (moved.re, moved.im);
     }
     // Not faster than the model's steps, or the last samples would differ in nothing.
-    let last = Complex64::new(0.0, FAST_POLE).powf(ratio.min(1.0));
+    let last = Complex64::new(0.0, FAST_POLE).powf(ratio);
     for i in 0..n {
         let fast = 2 * (model.modes + i);
         (transition[fast], transition[fast + 1]) = (last.re, last.im);
+        let alpha = at.transition[2 * model.modes + i].max(SLOWEST_COPY);
+        let near = Complex64::from_polar(alpha, BESIDE).powf(ratio);
+        (transition[fast + 2 * n], transition[fast + 2 * n + 1]) = (near.re, near.im);
         transition[2 * held.modes + i] = lag_at(at.transition[2 * model.modes + i], ratio);
     }
     let mut targets: Vec<Vec<f64>> = (0..m)
@@ -186,6 +200,8 @@ fn at_end(model: &ScheduledModes, held: &ScheduledModes, s: f64, ratio: f64) -> 
         }
     }
     let of = |row: &[f64], x: &[Complex64]| -> Complex64 { row.iter().zip(x).map(|(c, x)| x * *c).sum() };
+    // The pairs of fast poles, the copies of the lags, the inputs.
+    let free: Vec<usize> = (2 * model.modes..2 * held.modes).chain(states..states + n).collect();
     let moved = moved_residues(&at.transition[..2 * model.modes], ratio);
     let mut rows = Vec::with_capacity(targets.len());
     let (mut missed, mut all) = (0.0, 0.0);
@@ -197,8 +213,12 @@ fn at_end(model: &ScheduledModes, held: &ScheduledModes, s: f64, ratio: f64) -> 
             [c.re, -c.im]
         });
         let mut row: Vec<f64> = of_modes.collect();
+        row.resize(states + n, 0.0);
+        row[2 * held.modes..states].copy_from_slice(&target[2 * model.modes..own_states]);
         let left: Vec<Complex64> = basis.iter().zip(&wanted).map(|(x, y)| y - of(&row, x)).collect();
-        row.extend(least_squares(&basis, row.len(), &left, &wanted)?);
+        for (place, c) in free.iter().zip(least_squares(&basis, &free, &left, &wanted)?) {
+            row[*place] = c;
+        }
         if o < m {
             for (x, wanted) in basis.iter().zip(&wanted) {
                 missed += (of(&row, x) - wanted).norm_sqr();
@@ -247,22 +267,22 @@ fn frequencies(model: &ScheduledModes, s: f64) -> Vec<f64> {
     all
 }
 
-/// The real row over the columns of the basis from `first` on that maps it to what is `left` of what is
-/// `wanted`, relative errors weighted alike down to the floor.
+/// The real coefficients of the `free` columns of the basis that map it to what is `left` of what is `wanted`,
+/// relative errors weighted alike down to the floor.
 fn least_squares(
     basis: &[Vec<Complex64>],
-    first: usize,
+    free: &[usize],
     left: &[Complex64],
     wanted: &[Complex64],
 ) -> Option<Vec<f64>> {
-    let columns = basis.first()?.len().checked_sub(first)?;
+    let columns = free.len();
     let floor = FLOOR * wanted.iter().fold(f64::MIN_POSITIVE, |most, y| most.max(y.norm()));
     let rows = 2 * wanted.len();
     let mut matrix = DMatrix::<f64>::zeros(rows + columns, columns);
     let mut right = DVector::<f64>::zeros(rows + columns);
     for (k, ((x, left), wanted)) in basis.iter().zip(left).zip(wanted).enumerate() {
         let weight = 1.0 / wanted.norm().max(floor);
-        for (j, x) in x[first..].iter().enumerate() {
+        for (j, x) in free.iter().map(|place| x[*place]).enumerate() {
             (matrix[(2 * k, j)], matrix[(2 * k + 1, j)]) = (weight * x.re, weight * x.im);
         }
         (right[2 * k], right[2 * k + 1]) = (weight * left.re, weight * left.im);
