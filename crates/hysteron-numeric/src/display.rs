@@ -50,17 +50,10 @@ pub fn json_problem(problem: &dyn std::fmt::Display) -> String {
     if said == "EOF while parsing a value at line 1 column 0" {
         return "the file is empty".to_owned();
     }
-    let mut words = said.replace("EOF while parsing", "the file ends within");
-    for (type_name, plain) in [
-        ("usize", "a whole number"),
-        ("u8", "a whole number"),
-        ("u32", "a whole number"),
-        ("u64", "a whole number"),
-        ("i32", "a whole number"),
-        ("i64", "a whole number"),
-        ("f64", "a number"),
-    ] {
-        words = words.replace(&format!("expected {type_name}"), &format!("expected {plain}"));
+    let words = said.replace("EOF while parsing", "the file ends within");
+    let mut words = words.replace("expected f64", "expected a number");
+    for whole in ["usize", "u8", "u32", "u64", "i32", "i64"] {
+        words = words.replace(&format!("expected {whole}"), "expected a whole number");
     }
     match words.char_indices().nth(LONGEST) {
         Some((end, _)) => format!("{} …", &words[..end]),

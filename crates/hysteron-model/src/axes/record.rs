@@ -1,7 +1,7 @@
 //! Several inputs and several outputs of a record.
 
 use super::AxesError;
-use crate::record::{Channel, Record, Source, TimeBase, Unit};
+use crate::record::{Channel, Record, Source, TimeBase, Unit, mask_first};
 
 /// Inputs and outputs of a [`Record`] in the units a fit works in: voltages in V, lengths in µm, angles in
 /// µrad.
@@ -92,10 +92,7 @@ impl AxesRecord {
     /// The record with its first `samples` samples masked as not valid.
     pub fn without_first(&self, samples: usize) -> Self {
         let mut masked = self.clone();
-        if samples > 0 {
-            let mask = masked.valid.get_or_insert_with(|| vec![true; self.len()]);
-            mask.iter_mut().take(samples).for_each(|valid| *valid = false);
-        }
+        mask_first(&mut masked.valid, self.len(), samples);
         masked
     }
 

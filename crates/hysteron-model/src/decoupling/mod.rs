@@ -108,13 +108,13 @@ impl AxesDrive {
     }
 }
 
-/// Checks references and limits against the numbers of inputs and outputs of a model.
 /// Tracking bandwidth of modes without another one \[Hz\]: [`crate::invert::BANDWIDTH_SHARE`] of the sample rate,
 /// or of the rate of the model's steps where that is lower. What the model does above is not known.
 pub fn own_bandwidth(model: &ScheduledModes, sample_rate_hz: f64) -> f64 {
     crate::invert::BANDWIDTH_SHARE * sample_rate_hz.min(model.step_rate_hz())
 }
 
+/// Checks references and limits against the numbers of inputs and outputs of a model.
 fn check(
     references: &[Vec<f64>],
     limits: &[Limits],

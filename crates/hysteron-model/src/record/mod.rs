@@ -287,6 +287,14 @@ impl Record {
     }
 }
 
+/// Masks the first `samples` of `len` samples as not valid.
+pub(crate) fn mask_first(valid: &mut Option<Vec<bool>>, len: usize, samples: usize) {
+    if samples > 0 {
+        let mask = valid.get_or_insert_with(|| vec![true; len]);
+        mask.iter_mut().take(samples).for_each(|valid| *valid = false);
+    }
+}
+
 impl InputOutput {
     /// Input and output made in memory: `u` \[V\], `y` \[µm\], all samples valid, checked.
     ///
@@ -320,10 +328,7 @@ impl InputOutput {
     /// The record with its first `samples` samples masked as not valid.
     pub fn without_first(&self, samples: usize) -> Self {
         let mut masked = self.clone();
-        if samples > 0 {
-            let mask = masked.valid.get_or_insert_with(|| vec![true; masked.u.len()]);
-            mask.iter_mut().take(samples).for_each(|valid| *valid = false);
-        }
+        mask_first(&mut masked.valid, self.len(), samples);
         masked
     }
 

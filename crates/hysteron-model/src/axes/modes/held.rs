@@ -1,16 +1,16 @@
 //! Scheduled modes at a controller's rate, their inputs held from sample to sample.
 //!
 //! Where the rate divides that of the model's steps, each sample is a whole number of steps under one input:
-//! exact. At any other rate, not below the model's sample rate, a sample is as many steps as make them at least as
-//! many as the model's; poles move by p → p^r, r = T/T_s ≤ 1 of the steps, and the
-//! rows of the outputs, of the free strokes and of the stresses aim at the model's response times that of the
-//! hold, H(s) = (1 − e^(−sT))/(sT), over the model's band:
+//! exact. At any other rate, not below the model's sample rate, a sample is the fewest steps that are no longer
+//! than the model's. Poles move by p → p^r, r = T/T_s ≤ 1 of the steps, and the rows of the outputs, of the free
+//! strokes and of the stresses aim at the model's response times that of the hold, H(s) = (1 − e^(−sT))/(sT),
+//! over the model's band:
 //!
 //! - on the modes, inputs scaled by r, by equal residues: c → c p^(r−1) H(s_k), complex, s_k = ln p/T_s. What
 //!   the hysteresis drives then has its poles right, too;
-//! - on the lags as they are, their inputs scaled to the same gain: so is the loop through the hysteresis;
-//! - on the inputs, a pair of fast poles per input, which keeps its last steps, and a copy of each lag that its
-//!   input alone drives, by least squares of what is left: smooth, since the poles are accounted for.
+//! - on the lags as they are, their inputs scaled to the same gain: the loop through the hysteresis keeps its own;
+//! - on the inputs, a pair of fast poles per input, which keeps its last steps, and a pair beside each lag, both
+//!   driven by the input alone, by least squares of what is left: smooth, since the poles are accounted for.
 
 use std::f64::consts::TAU;
 
@@ -29,9 +29,9 @@ const BAND: f64 = 0.94;
 const FLOOR: f64 = 0.03;
 /// Poles ±i times this, a step of the model, of the pairs that keep the last inputs.
 const FAST_POLE: f64 = 0.05;
-/// Smallest pole of a copy of a lag, and the angle by which its pair lies beside the lag: of one pole the regulator
-/// could tell them no more apart than the inputs.
-const SLOWEST_COPY: f64 = 0.1;
+/// Smallest magnitude, a step of the model, of the pair beside a lag, and its angle: with the lag's own pole no
+/// regulator is found, as the input moves both alike.
+const FASTEST_BESIDE: f64 = 0.1;
 const BESIDE: f64 = 0.3;
 /// Ridge of the refit, relative to the columns.
 const RIDGE: f64 = 1e-5;
@@ -73,8 +73,7 @@ impl ScheduledModes {
                 let model = ScheduledModes { sample_rate_hz: rate_hz, steps: substeps as usize, ..model };
                 Ok(HeldModes { model, error })
             }
-            Some(held) => Err(refused(held.error)),
-            None => Err(refused(f64::INFINITY)),
+            found => Err(refused(found.map_or(f64::INFINITY, |held| held.error))),
         }
     }
 }
@@ -154,12 +153,12 @@ fn at_end(model: &ScheduledModes, held: &ScheduledModes, s: f64, ratio: f64) -> 
         let moved = Complex64::new(p[0], p[1]).powf(ratio);
         (transition[2 * k], transition[2 * k + 1]) = (moved.re, moved.im);
     }
-    // Not faster than the model's steps, or the last samples would differ in nothing.
+    // Of the model's own speed: at a far higher rate the last samples are alike.
     let last = Complex64::new(0.0, FAST_POLE).powf(ratio);
     for i in 0..n {
         let fast = 2 * (model.modes + i);
         (transition[fast], transition[fast + 1]) = (last.re, last.im);
-        let alpha = at.transition[2 * model.modes + i].max(SLOWEST_COPY);
+        let alpha = at.transition[2 * model.modes + i].max(FASTEST_BESIDE);
         let near = Complex64::from_polar(alpha, BESIDE).powf(ratio);
         (transition[fast + 2 * n], transition[fast + 2 * n + 1]) = (near.re, near.im);
         transition[2 * held.modes + i] = lag_at(at.transition[2 * model.modes + i], ratio);
@@ -200,7 +199,7 @@ fn at_end(model: &ScheduledModes, held: &ScheduledModes, s: f64, ratio: f64) -> 
         }
     }
     let of = |row: &[f64], x: &[Complex64]| -> Complex64 { row.iter().zip(x).map(|(c, x)| x * *c).sum() };
-    // The pairs of fast poles, the copies of the lags, the inputs.
+    // The pairs of fast poles, those beside the lags, the inputs.
     let free: Vec<usize> = (2 * model.modes..2 * held.modes).chain(states..states + n).collect();
     let moved = moved_residues(&at.transition[..2 * model.modes], ratio);
     let mut rows = Vec::with_capacity(targets.len());
