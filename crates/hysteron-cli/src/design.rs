@@ -195,7 +195,15 @@ impl DesignCommand {
         let watch = progress::watch(interrupt);
         let fit = fit(&FitRecords::Single(records), &Task::of(Kind::Hammerstein), &watch, None, &maker());
         let cannot = |e: &IdentifyError| Failure::new("the records give no model").because(e);
-        let fit = fit.map_err(|e| interrupt.told(cannot(&e).advised(e.advice())))?;
+        let fit = fit.map_err(|e| {
+            interrupt.told(match e {
+                // A remedy of `identify`: the drive is designed for a Hammerstein model.
+                IdentifyError::OtherKind { .. } => cannot(&e).hint(
+                    "drives are designed for models of Hammerstein's kind alone: hysteron excite multisine",
+                ),
+                _ => cannot(&e).advised(e.advice()),
+            })
+        })?;
         if fit.interrupted {
             return Err(interrupt.told(Failure::new("the fit of the records was interrupted")));
         }

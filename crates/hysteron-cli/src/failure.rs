@@ -34,7 +34,7 @@ impl Failure {
 
     /// The reason, usually the library's error.
     pub fn because(mut self, reason: impl Display) -> Self {
-        self.because = Some(reason.to_string());
+        self.because = Some(abridged(reason.to_string()));
         self
     }
 
@@ -91,6 +91,21 @@ impl Failure {
     }
 }
 
+/// Longest reason, and what is kept of a longer one at its beginning and its end \[characters\]: a name or unit
+/// of a damaged file may be of any length.
+const LONGEST: usize = 2000;
+const KEPT: [usize; 2] = [1000, 500];
+
+fn abridged(text: String) -> String {
+    let count = text.chars().count();
+    if count <= LONGEST {
+        return text;
+    }
+    let begin: String = text.chars().take(KEPT[0]).collect();
+    let end: String = text.chars().skip(count - KEPT[1]).collect();
+    format!("{begin} … ({} characters left out) … {end}", count - KEPT[0] - KEPT[1])
+}
+
 impl Display for Failure {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         write!(f, "error: {}", self.error)?;
@@ -100,5 +115,20 @@ impl Display for Failure {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_reason_is_abridged() {
+        let short = "x".repeat(LONGEST);
+        assert_eq!(abridged(short.clone()), short);
+        let long = abridged(format!("{}é{}", "a".repeat(2500), "b".repeat(2499)));
+        assert!(long.starts_with("aaa") && long.ends_with("bbb"), "{long}");
+        assert!(long.contains("(3500 characters left out)"), "{long}");
+        assert!(long.chars().count() < 1600);
     }
 }

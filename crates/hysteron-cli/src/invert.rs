@@ -271,10 +271,7 @@ fn text(s: &InverseSummary) -> String {
         None => "The reference repeats; the drive is that of its steady state.".to_owned(),
     }];
     if let Some(preview) = s.preview {
-        lines.push(format!(
-            "Computed sample by sample, with a preview of {} samples; more than {} are of little use.",
-            preview.samples, preview.useful
-        ));
+        lines.push(preview.in_words());
     }
     lines.push(format!(
         "Drive: {} to {} {input}, at most {} {input}/s, each value held for {} s.",

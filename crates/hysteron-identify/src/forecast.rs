@@ -3,8 +3,9 @@
 use hysteron_model::Start;
 use hysteron_model::invert::{InverseDrive, InversionError, LastRun};
 use hysteron_model::misfit::MisfitPrediction;
-use hysteron_model::model::{ErrorForecast, Hammerstein, InverseRequest, InverseSummary};
+use hysteron_model::model::{ErrorForecast, Hammerstein, InverseRequest, InverseSummary, ends_apart};
 use hysteron_model::model_file::ModelFile;
+use hysteron_model::record::Unit;
 use hysteron_model::{Advice, Finding, FindingKind};
 use hysteron_numeric::Listener;
 use hysteron_numeric::display::short;
@@ -46,6 +47,9 @@ pub fn drive_for(
     let limits = request.limits(model)?;
     let mut findings = model.findings_on_drive(&drive, [limits.low, limits.high]);
     findings.extend(correction_offered(model, request, preview.is_some() || last.is_some()));
+    if request.periodic {
+        findings.extend(ends_apart(reference, None, &Unit::new(&model.data().units.output)));
+    }
     findings.extend(preview.and_then(|preview| preview.finding(request.preview)));
     let units = &model.data().units;
     let summary =

@@ -3,8 +3,7 @@
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::decoupling::{AxesTrackOptions, track_axes as play};
 use hysteron_model::model::{AxesTrackingSummary, Capability, DecouplingRequest};
-use hysteron_report::number::significant;
-use hysteron_report::results::axes_tracking::{ABOUT_ERRORS, errors};
+use hysteron_report::results::axes_tracking::{ABOUT_ERRORS, errors, sentences};
 use hysteron_rig::axes::{AxesRigStage, AxesTruth};
 
 use super::decouple::drawn;
@@ -60,12 +59,10 @@ pub(crate) fn track_axes(workspace: &Workspace, id: &str, request: &TrackAxesReq
         let title = format!("Errors of {}", run.controller.name());
         Figure { title, series: series.collect(), log_across: false, log_up: false }
     });
+    let simulated = format!("Simulated on the bench of several axes ({}).", truth.describe());
+    let about = [simulated, ABOUT_ERRORS.to_owned()];
     Ok(Outcome {
-        sentences: vec![
-            format!("Simulated on the bench of several axes ({}).", truth.describe()),
-            ABOUT_ERRORS.to_owned(),
-            format!("Integral: crossover {} Hz.", significant(summary.integral_crossover_hz, 3)),
-        ],
+        sentences: about.into_iter().chain(sentences(&summary)).collect(),
         tables: vec![super::listed("Controllers", errors(&summary))],
         figures: figures.into_iter().collect(),
         files: request.save.iter().cloned().collect(),

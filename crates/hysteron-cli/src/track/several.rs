@@ -5,8 +5,7 @@ use hysteron_model::control::slew_of_current;
 use hysteron_model::decoupling::{AxesTrackOptions, AxesTracking, track_axes};
 use hysteron_model::model::{AxesTrackingSummary, Capability, DecouplingRequest};
 use hysteron_model::record::Unit;
-use hysteron_report::number::significant;
-use hysteron_report::results::axes_tracking::{ABOUT_ERRORS, errors};
+use hysteron_report::results::axes_tracking::{ABOUT_ERRORS, errors, sentences};
 use hysteron_report::tracking::{AxesTracked, axes_page};
 use hysteron_rig::axes::{AxesRigStage, AxesTruth};
 
@@ -109,9 +108,9 @@ impl Track {
 
 fn text(truth: &AxesTruth, s: &AxesTrackingSummary) -> String {
     format!(
-        "Simulated on the bench of several axes ({}).\n\n{}\n\n{ABOUT_ERRORS} Integral: crossover {} Hz.\n",
+        "Simulated on the bench of several axes ({}).\n\n{}\n\n{ABOUT_ERRORS}\n\n{}\n",
         truth.describe(),
         console::listed(&errors(s)),
-        significant(s.integral_crossover_hz, 3)
+        sentences(s).join("\n\n")
     )
 }

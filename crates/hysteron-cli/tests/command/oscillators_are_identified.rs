@@ -134,6 +134,9 @@ fn a_record_becomes_a_file_that_predicts_another_record() {
     assert!(header.starts_with("t_s,u_N,y_um,y_measured_um\n"), "{}", &header[..40]);
     let settled = bench.run("simulate oscillator.json train.csv -o out.csv --settled 2.048");
     assert_eq!(settled.exit_code, 0, "{}", settled.stderr);
+    assert!(!settled.stderr.contains("repeats"), "{}", settled.stderr);
+    let run = bench.run("simulate oscillator.json train.csv -o out.csv");
+    assert!(run.stderr.contains("repeats every 1024 samples and is taken to have done so"), "{}", run.stderr);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use crate::bench::Bench;
 use crate::several_axes_are_identified::device;
-use hysteron_model::model_file::{ModesFile, SignalUnits};
+use hysteron_model::model_file::{ModesFile, SignalUnits, ValidRange};
 use serde_json::Value;
 
 /// Slow references of two axes, in nm, from rest.
@@ -24,8 +24,10 @@ fn bench() -> Bench {
     let bench = Bench::new();
     let names = |prefix: &str| vec![format!("{prefix}1"), format!("{prefix}2")];
     let units = SignalUnits { input: "V".into(), output: "um".into() };
-    let file = ModesFile::new(&device(), units, names("u"), names("y"));
+    let mut file = ModesFile::new(&device(), units, names("u"), names("y"));
     bench.write("stage.json", file.to_json().unwrap());
+    file.valid_range = Some(ValidRange::of_inputs(&[-1.0, 1.0], "V", Some((2.0, 300.0))));
+    bench.write("ranged.json", file.to_json().unwrap());
     bench.write("references.csv", references(800));
     bench
 }
@@ -57,7 +59,18 @@ fn drives_of_all_actuators_are_written_and_the_model_follows_them() {
     let run = bench.run("simulate stage.json drives.csv -o motion.csv");
     assert_eq!(run.exit_code, 0, "{}", run.stderr);
     let run = bench.run("invert stage.json references.csv -o drives.csv --range=-1:1 --level 1e9");
-    assert!(run.stdout.contains("is beyond those identified, 0.100 to 0.500 V"), "{}", run.stdout);
+    let level = "warning: the level of the inputs is 1e9 V rms, the model was identified from 0.1 to 0.5 V";
+    assert!(run.stdout.contains(level), "{}", run.stdout);
+    let run =
+        bench.run("invert ranged.json references.csv -o drives.csv --bandwidth 320 --preview 100000 --json");
+    let findings = json(&run.stdout)["findings"].to_string();
+    assert!(
+        findings.contains("the bandwidth is 320 Hz, the model was identified up to 300 Hz"),
+        "{findings}"
+    );
+    assert!(findings.contains("Of the preview of 100000 samples "), "{findings}");
+    let run = bench.run("invert stage.json references.csv -o drives.csv --range=-1:1 --periodic");
+    assert!(run.stdout.contains("As a period the reference y2 jumps from its last sample"), "{}", run.stdout);
     let run = bench.run("invert stage.json references.csv -o drives.csv --range=-1:1");
     assert!(run.exit_code == 0 && run.stdout.contains("predicted error, rms [µm]"), "{}", run.stdout);
 }
@@ -140,6 +153,10 @@ fn the_bench_of_several_axes_makes_records_and_controllers_are_compared_on_it() 
     let told = json(&run.stdout);
     assert_eq!(told["simulated"], true);
     assert_eq!(told["controllers"].as_array().unwrap().len(), 5);
+    assert_eq!(told["findings"].as_array().unwrap().len(), 0);
+    let run = bench.run(&format!("{track} --bandwidth 350").replace("stage", "ranged"));
+    assert!(run.stdout.contains("Bandwidth 350 Hz"), "{}", run.stdout);
+    assert!(run.stdout.contains("warning: the bandwidth is 350 Hz"), "{}", run.stdout);
     let run = bench.run("track stage.json references.csv --range=-6:6 --plant model");
     assert!(run.exit_code == 2 && run.stderr.contains("--plant model does not go"), "{}", run.stderr);
 }

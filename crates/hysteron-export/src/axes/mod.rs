@@ -133,7 +133,7 @@ impl AxesSubject {
             format!(
                 "{} modes and {} lags, at the level of {} {input} rms, at which it holds; it does not \
                  move with the drive.",
-                model.modes,
+                law.held.own_modes,
                 model.inputs,
                 significant(law.level.clamp(model.level.lowest, model.level.highest))
             ),
@@ -155,8 +155,10 @@ impl AxesSubject {
         ));
         if law.held.error > 0.0 {
             lines.push(format!(
-                "At this rate the linear response of the model file is matched to {} rms.",
-                significant(law.held.error)
+                "At this rate the linear response of the model file is matched to {} rms, by {} pairs of poles \
+                 beside the modes.",
+                significant(law.held.error),
+                model.modes - law.held.own_modes
             ));
         }
         if let Some(share) = golden.departure {

@@ -3,9 +3,9 @@
 use hysteron_io::NamedFile;
 use hysteron_model::compensator::Limits;
 use hysteron_model::decoupling::DecouplingLaw;
-use hysteron_model::model::{Capability, DecouplingRequest};
+use hysteron_model::model::{Capability, DecouplingRequest, Preview};
 use hysteron_model::tracking::Controller;
-use hysteron_model::{Finding, FindingKind, Model};
+use hysteron_model::{Finding, Model};
 use serde::{Deserialize, Serialize};
 
 use super::{AxesSubject, axes_files, axes_fmu_files, axes_inverse_files, axes_rust_files};
@@ -15,7 +15,6 @@ use crate::form::{Form, Means};
 use crate::number::Precision;
 use crate::origin::Origin;
 use crate::request::without_binary;
-use crate::subject::significant;
 
 /// What a model of several axes is exported as; what is left out takes its default.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -94,17 +93,11 @@ pub fn export_axes(
         subject.channels = (inputs.to_vec(), outputs.to_vec());
     }
     subject.range = model.valid_range().cloned();
-    let mut findings = Vec::new();
-    if let Some((low, high)) = model.beyond_levels(subject.law.level) {
-        let text = format!(
-            "The level of {} {unit} rms is beyond those identified, {} to {} {unit}: the modes are those of the \
-             nearest.",
-            significant(subject.law.level),
-            significant(low),
-            significant(high),
-            unit = units.input
-        );
-        findings.push(Finding::new(FindingKind::Warning, "level", text));
+    let law = &subject.law;
+    let bandwidth_hz = if request.inverse { law.bandwidth_hz } else { 0.0 };
+    let mut findings = model.decoupling_findings(law.level, bandwidth_hz);
+    if request.inverse {
+        findings.extend(Preview::from(law).finding(request.decoupling.preview));
     }
     let mut files = match request.form {
         Form::Rust => axes_rust_files(&subject, request.inverse)?,

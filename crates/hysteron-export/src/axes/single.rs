@@ -37,6 +37,7 @@ struct Law {
     row: Vec<f32>,
     powers: [f32; 2],
     variance: f32,
+    reach: f32,
     /// Weight, radius, mean slope, position.
     plays: Vec<[f32; 4]>,
 }
@@ -63,13 +64,14 @@ impl Law {
             row: rounded(row),
             powers: [power(0), power(1)],
             variance: f32::of(law.variance),
+            reach: f32::of(law.reach.min(f64::from(f32::MAX))),
             plays: plays.map(|((w, r), s)| [f32::of(*w), f32::of(*r), f32::of(*s), 0.0]).collect(),
         }
     }
 
     fn step(&mut self, x: &[f32], u: &[f32]) -> f32 {
         let (of_x, of_u) = self.row.split_at(x.len());
-        let z = dot(of_x, x) + dot(of_u, u);
+        let z = (dot(of_x, x) + dot(of_u, u)).clamp(-self.reach, self.reach);
         let square = z * z - self.variance;
         let cube = z * z * z - 3.0 * self.variance * z;
         let mut value = self.powers[0] * square + self.powers[1] * cube;

@@ -95,6 +95,12 @@ impl Tables {
         let all = |of: &dyn Fn(usize) -> Vec<f64>| (0..laws.len()).flat_map(of).collect::<Vec<f64>>();
         self.matrix("Square and cube.", "POWERS", 2, &all(&|i| laws[i].coefficients[..2].to_vec()));
         self.list("Mean squares.", "VARIANCE", &all(&|i| vec![laws[i].variance]));
+        let largest = self.precision.constant("MAX").unwrap_or(f64::MAX);
+        self.list(
+            "Signals beyond are taken to be there.",
+            "REACH",
+            &all(&|i| vec![laws[i].reach.min(largest)]),
+        );
         let plays = feedback.drive.radii.len();
         if plays > 0 {
             self.matrix("Plays: weights.", "WEIGHTS", plays, &all(&|i| laws[i].coefficients[2..].to_vec()));

@@ -48,7 +48,8 @@ static void strains($name_state *state, const real *u)
         state->strain[i] = R(0);
     }
     for (i = 0; i < 2 * INPUTS; i++) {
-        const real z = dot(ROWS[i], state->x, STATES) + dot(ROWS[i] + STATES, u, INPUTS);
+        const real all = dot(ROWS[i], state->x, STATES) + dot(ROWS[i] + STATES, u, INPUTS);
+        const real z = all > REACH[i] ? REACH[i] : all < -REACH[i] ? -REACH[i] : all;
         const real square = z * z - VARIANCE[i];
         const real cube = z * z * z - R(3) * VARIANCE[i] * z;
         real value = POWERS[i][0] * square + POWERS[i][1] * cube;

@@ -162,6 +162,7 @@ impl Model {
         for i in 0..2 * INPUTS {
             let (of_states, of_voltages) = ROWS[i].split_at(STATES);
             let z = dot(of_states, &self.x) + dot(of_voltages, &self.held);
+            let z = z.clamp(-REACH[i], REACH[i]);
             let square = z * z - VARIANCE[i];
             let cube = z * z * z - 3.0 * VARIANCE[i] * z;
             let mut value = POWERS[i][0] * square + POWERS[i][1] * cube;

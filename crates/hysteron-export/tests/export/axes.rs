@@ -29,6 +29,7 @@ fn device(hysteresis: bool) -> ScheduledModes {
         radii: vec![0.05, 0.2],
         slopes: vec![0.8, 0.5],
         variance: 0.1,
+        reach: f64::INFINITY,
     };
     let mut input = vec![0.0; 12];
     (input[0], input[1], input[4], input[5]) = (0.2, 0.08, 0.15, -0.3);

@@ -35,14 +35,21 @@ impl Assumed {
         if self == Self::Nothing { 0 } else { 2 }
     }
 
+    /// Frequency \[Hz\] and damping of the pair of poles, `by` standard deviations off.
+    fn pair(self, by: [f64; 2]) -> Option<(f64, f64)> {
+        let Self::Resonance { frequency_hz } = self else { return None };
+        let off = |i: usize| (by[i] * RESONANCE_ERRORS[i]).exp();
+        Some((frequency_hz * off(0), DAMPING * off(1)))
+    }
+
     /// Numerator and denominator of the factor, its numbers `by` standard deviations off.
     fn factor(self, by: [f64; 2]) -> Option<(Vec<Term>, Vec<Term>)> {
         let term = |coefficient, order| Term { coefficient, order };
         match self {
             Self::Nothing => None,
-            Self::Resonance { frequency_hz } => {
-                let omega = std::f64::consts::TAU * frequency_hz * (by[0] * RESONANCE_ERRORS[0]).exp();
-                let damping = DAMPING * (by[1] * RESONANCE_ERRORS[1]).exp();
+            Self::Resonance { .. } => {
+                let (frequency_hz, damping) = self.pair(by)?;
+                let omega = std::f64::consts::TAU * frequency_hz;
                 let pair = vec![term(1.0, 0.0), term(2.0 * damping / omega, 1.0), term(omega.powi(-2), 2.0)];
                 Some((vec![term(1.0, 0.0)], pair))
             }
@@ -117,14 +124,22 @@ impl Prior {
     pub(super) fn at(&self, k: usize, step: f64) -> Result<Model, IdentifyError> {
         match self.directions.get(k) {
             Some(direction) => self.with_assumed(moved(&self.model, &self.names, direction, step), [0.0; 2]),
-            None => {
-                let mut by = [0.0; 2];
-                if let Some(one) = by.get_mut(k - self.directions.len()) {
-                    *one = step;
-                }
-                self.with_assumed(self.model.clone(), by)
-            }
+            None => self.with_assumed(self.model.clone(), self.assumed_at(k, step)),
         }
+    }
+
+    /// Frequency \[Hz\] and damping of the resonance that is assumed, `step` standard deviations along
+    /// direction `k`; `None` where none is.
+    pub(super) fn assumed_resonance(&self, k: usize, step: f64) -> Option<(f64, f64)> {
+        self.assumed.pair(self.assumed_at(k, step))
+    }
+
+    fn assumed_at(&self, k: usize, step: f64) -> [f64; 2] {
+        let mut by = [0.0; 2];
+        if let Some(one) = k.checked_sub(self.directions.len()).and_then(|index| by.get_mut(index)) {
+            *one = step;
+        }
+        by
     }
 
     fn with_assumed(&self, model: Model, by: [f64; 2]) -> Result<Model, IdentifyError> {

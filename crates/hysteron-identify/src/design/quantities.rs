@@ -9,7 +9,6 @@ use nalgebra::DMatrix;
 
 use super::Purpose;
 use super::prior::Prior;
-use crate::IdentifyError;
 use crate::sensitivity::STEP;
 use hysteron_model::hammerstein::Model;
 use hysteron_numeric::Complex64;
@@ -52,6 +51,23 @@ impl Quantity {
         }
     }
 
+    /// Value along direction `k` of the prior. A resonance that is assumed is the pair of poles by itself: the
+    /// lag of other dynamics would move the frequency that was asked for.
+    fn along(self, prior: &Prior, (k, step): (usize, f64), time_s: f64) -> Option<f64> {
+        match (self, prior.assumed_resonance(k, step)) {
+            (Self::Resonance, Some((frequency_hz, _))) => Some(frequency_hz),
+            (Self::ResonantGain, Some((_, damping))) => {
+                Some((1.0f64 - 0.01).hypot(0.2 * damping) / (2.0 * damping))
+            }
+            _ => self.of(&prior.at(k, step).ok()?, time_s),
+        }
+    }
+
+    /// Nominal value; `None` where the model has no such quantity.
+    pub(super) fn value(self, prior: &Prior, time_s: f64) -> Option<f64> {
+        self.along(prior, (0, 0.0), time_s)
+    }
+
     /// Value for a drive of this time \[s\]; `None` where the model has no such quantity.
     pub(super) fn of(self, model: &Model, time_s: f64) -> Option<f64> {
         match self {
@@ -72,7 +88,7 @@ impl Quantity {
     /// Derivatives along the directions of the prior; `None` where the model has no such quantity.
     pub(super) fn gradient(self, prior: &Prior, time_s: f64) -> Option<Vec<f64>> {
         let along = |k: usize| {
-            let at = |step: f64| prior.at(k, step).ok().and_then(|model| self.of(&model, time_s));
+            let at = |step: f64| self.along(prior, (k, step), time_s);
             Some((at(STEP)? - at(-STEP)?) / (2.0 * STEP))
         };
         (0..prior.count()).map(along).collect()
@@ -90,19 +106,15 @@ pub(super) fn quantities_of(purpose: Purpose) -> &'static [Quantity] {
 }
 
 /// Gradients of quantities, a row each, divided by their values where these are not 0.
-pub(super) fn gradients(
-    quantities: &[Quantity],
-    prior: &Prior,
-    time_s: f64,
-) -> Result<Option<DMatrix<f64>>, IdentifyError> {
-    let model = prior.model()?;
+pub(super) fn gradients(quantities: &[Quantity], prior: &Prior, time_s: f64) -> Option<DMatrix<f64>> {
     let row = |quantity: &Quantity| {
-        let value = quantity.of(&model, time_s)?;
+        let value = quantity.value(prior, time_s)?;
         let scale = if value == 0.0 { 1.0 } else { value };
         Some(quantity.gradient(prior, time_s)?.into_iter().map(|d| d / scale).collect::<Vec<f64>>())
     };
     let rows: Option<Vec<Vec<f64>>> = quantities.iter().map(row).collect();
-    Ok(rows.map(|rows| DMatrix::from_fn(rows.len(), prior.count(), |i, j| rows[i][j])))
+    let rows = rows?;
+    Some(DMatrix::from_fn(rows.len(), prior.count(), |i, j| rows[i][j]))
 }
 
 /// True if the gain falls over the decade above a tenth of one over the time \[s\]; towards a resonance it

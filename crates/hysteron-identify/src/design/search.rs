@@ -46,6 +46,8 @@ const MUCH: usize = 20_000_000;
 const FEWEST_COARSE: usize = 50;
 /// Range of the output over the widest of the records from which it is remarked on.
 const WIDER: f64 = 1.2;
+/// Largest noise: its square is a number, and so are its samples.
+const MOST_NOISE: f64 = 1e50;
 /// Share of the work that choosing the segments is.
 const CHOOSING: f64 = 0.7;
 
@@ -137,7 +139,9 @@ impl Experiment {
         let own_resonance = resonance_hz(&model);
         let top = rate_hz / SAMPLES_A_PERIOD;
         let is_fast = matches!(options.purpose, Purpose::Delay | Purpose::Resonance);
-        let highest_hz = options.highest_hz.unwrap_or_else(|| match own_resonance {
+        let asked_hz = options.resonance_hz.filter(|f| options.purpose == Purpose::Resonance && *f > 0.0);
+        let sought_hz = own_resonance.or(asked_hz);
+        let highest_hz = options.highest_hz.unwrap_or_else(|| match sought_hz {
             Some(resonance) => (ABOVE_RESONANCE * resonance).max(covered).min(top),
             None if is_fast => covered.max(rate_hz / UNDER_RATE).min(top),
             None if covered > 0.0 => covered.min(top),
@@ -153,12 +157,12 @@ impl Experiment {
         if options.purpose == Purpose::Delay {
             undetermined.push(("delay".to_owned(), 0.1 / highest_hz));
         }
-        let assumed = assumed(options, &model, own_resonance, highest_hz, findings);
+        let assumed = assumed(options, &model, own_resonance, &limits, findings);
         let prior = Prior::new(file, &undetermined)?.assuming(assumed);
         let model = prior.model()?;
         let noise = noise(basis, options.noise, rate_hz)?;
         Ok(Self {
-            resonance_hz: resonance_hz(&model),
+            resonance_hz: prior.assumed_resonance(0, 0.0).map(|(f, _)| f).or_else(|| resonance_hz(&model)),
             prior,
             model,
             limits,
@@ -179,7 +183,7 @@ impl Experiment {
     fn objective(&self, purpose: Purpose) -> Result<Objective, IdentifyError> {
         let quantities = quantities_of(purpose);
         if !quantities.is_empty() {
-            let gradients = gradients(quantities, &self.prior, self.time_s)?;
+            let gradients = gradients(quantities, &self.prior, self.time_s);
             let missing = IdentifyError::NothingUncertain { what: purpose.name() };
             return gradients.map(Objective::Quantities).ok_or(missing);
         }
@@ -295,8 +299,8 @@ impl Experiment {
         let mut rows = Vec::new();
         for of in Purpose::ALL {
             for &quantity in quantities_of(of) {
-                let Some(gradient) = gradients(&[quantity], &self.prior, self.time_s)? else { continue };
-                let value = quantity.of(&self.model, self.time_s);
+                let Some(gradient) = gradients(&[quantity], &self.prior, self.time_s) else { continue };
+                let value = quantity.value(&self.prior, self.time_s);
                 // Gradients are relative to the value.
                 let scale = value.map_or(1.0, |v| if v == 0.0 { 1.0 } else { v.abs() });
                 let errors = errors(&Objective::Quantities(gradient * scale), &covariances);
@@ -407,17 +411,26 @@ fn assumed(
     options: &DesignOptions,
     model: &Model,
     own_resonance: Option<f64>,
-    highest_hz: f64,
+    limits: &Limits,
     findings: &mut Vec<Finding>,
 ) -> Assumed {
     match options.purpose {
         Purpose::Resonance if own_resonance.is_none() => {
-            let frequency_hz = options.resonance_hz.unwrap_or(0.5 * highest_hz);
+            let frequency_hz = options.resonance_hz.unwrap_or(0.5 * limits.highest_hz);
             let text = format!(
                 "The model has no resonance: one near {} Hz is assumed, known to a third.",
                 short_to(frequency_hz, 3)
             );
             findings.push(Finding::new(FindingKind::Warning, "resonance", text));
+            if frequency_hz > limits.highest_hz {
+                let text = format!(
+                    "This is above the highest frequency of the drive, {} Hz, which its steps alone exceed: \
+                     choose a sample rate of {} Hz or more.",
+                    short_to(limits.highest_hz, 3),
+                    short_to(ABOVE_RESONANCE * SAMPLES_A_PERIOD * frequency_hz, 2)
+                );
+                findings.push(Finding::new(FindingKind::Warning, "resonance", text));
+            }
             Assumed::Resonance { frequency_hz }
         }
         Purpose::Creep if !creeps(model, options.time_s) => {
@@ -432,10 +445,12 @@ fn assumed(
 
 /// The noise of a record at this rate \[Hz\].
 fn noise(basis: &DesignBasis, given: Option<f64>, rate_hz: f64) -> Result<Noise, IdentifyError> {
-    let refuse =
-        |value| Err(IdentifyError::Option { option: "noise", value, wanted: "a standard deviation above 0" });
+    let refuse = |value| {
+        let wanted = "a standard deviation above 0, of at most 1e50";
+        Err(IdentifyError::Option { option: "noise", value, wanted })
+    };
     match (given, basis.coloured()) {
-        (Some(noise), _) if noise > 0.0 && noise.is_finite() => Ok(Noise::White(noise)),
+        (Some(noise), _) if noise > 0.0 && noise <= MOST_NOISE => Ok(Noise::White(noise)),
         (Some(noise), _) => refuse(noise),
         (None, Some((residual, own_hz))) if (own_hz - rate_hz).abs() < 1e-6 * rate_hz => {
             Ok(Noise::Like(residual.clone()))

@@ -122,6 +122,33 @@ fn creep_and_resonance_are_assumed_where_the_model_has_none() {
 }
 
 #[test]
+fn a_resonance_that_is_assumed_has_the_frequency_asked_for() {
+    // A lag of 5 ms turns the phase by 57° at 50 Hz already: with it G lags by 90° well below 90 Hz.
+    let mut file = file();
+    let lag =
+        TransferFunction::new(vec![Term::new(1.0, 0.0)], vec![Term::new(1.0, 0.0), Term::new(5e-3, 1.0)]);
+    let slow = Model { dynamics: Dynamics::Integer(lag.unwrap()), ..file.to_model().unwrap() };
+    let valid = file.valid_range.clone();
+    file = ModelFile::from_model(&slow, SignalUnits::default());
+    file.set_covariance(&["linear".to_owned()], &DMatrix::from_element(1, 1, 1e-4));
+    file.valid_range = valid;
+    for (resonance_hz, above) in [(90.0, false), (200.0, true)] {
+        let options = DesignOptions {
+            resonance_hz: Some(resonance_hz),
+            highest_hz: above.then_some(150.0),
+            ..options(Purpose::Resonance)
+        };
+        let found = design(&DesignBasis::from(&file), &options, Listener::silent()).unwrap();
+        let values: Vec<f64> = found.expected.iter().filter(|e| e.aim).filter_map(|e| e.value).collect();
+        // 1/(2ζ) over the gain at a tenth, ζ = 0.05.
+        let gain = (0.99_f64.powi(2) + 0.01_f64.powi(2)).sqrt() / 0.1;
+        assert!((values[0] - resonance_hz).abs() < 1e-9 && (values[1] - gain).abs() < 1e-9, "{values:?}");
+        let told = found.findings.iter().any(|f| f.text.contains("above the highest frequency"));
+        assert_eq!(told, above, "{:?}", found.findings);
+    }
+}
+
+#[test]
 fn a_design_needs_a_covariance_limits_and_can_be_stopped() {
     let mut bare = file();
     bare.correlation = None;

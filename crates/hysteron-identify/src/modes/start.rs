@@ -352,8 +352,8 @@ pub(super) fn add_feedback(
     });
 }
 
-/// v and σ of every actuator over the periods, under the linear model.
-fn signals(
+/// v and σ of every actuator over the periods.
+pub(super) fn signals(
     model: &ScheduledModes,
     pieces: &[&RecordPeriod],
     drive_rows: &[f64],
@@ -399,5 +399,6 @@ fn strain_law(z: &[f64], plays: usize) -> StrainLaw {
         product / (variance * z.len().max(1) as f64)
     };
     let slopes = radii.iter().map(slope).collect();
-    StrainLaw { coefficients: vec![0.0; hysteron_model::axes::POWERS + plays], radii, slopes, variance }
+    let coefficients = vec![0.0; hysteron_model::axes::POWERS + plays];
+    StrainLaw { coefficients, radii, slopes, variance, reach: f64::INFINITY }
 }

@@ -5,7 +5,7 @@ use super::exponent::{Exponent, Origin};
 use super::normal::residual;
 use super::records::{Campaign, RecordPeriod};
 use super::search::{From, Ledger, Stage, search};
-use super::start::{add_feedback, linear_start};
+use super::start::{add_feedback, linear_start, signals};
 use super::uncertainty::with_standard_errors;
 use super::{ModesIdentification, Options};
 use crate::findings::say;
@@ -15,7 +15,8 @@ use hysteron_model::axes::{
     AxesRecord, FrequencyMatrix, InfluenceMatrix, Mode, ScheduledModes, SteadyPeriod,
 };
 use hysteron_model::model_file::{ModesFile, SignalUnits};
-use hysteron_numeric::display::short;
+use hysteron_model::record::range_of;
+use hysteron_numeric::display::{short, short_to};
 
 /// Fit of one record.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,6 +59,10 @@ pub struct LevelInfluence {
     /// The matrix, from the frequency response of the records of the level.
     pub matrix: InfluenceMatrix,
 }
+
+/// Reach of the laws of the strains over the largest drive and stress of the records: another record of the same
+/// level goes a little further.
+const REACH: f64 = 1.25;
 
 /// Relative cost of an iteration: linear, hysteresis coefficients alone, all parameters.
 const WORK: [u64; 3] = [2, 4, 20];
@@ -175,6 +180,7 @@ pub(super) fn identify(
         ledger.tell("standard errors", None, Some(&model));
     }
     let quantities = with_standard_errors(&model, (last, options.ridge), &all, watch.stop());
+    set_reach(&mut model, &all);
     let fits = fits(&model, &campaign, records);
     for fit in &fits {
         // NaN fails the check. After a stop any fit is accepted.
@@ -192,6 +198,7 @@ pub(super) fn identify(
     let modes = shifts(&model);
     let influence = influence(&campaign, &start.influence);
     let mut findings = findings(&model, &modes, &influence, &campaign, scheduled.then_some(exponent));
+    findings.extend(unbounded(&model, records));
     if ledger.is_stopped() {
         let text = "the search was interrupted: this is the best so far.".to_owned();
         findings.push(Finding::new(FindingKind::Warning, "search", text));
@@ -210,6 +217,38 @@ pub(super) fn identify(
         top_influence: start.influence,
         model,
     })
+}
+
+/// Lets the laws of the strains end a little beyond the records.
+fn set_reach(model: &mut ScheduledModes, pieces: &[&RecordPeriod]) {
+    let Some(feedback) = &model.feedback else { return };
+    let (drive, stress) = signals(model, pieces, &feedback.drive_rows, &feedback.stress_rows);
+    let reach = |z: &[Vec<f64>]| {
+        let largest = z.iter().flatten().fold(0.0, |most: f64, z| most.max(z.abs()));
+        if largest > 0.0 { REACH * largest } else { f64::INFINITY }
+    };
+    if let Some(feedback) = &mut model.feedback {
+        feedback.drive.reach = reach(&drive);
+        for (law, z) in feedback.stress.iter_mut().zip(&stress) {
+            law.reach = reach(std::slice::from_ref(z));
+        }
+    }
+}
+
+/// Whether the model comes to rest within the range of its records.
+fn unbounded(model: &ScheduledModes, records: &[AxesRecord]) -> Option<Finding> {
+    let ends = records.iter().flat_map(|record| &record.u).map(|u| range_of(u));
+    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let wave = model.goes_on_after([low, high])?;
+    let unit = records.first().map_or_else(String::new, |record| record.u_unit.spaced());
+    let text = format!(
+        "after a square wave of ± {}{unit} at {} Hz on all inputs, within the range of the records, the \
+         motion of the model does not come to rest: such drives are beyond what the records hold at a \
+         resonance. Limit the slew rate, or add records with more drive there.",
+        short_to(wave.amplitude, 2),
+        short_to(wave.frequency_hz, 3)
+    );
+    Some(Finding::new(FindingKind::Warning, "stability", text))
 }
 
 fn stages(options: &Options, scheduled: bool) -> Vec<Stage> {

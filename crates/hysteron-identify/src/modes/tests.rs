@@ -44,6 +44,7 @@ fn model() -> ScheduledModes {
         radii: vec![0.1, 0.3, 0.8],
         slopes: vec![0.9, 0.6, 0.2],
         variance: 0.5,
+        reach: f64::INFINITY,
     };
     ScheduledModes {
         inputs: n,

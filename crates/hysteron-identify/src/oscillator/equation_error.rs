@@ -46,7 +46,7 @@ pub(super) struct EquationError {
     pub size: f64,
     /// m, c and k + α of the best linear oscillator.
     pub linear: [f64; 3],
-    /// Lowest and highest frequency used \[Hz\].
+    /// Lowest frequency of the force and highest used \[Hz\].
     pub band_hz: (f64, f64),
 }
 
@@ -114,7 +114,8 @@ impl EquationError {
             spectra.push([of(&motion.acceleration), of(&motion.velocity), of(&motion.y), of(&force)]);
             power += motion.y.iter().map(|y| y * y).sum::<f64>();
             count += samples;
-            band = (band.0.min(first as f64 * resolution), band.1.max(last as f64 * resolution));
+            let lowest = first_line(&spectrum).max(first) as f64 * resolution;
+            band = (band.0.min(lowest), band.1.max(last as f64 * resolution));
             let path = InterSample::BandLimited.upsample(&motion.y, FINER, piece.ends())?;
             let start = match piece.start {
                 Start::Settled { .. } => Start::PERIODIC,
@@ -288,6 +289,17 @@ fn last_line(spectrum: &[Complex64], samples: usize) -> usize {
         above > BEYOND * total
     });
     beyond.unwrap_or(highest).min(highest)
+}
+
+/// The lowest line of the force: below it lies as little of its power as above [`last_line`].
+fn first_line(spectrum: &[Complex64]) -> usize {
+    let total: f64 = spectrum.iter().map(|c| c.norm_sqr()).sum();
+    let mut below = 0.0;
+    let within = spectrum.iter().position(|c| {
+        below += c.norm_sqr();
+        below > BEYOND * total
+    });
+    within.unwrap_or(0)
 }
 
 /// Displacement low-passed at `highest_hz`, and its derivatives. A non-periodic record is extended as in

@@ -94,6 +94,7 @@ pub fn device() -> ScheduledModes {
         radii: vec![0.15, 0.5],
         slopes: vec![0.7, 0.3],
         variance,
+        reach: f64::INFINITY,
     };
     d.feedback = Some(FeedbackStrain {
         drive_rows,

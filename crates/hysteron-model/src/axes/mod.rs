@@ -27,7 +27,7 @@ pub use influence::InfluenceMatrix;
 pub use modes::pole;
 pub use modes::{
     AtLevel, FeedbackStrain, HeldModes, HeldSimulation, LevelLaw, LevelTracker, Mode, ScheduledModes,
-    StrainLaw, Streaming, Trajectory, simulate_steady,
+    SquareWave, StrainLaw, Streaming, Trajectory, simulate_steady,
 };
 #[doc(hidden)]
 pub use modes::{LARGEST_POLE, POWERS, frequency, linear_states};

@@ -93,6 +93,8 @@ pub struct Compensation {
     pub preview: usize,
     /// Longest useful preview in samples.
     pub useful_preview: usize,
+    /// True if more would be of use, but the gains on the reference end there.
+    pub preview_is_cut: bool,
     /// The rate \[Hz\].
     pub sample_rate_hz: f64,
     /// Tracking bandwidth \[Hz\]; infinite for a static model.
@@ -154,6 +156,7 @@ impl Compensation {
             reference,
             preview,
             useful_preview,
+            preview_is_cut: ahead.len() == MOST_AHEAD && useful_preview + 1 == late + MOST_AHEAD,
             sample_rate_hz,
             bandwidth_hz,
             noise_gain: 0.0,

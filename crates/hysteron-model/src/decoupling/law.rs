@@ -67,6 +67,8 @@ pub struct DecouplingLaw {
     pub preview: usize,
     /// Longest useful preview \[samples\].
     pub useful_preview: usize,
+    /// True if more would be of use, but the gains on the references end there.
+    pub preview_is_cut: bool,
     /// Bandwidth \[Hz\].
     pub bandwidth_hz: f64,
 }
@@ -127,6 +129,7 @@ impl DecouplingLaw {
             level,
             preview,
             useful_preview,
+            preview_is_cut: useful_preview + 1 == MOST_AHEAD,
             bandwidth_hz,
         })
     }

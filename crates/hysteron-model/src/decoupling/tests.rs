@@ -68,6 +68,7 @@ fn device(outputs: usize) -> ScheduledModes {
         radii: vec![0.05, 0.2],
         slopes: vec![0.8, 0.5],
         variance: 0.1,
+        reach: f64::INFINITY,
     };
     d.feedback = Some(FeedbackStrain {
         drive_rows: rows,

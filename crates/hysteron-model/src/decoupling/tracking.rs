@@ -86,6 +86,8 @@ pub struct AxesTracking {
     pub scored: Range<usize>,
     /// Stroke of every reference over the scored samples \[µm\].
     pub strokes: Vec<f64>,
+    /// The law of the sample-by-sample controller.
+    pub law: DecouplingLaw,
     /// Gain of the integral per sample, and the frequency at which its loop gain is 1 \[Hz\].
     pub integral: (f64, f64),
     /// Every controller.
@@ -200,7 +202,7 @@ pub fn track_axes(
         });
     }
     let integral = (bench.gain, bench.gain * sample_rate_hz / TAU);
-    Ok(AxesTracking { sample_rate_hz, scored, strokes, integral, runs })
+    Ok(AxesTracking { sample_rate_hz, scored, strokes, law: bench.law, integral, runs })
 }
 
 /// rms and largest deviation from the reference about their mean.

@@ -2,7 +2,8 @@
 
 use serde::{Serialize, Serializer};
 
-use super::Model;
+use super::{Model, Preview};
+use crate::Finding;
 use crate::axes::AxesRecord;
 use crate::decoupling::{AxesController, AxesTracking};
 use crate::record::{Channel, Keyed, Record, RecordError};
@@ -18,10 +19,16 @@ pub struct AxesTrackingSummary {
     pub axes: Vec<String>,
     /// Stroke of every reference.
     pub strokes: Vec<f64>,
+    /// Bandwidth of the inverse \[Hz\].
+    pub bandwidth_hz: f64,
+    /// Preview of the sample-by-sample controller.
+    pub preview_samples: usize,
     /// Frequency at which the gain of the integral's loop is 1 \[Hz\].
     pub integral_crossover_hz: f64,
     /// Every controller.
     pub controllers: Vec<AxesControllerSummary>,
+    /// What to know of the inverse.
+    pub findings: Vec<Finding>,
     /// Symbol of the unit of the outputs.
     pub output_unit: String,
 }
@@ -101,7 +108,13 @@ impl AxesTrackingSummary {
                 samples_at_limits: run.held_back,
             })
             .collect();
+        let law = &found.law;
+        let mut findings = model.decoupling_findings(law.level, law.bandwidth_hz);
+        findings.extend(Preview::from(law).finding(None));
         Self {
+            bandwidth_hz: law.bandwidth_hz,
+            preview_samples: law.preview,
+            findings,
             sample_rate_hz: found.sample_rate_hz,
             scored_from_s: found.scored.start as f64 / found.sample_rate_hz,
             strokes: found.strokes.clone(),
@@ -133,8 +146,11 @@ impl Serialize for AxesTrackingSummary {
             .with("scored_from_s", self.scored_from_s)
             .with("axes", &self.axes)
             .in_unit("strokes", output, &self.strokes)
+            .with("bandwidth_hz", self.bandwidth_hz)
+            .with("preview_samples", self.preview_samples)
             .with("integral_crossover_hz", self.integral_crossover_hz)
             .with("controllers", self.controllers.iter().map(controller).collect::<Vec<_>>())
+            .with("findings", &self.findings)
             .serialize(serializer)
     }
 }

@@ -2,13 +2,14 @@
 
 use serde::{Serialize, Serializer};
 
-use super::{Capability, Model, Preview, RunError, SignalRole, Unsupported};
+use super::{Capability, Model, Preview, Remark, RunError, SignalRole, Unsupported};
 use crate::axes::{AxesRecord, ScheduledModes};
 use crate::compensator::Limits;
 use crate::decoupling::{
     AxesDrive, DecouplingLaw, DecouplingOptions, LawOptions, decouple, decouple_branches,
 };
 use crate::record::{Keyed, Unit, key_in, range_of};
+use crate::{Finding, FindingKind};
 
 impl Model {
     /// Drives of all actuators with which the outputs follow `references`: a record whose inputs are the
@@ -71,12 +72,30 @@ impl Model {
         Some(vec![Limits::range(range.low, range.high); inputs.len()])
     }
 
-    /// Lowest and highest level identified, where `level` is beyond them: the modes are those of the nearest
-    /// then.
-    pub fn beyond_levels(&self, level: f64) -> Option<(f64, f64)> {
+    /// What to know of an inverse for drives of this level (rms) with this bandwidth \[Hz\], for models of
+    /// several axes.
+    pub fn decoupling_findings(&self, level: f64, bandwidth_hz: f64) -> Vec<Finding> {
+        let swings = self.valid_range().and_then(|range| range.frequency.as_ref()).map(|swings| swings.high);
+        let fast = swings
+            .filter(|identified_hz| bandwidth_hz > *identified_hz)
+            .map(|identified_hz| Remark::BandwidthExtrapolates { bandwidth_hz, identified_hz });
+        let warning = |(topic, remark): (&'static str, Remark)| {
+            let (text, _) = remark.in_words(self);
+            Finding::new(FindingKind::Warning, topic, text + ".")
+        };
+        let level = self.beyond_levels(level).map(|remark| ("level", remark));
+        level.into_iter().chain(fast.map(|remark| ("bandwidth", remark))).map(warning).collect()
+    }
+
+    /// The remark on a level (rms) beyond those identified.
+    pub(super) fn beyond_levels(&self, level: f64) -> Option<Remark> {
         let Self::Modes(body) = self else { return None };
         let law = &body.law().level;
-        (!law.holds_at(level)).then_some((law.lowest, law.highest))
+        (!law.holds_at(level)).then(|| Remark::LevelExtrapolates {
+            level,
+            identified: (law.lowest, law.highest),
+            unit: Unit::new(&self.units().input),
+        })
     }
 
     fn check_references(&self, references: &AxesRecord) -> Result<(), RunError> {
@@ -103,8 +122,6 @@ pub struct DecoupledSummary {
     pub preview: Option<Preview>,
     /// Level of the drive for which the modes were taken, rms.
     pub level: f64,
-    /// Levels identified, where that is beyond them.
-    pub beyond_levels: Option<(f64, f64)>,
     /// Rounds of the iteration.
     pub rounds: usize,
     /// Relative rms error of the model's linear response at this rate; 0 where it is exact.
@@ -113,6 +130,8 @@ pub struct DecoupledSummary {
     pub actuators: Vec<ActuatorSummary>,
     /// Every axis.
     pub axes: Vec<AxisSummary>,
+    /// What to know of them.
+    pub findings: Vec<Finding>,
     /// Symbol of the unit of the inputs.
     pub input_unit: String,
     /// Symbol of the unit of the outputs.
@@ -188,11 +207,11 @@ impl DecoupledSummary {
             bandwidth_hz: found.bandwidth_hz,
             preview,
             level: found.level,
-            beyond_levels: model.beyond_levels(found.level),
             rounds: found.rounds,
             rate_error: found.rate_error,
             actuators: inputs.iter().zip(&found.drive).enumerate().map(actuator).collect(),
             axes: outputs.iter().zip(&references.u).enumerate().map(axis).collect(),
+            findings: model.decoupling_findings(found.level, found.bandwidth_hz),
             input_unit: model.units().input.clone(),
             output_unit: model.units().output.clone(),
         }
@@ -229,6 +248,7 @@ impl Serialize for DecoupledSummary {
             .with("rate_error", self.rate_error)
             .with("actuators", self.actuators.iter().map(actuator).collect::<Vec<_>>())
             .with("axes", self.axes.iter().map(axis).collect::<Vec<_>>())
+            .with("findings", &self.findings)
             .serialize(serializer)
     }
 }

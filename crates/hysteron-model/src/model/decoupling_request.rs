@@ -3,11 +3,11 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{DecoupledSummary, Model, Preview, RunError};
+use super::{DecoupledSummary, Model, Preview, RunError, ends_apart};
 use crate::axes::AxesRecord;
 use crate::compensator::Limits;
 use crate::decoupling::{AxesDrive, DecouplingError, DecouplingOptions, LawOptions};
-use crate::record::{Channel, Record, RecordError};
+use crate::record::{Channel, Record, RecordError, Unit};
 
 /// Drives of all actuators, or their controller, as they are asked for; what is left out takes its default.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -80,7 +80,7 @@ impl Model {
             Some(_) if request.periodic => return Err(DecouplingError::Repeats.into()),
             Some(_) => {
                 let (found, law) = self.decouple_by_sample(references, &request.law(), &limits)?;
-                (found, Some(Preview { samples: law.preview, useful: law.useful_preview }))
+                (found, Some(Preview::from(&law)))
             }
             None => {
                 let options = DecouplingOptions {
@@ -92,7 +92,14 @@ impl Model {
                 (self.decouple(references, &options)?, None)
             }
         };
-        let summary = DecoupledSummary::new(self, references, &found, law);
+        let mut summary = DecoupledSummary::new(self, references, &found, law);
+        if request.periodic {
+            let (_, outputs) = self.channels().unwrap_or((&[], &[]));
+            let unit = Unit::new(&self.units().output);
+            let named = references.u.iter().zip(outputs);
+            summary.findings.extend(named.filter_map(|(r, name)| ends_apart(r, Some(name), &unit)));
+        }
+        summary.findings.extend(law.and_then(|preview| preview.finding(request.preview)));
         Ok((found, summary))
     }
 

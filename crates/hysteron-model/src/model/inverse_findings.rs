@@ -10,6 +10,9 @@ use hysteron_numeric::display::{short, short_to};
 /// A gain at rest that differs by more than this factor from that of the slowest record is extrapolated.
 pub const FAR_FROM_REST: f64 = 1.25;
 
+/// Jump from the last sample of a period to its first, over the largest step within, that is told.
+const FARTHER_THAN_A_STEP: f64 = 2.0;
+
 impl Hammerstein {
     /// Gain at rest over that at the lowest frequency of the records it was identified from, and that
     /// frequency \[Hz\]; infinite for unbounded creep. `None` for a static model, or one whose records had no
@@ -82,6 +85,26 @@ impl Hammerstein {
         }
         findings
     }
+}
+
+/// That a reference in the unit `output`, which is to repeat, does not end where it begins; `name`: its name
+/// among several.
+pub fn ends_apart(reference: &[f64], name: Option<&str>, output: &Unit) -> Option<Finding> {
+    let (first, last) = (reference.first()?, reference.last()?);
+    let jump = (first - last).abs();
+    let step = reference.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
+    if jump <= FARTHER_THAN_A_STEP * step {
+        return None;
+    }
+    let text = format!(
+        "As a period the reference{} jumps from its last sample to its first by {}{unit}; its largest step is \
+         {}{unit}. Give one or more whole periods.",
+        name.map(|name| format!(" {name}")).unwrap_or_default(),
+        short(jump),
+        short(step),
+        unit = output.spaced()
+    );
+    Some(Finding::new(FindingKind::Warning, "period", text))
 }
 
 /// True if a range exceeds the one of the records by more than its width on either side.

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Hammerstein;
 use crate::compensator::{Compensation, CompensatorOptions, Limits, Prediction};
+use crate::decoupling::DecouplingLaw;
 use crate::invert::{InverseDrive, InverseOptions, InversionError, LastRun};
 use crate::misfit::NotCorrected;
 use crate::realise::RealiseOptions;
@@ -43,13 +44,31 @@ pub struct InverseRequest {
 pub struct Preview {
     /// Samples used.
     pub samples: usize,
-    /// Samples beyond which more are of little use.
+    /// Samples beyond which more are of little use, or the most that a law takes where it is `cut`.
     pub useful: usize,
+    /// True if more would be of use than a law takes.
+    pub cut: bool,
 }
 
 impl Preview {
-    /// What is to be said where more samples ahead were `asked` for than affect the drive.
+    /// The preview in a sentence.
+    pub fn in_words(self) -> String {
+        let Self { samples, useful, cut } = self;
+        let others = if cut { "the most that there are" } else { "more are of little use" };
+        format!("Computed sample by sample, with a preview of {samples} samples ({useful}: {others}).")
+    }
+
+    /// What is to be said where more samples ahead were `asked` for than affect the drive, or would be of use
+    /// than a law takes.
     pub fn finding(self, asked: Option<usize>) -> Option<Finding> {
+        if self.cut && self.samples >= self.useful {
+            let text = format!(
+                "The preview is {} samples, the most that there are. At this sample rate more would be of use: \
+                 the reference is taken to stay after them. At a lower rate they reach further.",
+                self.samples
+            );
+            return Some(Finding::new(FindingKind::Warning, "preview", text));
+        }
         let asked = asked.filter(|asked| *asked > self.samples)?;
         let text = format!(
             "Of the preview of {asked} samples {used} are used: later ones do not affect the drive. A \
@@ -62,7 +81,13 @@ impl Preview {
 
 impl From<&Compensation> for Preview {
     fn from(law: &Compensation) -> Self {
-        Self { samples: law.preview, useful: law.useful_preview }
+        Self { samples: law.preview, useful: law.useful_preview, cut: law.preview_is_cut }
+    }
+}
+
+impl From<&DecouplingLaw> for Preview {
+    fn from(law: &DecouplingLaw) -> Self {
+        Self { samples: law.preview, useful: law.useful_preview, cut: law.preview_is_cut }
     }
 }
 

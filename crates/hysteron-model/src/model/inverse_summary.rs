@@ -129,7 +129,8 @@ impl Serialize for InverseSummary {
             .with("noise_gain", self.noise_gain);
         let told = match self.preview {
             Some(preview) => {
-                told.with("preview_samples", preview.samples).with("useful_preview_samples", preview.useful)
+                let told = told.with("preview_samples", preview.samples);
+                told.with("useful_preview_samples", preview.useful).with("preview_is_cut", preview.cut)
             }
             None => told,
         };
@@ -178,7 +179,11 @@ impl<'de> Deserialize<'de> for InverseSummary {
             error_at_bandwidth: keyed.get("error_at_bandwidth")?,
             noise_gain: keyed.get("noise_gain")?,
             preview: match keyed.get("preview_samples")? {
-                Some(samples) => Some(Preview { samples, useful: keyed.get("useful_preview_samples")? }),
+                Some(samples) => Some(Preview {
+                    samples,
+                    useful: keyed.get("useful_preview_samples")?,
+                    cut: keyed.get("preview_is_cut")?,
+                }),
                 None => None,
             },
             predicted_rms_error: keyed.get_in_unit("predicted_rms_error", output)?,

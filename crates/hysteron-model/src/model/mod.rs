@@ -33,7 +33,7 @@ pub use decoupled::{ActuatorSummary, AxisSummary, DecoupledSummary};
 pub use decoupling_request::DecouplingRequest;
 pub use error::{RunError, SignalRole};
 #[doc(hidden)]
-pub use inverse_findings::FAR_FROM_REST;
+pub use inverse_findings::{FAR_FROM_REST, ends_apart};
 pub use inverse_request::{InverseRequest, Preview};
 pub use inverse_summary::{ErrorForecast, InverseSummary};
 pub use remark::Remark;

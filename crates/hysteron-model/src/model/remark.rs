@@ -39,6 +39,11 @@ pub enum Remark {
     /// The model was identified on settled periodic records, or takes one to be settled; this drive does not
     /// repeat, and the device is assumed to start at rest.
     DoesNotRepeat,
+    /// A drive that repeats is taken to be settled.
+    TakenAsSettled {
+        /// Samples of its period.
+        period_samples: usize,
+    },
     /// Another start than the expected one explains the record better.
     StartChosen {
         /// The start taken.
@@ -57,6 +62,13 @@ pub enum Remark {
     Settling {
         /// Number of samples.
         samples: usize,
+    },
+    /// The bandwidth of an inverse exceeds the frequencies identified.
+    BandwidthExtrapolates {
+        /// Bandwidth \[Hz\].
+        bandwidth_hz: f64,
+        /// Highest frequency identified \[Hz\].
+        identified_hz: f64,
     },
     /// A drive or a reference exceeds the frequencies identified: beyond them the model extrapolates, and a
     /// predicted error does not include this.
@@ -92,11 +104,20 @@ impl Remark {
             ),
             Self::LevelExtrapolates { level, identified, unit } => (
                 format!(
-                    "the inputs have {} {unit} rms, the model was identified from {} to {} {unit}: it \
-                     extrapolates, with the modes of the nearest level",
+                    "the level of the inputs is {} {unit} rms, the model was identified from {} to {} \
+                     {unit}: it extrapolates, with the modes of the nearest level",
                     short(*level),
                     short(identified.0),
                     short(identified.1),
+                ),
+                None,
+            ),
+            Self::BandwidthExtrapolates { bandwidth_hz, identified_hz } => (
+                format!(
+                    "the bandwidth is {} Hz, the model was identified up to {} Hz: beyond that the inverse \
+                     follows a response that was not measured, and the drives may go from limit to limit",
+                    short(*bandwidth_hz),
+                    short(*identified_hz),
                 ),
                 None,
             ),
@@ -109,6 +130,13 @@ impl Remark {
                     "the model was identified on settled periodic records; this drive does not repeat and is \
                      taken to start at rest{}",
                     if model.rests_at_a_voltage() { " at its first sample" } else { "" }
+                ),
+                start,
+            ),
+            Self::TakenAsSettled { period_samples } => (
+                format!(
+                    "the drive repeats every {period_samples} samples and is taken to have done so for ever: \
+                     the output is that of its steady state"
                 ),
                 start,
             ),

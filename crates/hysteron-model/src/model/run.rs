@@ -29,7 +29,13 @@ impl Model {
     /// [`RunError`]: other units or channels, no or another sample rate where one is needed, a motion that
     /// cannot be simulated, an output that is not finite.
     pub fn simulate(&self, signals: &Signals, start: Start) -> Result<Simulation, RunError> {
-        self.simulated(signals, start)?.finite()
+        let mut found = self.simulated(signals, start)?.finite()?;
+        if let (Start::AsIdentified, Start::Settled { period_samples: Some(period_samples), .. }) =
+            (start, &found.start)
+        {
+            found.remarks.push(Remark::TakenAsSettled { period_samples: *period_samples });
+        }
+        Ok(found)
     }
 
     fn simulated(&self, signals: &Signals, start: Start) -> Result<Simulation, RunError> {
@@ -297,16 +303,7 @@ impl Model {
         let outputs = match self {
             Self::Modes(body) => {
                 match &period {
-                    Some(SteadyPeriod { level, .. }) => {
-                        let law = &body.law.level;
-                        if !law.holds_at(*level) {
-                            remarks.push(Remark::LevelExtrapolates {
-                                level: *level,
-                                identified: (law.lowest, law.highest),
-                                unit: Unit::new(&units.input),
-                            });
-                        }
-                    }
+                    Some(SteadyPeriod { level, .. }) => remarks.extend(self.beyond_levels(*level)),
                     None => remarks.push(Remark::DoesNotRepeat),
                 }
                 body.law.simulate(&record.u, rate, InterSample::BandLimited, settled)?

@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::{ModelFile, ModelFileError, Quantity, polynomial_name};
 use crate::dynamics::{Dynamics, TransferFunction};
 use crate::hammerstein::Model;
+use hysteron_numeric::display::exact;
 
 /// Most numbers whose correlation a file may hold; a power law with 40 poles and
 /// as many zeros has 163.
@@ -247,11 +248,13 @@ impl ModelFile {
                 let sound = value.is_finite() && value.abs() <= 1.0 + ROUNDING;
                 if !sound || (i == j && (value - 1.0).abs() > ROUNDING) {
                     let expected = if i == j { "1" } else { "a number from -1 to 1" };
-                    return refuse(format!("matrix[{i}][{j}]: expected {expected}, found {value}"));
+                    return refuse(format!("matrix[{i}][{j}]: expected {expected}, found {}", exact(value)));
                 }
                 if !mirror.is_finite() || (value - mirror).abs() > ROUNDING {
                     return refuse(format!(
-                        "not symmetric: matrix[{i}][{j}] is {value}, matrix[{j}][{i}] is {mirror}"
+                        "not symmetric: matrix[{i}][{j}] is {}, matrix[{j}][{i}] is {}",
+                        exact(value),
+                        exact(mirror)
                     ));
                 }
             }

@@ -127,6 +127,9 @@ pub struct LawEntry {
     pub slopes: Vec<f64>,
     /// s².
     pub variance: f64,
+    /// Largest |z|; beyond it the law stays. Null: none, of files before there was one.
+    #[serde(default)]
+    pub reach: Option<f64>,
 }
 
 /// A quantity that follows from a model, with its standard error.
@@ -178,15 +181,15 @@ pub struct ModesScoreEntry {
 
 impl From<&StrainLaw> for LawEntry {
     fn from(law: &StrainLaw) -> Self {
-        let StrainLaw { coefficients, radii, slopes, variance } = law.clone();
-        Self { coefficients, radii, slopes, variance }
+        let StrainLaw { coefficients, radii, slopes, variance, reach } = law.clone();
+        Self { coefficients, radii, slopes, variance, reach: Some(reach).filter(|reach| reach.is_finite()) }
     }
 }
 
 impl From<&LawEntry> for StrainLaw {
     fn from(law: &LawEntry) -> Self {
-        let LawEntry { coefficients, radii, slopes, variance } = law.clone();
-        Self { coefficients, radii, slopes, variance }
+        let LawEntry { coefficients, radii, slopes, variance, reach } = law.clone();
+        Self { coefficients, radii, slopes, variance, reach: reach.unwrap_or(f64::INFINITY) }
     }
 }
 

@@ -11,6 +11,18 @@ pub const ABOUT_ERRORS: &str = "Errors are those of the true displacement, their
     the stroke of the axis, the worst axis. Cross-coupling: motion of an axis that is to stay while another \
     moves along its reference alone, in per cent of that stroke, the worst pair.";
 
+/// Bandwidth and preview of the inverse, the integral, what to know of them.
+pub fn sentences(found: &AxesTrackingSummary) -> Vec<String> {
+    let mut lines = vec![format!(
+        "Bandwidth {} Hz; preview {} samples. Integral: crossover {} Hz.",
+        significant(found.bandwidth_hz, 3),
+        found.preview_samples,
+        significant(found.integral_crossover_hz, 3)
+    )];
+    lines.extend(found.findings.iter().map(ToString::to_string));
+    lines
+}
+
 /// A row per controller.
 pub fn errors(found: &AxesTrackingSummary) -> Listing {
     let unit = Unit::new(&found.output_unit).to_string();

@@ -63,22 +63,10 @@ pub fn sentences(found: &DecoupledSummary) -> Vec<String> {
         significant(1.0 / found.sample_rate_hz, 4)
     )];
     if let Some(preview) = found.preview {
-        lines.push(format!(
-            "Computed sample by sample, with a preview of {} samples; more than {} are of little use.",
-            preview.samples, preview.useful
-        ));
+        lines.push(preview.in_words());
     }
     if found.level > 0.0 {
-        lines.push(match found.beyond_levels {
-            None => format!("Modes as at a drive of {} {input} rms.", significant(found.level, 3)),
-            Some((low, high)) => format!(
-                "Warning: the level of {} {input} rms is beyond those identified, {} to {} {input}: the modes \
-                 are those of the nearest.",
-                significant(found.level, 3),
-                significant(low, 3),
-                significant(high, 3)
-            ),
-        });
+        lines.push(format!("Modes as at a drive of {} {input} rms.", significant(found.level, 3)));
     }
     if found.rate_error > 0.0 {
         lines.push(format!(
@@ -88,5 +76,6 @@ pub fn sentences(found: &DecoupledSummary) -> Vec<String> {
     }
     let worst = found.axes.iter().fold(0.0_f64, |most, one| most.max(one.rms));
     lines.push(format!("Worst axis: {} {output} rms.", significant(worst, 3)));
+    lines.extend(found.findings.iter().map(ToString::to_string));
     lines
 }

@@ -8,7 +8,7 @@ use hysteron_model::record::Unit;
 use crate::figure::{Axis, Colour, Dash, Figure, Panel, Series, Style};
 use crate::number::significant;
 use crate::page::{Block, Highlight, Page, Section};
-use crate::results::axes_tracking::{ABOUT_ERRORS, errors};
+use crate::results::axes_tracking::{ABOUT_ERRORS, errors, sentences};
 
 /// A comparison of controllers with what it was made from.
 pub struct AxesTracked<'a> {
@@ -31,11 +31,10 @@ pub struct AxesTracked<'a> {
 /// The page; `maker`: who made it, and by which command.
 pub fn axes_page(of: &AxesTracked<'_>, maker: &Maker) -> Page {
     let mut result = Section::new("Tracking error and cross-coupling of each controller");
-    result = result.blocks(highlights(of)).block(Block::paragraph(format!(
-        "Simulated on the bench of several axes ({}). Integral: crossover {} Hz.",
-        of.stage,
-        significant(of.summary.integral_crossover_hz, 3)
-    )));
+    result = result
+        .blocks(highlights(of))
+        .block(Block::paragraph(format!("Simulated on the bench of several axes ({}).", of.stage)));
+    let result = result.blocks(sentences(of.summary).into_iter().map(Block::paragraph));
     let result = result.block(errors(of.summary).for_page(1).note(ABOUT_ERRORS));
     let mut page = Page::new(format!("Following {} on several axes (simulated)", of.name))
         .section(result)

@@ -74,7 +74,13 @@ mod tests {
         let numbers = |count: usize, seed: f64| -> Vec<f64> {
             (0..count).map(|k| (seed + 1.7 * k as f64).sin()).collect()
         };
-        let law = || StrainLaw { coefficients: vec![], radii: vec![], slopes: vec![], variance: 1.0 };
+        let law = || StrainLaw {
+            coefficients: vec![],
+            radii: vec![],
+            slopes: vec![],
+            variance: 1.0,
+            reach: f64::INFINITY,
+        };
         let model = ScheduledModes {
             inputs: n,
             outputs: 1,

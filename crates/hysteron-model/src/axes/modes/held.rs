@@ -43,6 +43,8 @@ const WORST: f64 = 0.05;
 pub struct HeldModes {
     /// The model; its sample rate is the controller's.
     pub model: ScheduledModes,
+    /// Modes of the model at its own rate; more pairs of poles match the inputs at another.
+    pub own_modes: usize,
     /// Relative rms error of its linear response over the model's band; 0 where it is exact.
     pub error: f64,
 }
@@ -62,16 +64,16 @@ impl ScheduledModes {
         if steps.round() >= 1.0 && (steps - steps.round()).abs() < 1e-9 * steps && steps.round() <= 64.0 {
             let model =
                 ScheduledModes { sample_rate_hz: rate_hz, steps: steps.round() as usize, ..self.clone() };
-            return Ok(HeldModes { model, error: 0.0 });
+            return Ok(HeldModes { model, own_modes: self.modes, error: 0.0 });
         }
         if rate_hz < self.sample_rate_hz {
             return Err(refused(f64::INFINITY));
         }
         let substeps = (steps - 1e-9).ceil().max(1.0);
         match refitted(self, rate_hz * substeps) {
-            Some(HeldModes { model, error }) if error <= WORST => {
+            Some(HeldModes { model, error, .. }) if error <= WORST => {
                 let model = ScheduledModes { sample_rate_hz: rate_hz, steps: substeps as usize, ..model };
-                Ok(HeldModes { model, error })
+                Ok(HeldModes { model, own_modes: self.modes, error })
             }
             found => Err(refused(found.map_or(f64::INFINITY, |held| held.error))),
         }
@@ -137,7 +139,7 @@ fn refitted(model: &ScheduledModes, rate_hz: f64) -> Option<HeldModes> {
         feedback.drive_rows = flat(&at_high, m, m + n, 0..states + n);
         feedback.stress_rows = flat(&at_high, m + n, m + 2 * n, 0..states + n);
     }
-    Some(HeldModes { model: held, error: at_high.error.max(at_low.error) })
+    Some(HeldModes { model: held, own_modes: modes, error: at_high.error.max(at_low.error) })
 }
 
 /// The pole of a lag at another rate; one that is not positive has decayed.
@@ -179,8 +181,7 @@ fn at_end(model: &ScheduledModes, held: &ScheduledModes, s: f64, ratio: f64) -> 
         signals.extend((0..n).map(|i| if i == u { Complex64::ONE } else { Complex64::ZERO }));
         signals
     };
-    let (mut own, mut basis, mut own_strain, mut basis_strain) =
-        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let (mut own, mut basis) = (Vec::new(), Vec::new());
     for f in frequencies(model, s) {
         let angle = TAU * f / held.sample_rate_hz;
         let hold = (1.0 - Complex64::from_polar(1.0, -angle)) / Complex64::new(0.0, angle);
@@ -190,12 +191,6 @@ fn at_end(model: &ScheduledModes, held: &ScheduledModes, s: f64, ratio: f64) -> 
             let target = |x: Vec<Complex64>| x.into_iter().map(|x| x * hold).collect::<Vec<_>>();
             own.push(target(response((fine, &at.transition, model, &model.input, u))));
             basis.push(response((coarse, &transition, held, &held.input, u)));
-            let mut strain = response((fine, &at.transition, model, &model.strain_input, u));
-            let mut strain_basis = response((coarse, &transition, held, &held.strain_input, u));
-            strain.truncate(own_states);
-            strain_basis.truncate(states);
-            own_strain.push(target(strain));
-            basis_strain.push(strain_basis);
         }
     }
     let of = |row: &[f64], x: &[Complex64]| -> Complex64 { row.iter().zip(x).map(|(c, x)| x * *c).sum() };
@@ -226,16 +221,16 @@ fn at_end(model: &ScheduledModes, held: &ScheduledModes, s: f64, ratio: f64) -> 
         }
         rows.push(row);
     }
-    // The feedthrough of the strains takes up, in the mean, what the states do not explain.
+    // The feedthrough of the strains takes up what the states do not explain at rest.
     let mut strain_feedthrough = vec![0.0; m * n];
     for o in 0..m {
         for u in 0..n {
-            let places = (u..own_strain.len()).step_by(n);
-            let count = places.len().max(1) as f64;
-            let left = places.map(|k| {
-                (of(&targets[o][..own_states], &own_strain[k]) - of(&rows[o][..states], &basis_strain[k])).re
-            });
-            strain_feedthrough[o * n + u] = model.strain_feedthrough[o * n + u] + left.sum::<f64>() / count;
+            let one = Complex64::ONE;
+            let own = response((one, &at.transition, model, &model.strain_input, u));
+            let new = response((one, &transition, held, &held.strain_input, u));
+            let left =
+                of(&targets[o][..own_states], &own[..own_states]) - of(&rows[o][..states], &new[..states]);
+            strain_feedthrough[o * n + u] = model.strain_feedthrough[o * n + u] + left.re;
         }
     }
     let error = (missed / f64::max(all, f64::MIN_POSITIVE)).sqrt();

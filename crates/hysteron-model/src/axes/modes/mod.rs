@@ -25,6 +25,7 @@
 //! levels (`docs/theory/scheduled-modes.md`). Linear in amplitude is the Rayleigh law of ferroelectric
 //! ceramics (D. A. Hall, *J. Mater. Sci.* 36 (2001) 4575, doi:10.1023/A:1017959111402).
 
+mod bounded;
 mod columns;
 mod held;
 mod held_simulation;
@@ -34,6 +35,7 @@ mod strain;
 mod streaming;
 mod trajectory;
 
+pub use bounded::SquareWave;
 pub use held::HeldModes;
 pub use held_simulation::HeldSimulation;
 pub use level::{LevelLaw, LevelTracker};

@@ -7,7 +7,7 @@ use crate::axes::AxesError;
 #[doc(hidden)]
 pub const POWERS: usize = 2;
 
-/// f(z) = c₂ (z² − s²) + c₃ (z³ − 3 s² z) + Σ_j c_j (P_j\[z\] − γ_j z).
+/// f(z) = c₂ (z² − s²) + c₃ (z³ − 3 s² z) + Σ_j c_j (P_j\[z\] − γ_j z), a z beyond ±reach taken to be there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StrainLaw {
     /// c₂ \[1/V\], c₃ \[1/V²\], then one weight per play.
@@ -18,6 +18,9 @@ pub struct StrainLaw {
     pub slopes: Vec<f64>,
     /// s² \[V²\].
     pub variance: f64,
+    /// Largest |z| that the law is evaluated at \[V\]; infinite: everywhere. Beyond the records a cubic law can
+    /// feed a resonance more than its damping takes; strains that are bounded cannot throw out stable modes.
+    pub reach: f64,
 }
 
 /// The hysteresis of all actuators.
@@ -42,6 +45,9 @@ impl StrainLaw {
     /// Moves the plays to z and writes the terms of the sum; returns f(z), its slope while no play moves, and
     /// a bit mask of the plays that moved.
     pub(super) fn step(&self, z: f64, plays: &mut [f64], terms: &mut [f64]) -> (f64, f64, u32) {
+        let within = z.clamp(-self.reach, self.reach);
+        let stays = within != z;
+        let z = within;
         let s2 = self.variance;
         let [square, cube, rest @ ..] = terms else { return (0.0, 0.0, 0) };
         *square = z * z - s2;
@@ -64,7 +70,7 @@ impl StrainLaw {
             value += weight * *term;
             slope -= weight * gamma;
         }
-        (value, slope, moved)
+        (value, if stays { 0.0 } else { slope }, moved)
     }
 
     fn validate(&self) -> Result<(), AxesError> {
@@ -75,6 +81,10 @@ impl StrainLaw {
         finite_list("coefficients", &self.coefficients, self.terms())?;
         finite_list("slopes", &self.slopes, self.radii.len())?;
         positive("variance", self.variance)?;
+        if self.reach.is_nan() || self.reach <= 0.0 {
+            let expected = "a number above 0";
+            return Err(AxesError::Value { what: "reach", value: self.reach, expected });
+        }
         self.radii.iter().try_for_each(|r| positive("radii", *r))
     }
 }
@@ -115,6 +125,7 @@ mod tests {
             radii: vec![1.0],
             slopes: vec![0.25],
             variance: 0.2,
+            reach: 4.0,
         };
         let (mut plays, mut terms) = ([0.0], [0.0; 3]);
         // z = 3: play 2, moved; 0.5 (9 − 0.2) + 0.1 (27 − 1.8) + 2 (2 − 0.75).
@@ -125,6 +136,12 @@ mod tests {
         // Back to 1.5: within the play.
         let (_, _, moved) = law.step(1.5, &mut plays, &mut terms);
         assert_eq!((plays[0], moved, terms[2]), (2.0, 0, 2.0 - 0.375));
+        // Beyond the reach it is as at its end.
+        let (mut far, mut end) = (plays, plays);
+        let (of_far, slope, _) = law.step(9.0, &mut far, &mut terms);
+        let (of_end, _, _) = law.step(4.0, &mut end, &mut terms);
+        assert_eq!((of_far, slope, far), (of_end, 0.0, end));
+        let (_, _, _) = law.step(1.5, &mut plays, &mut terms);
         // Down to 0: z + r = 1 < 2.
         let (_, _, moved) = law.step(0.0, &mut plays, &mut terms);
         assert_eq!((plays[0], moved), (1.0, 1));

@@ -8,6 +8,7 @@ fn model() -> ScheduledModes {
         radii: vec![0.5],
         slopes: vec![0.3],
         variance: 1.0,
+        reach: 3.0,
     };
     ScheduledModes {
         inputs: 1,
