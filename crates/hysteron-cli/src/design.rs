@@ -241,9 +241,12 @@ pub fn command<'a>(
     let files: Vec<String> = files.into_iter().map(|path| word(&path.display().to_string())).collect();
     let ends = records.iter().map(|data| range_of(&data.u));
     let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
-    let step = |data: &InputOutput| data.u.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
-    let slew =
-        records.iter().filter_map(|data| Some(step(data) * data.sample_rate_hz()?)).fold(0.0, f64::max);
+    let rate = |data: &InputOutput, k: usize| {
+        let seconds = data.time.time_s(k)? - data.time.time_s(k - 1)?;
+        (seconds > 0.0).then(|| (data.u[k] - data.u[k - 1]).abs() / seconds)
+    };
+    let fastest = |data: &InputOutput| (1..data.len()).filter_map(|k| rate(data, k)).fold(0.0, f64::max);
+    let slew = records.iter().map(fastest).fold(0.0, f64::max);
     let slew = if purpose == Purpose::Resonance { FASTER * slew } else { slew };
     let mut limits = String::new();
     if low < high {

@@ -281,7 +281,7 @@ impl Export {
             ExportError::ControllerForm { .. } => failure.hint("export it with --to c, rust or fmu"),
             ExportError::ControllerAlone => failure.hint("add --inverse"),
             ExportError::Decoupling(e) if matches!(**e, DecouplingError::Axes(AxesError::RunsAway)) => {
-                failure.hint("another --sample-rate: one that divides that of the model's steps is exact")
+                failure.hint("another --sample-rate")
             }
             ExportError::MatlabName { .. } => failure.hint("name it with --name, e.g. --name stage"),
             _ => failure,

@@ -58,6 +58,8 @@ fn drives_of_all_actuators_are_written_and_the_model_follows_them() {
     // The drives are a record of the model's inputs.
     let run = bench.run("simulate stage.json drives.csv -o motion.csv");
     assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    let run = bench.run("simulate stage.json drives.csv -o motion.csv --settled 0.1");
+    assert!(run.exit_code == 1 && run.stderr.contains("does not repeat every 100 samples"), "{}", run.stderr);
     let run = bench.run("invert stage.json references.csv -o drives.csv --range=-1:1 --level 1e9");
     let level = "warning: the level of the inputs is 1e9 V rms, the model was identified from 0.1 to 0.5 V";
     assert!(run.stdout.contains(level), "{}", run.stdout);
@@ -95,7 +97,7 @@ fn what_does_not_go_with_several_axes_is_refused() {
     bench.write("short.csv", "t_s,y1_nm\n0,0\n0.001,1\n");
     refuse("invert stage.json short.csv -o drives.csv --range=-1:1", 1, "no channel `y2`");
     refuse("export stage.json --to matlab -o out", 1, "as C99, Rust or FMUs, not as matlab");
-    refuse("export stage.json --to c --sample-rate 700 -o out", 1, "cannot be run at 700 Hz");
+    refuse("export stage.json --to c --sample-rate 15 -o out", 1, "cannot be run at 15 Hz");
     refuse("realise stage.json --sample-rate 1000", 1, "export writes them");
     refuse("invert model.json references.csv -o drive.csv --range 0:1,0:1", 2, "several axes");
     assert!(!bench.path("drives.csv").exists() && !bench.path("out").exists());

@@ -78,6 +78,11 @@ impl AxesSubject {
         let given: Vec<Vec<f64>> =
             (0..VECTORS).map(|k| (0..rest.len()).map(|m| reference(k, m)).collect()).collect();
         let hold = self.law.preview.div_ceil(WITHIN).max(1);
+        let held = |m: usize| given.iter().flat_map(|r| std::iter::repeat_n(r[m], hold)).collect();
+        let references: Vec<Vec<f64>> = (0..rest.len()).map(held).collect();
+        if !self.law.is_steady(&references, &self.limits)? {
+            return Err(DecouplingError::Unsteady { bandwidth_hz: self.law.bandwidth_hz }.into());
+        }
         let settles = simulation.settling_steps();
         let mut single =
             (self.precision == Precision::F32).then(|| SingleInverse::new(&self.law, &self.limits, settles));

@@ -169,6 +169,18 @@ impl AxesSubject {
             ));
         }
         if inverse {
+            for (k, Limits { low, high, slew_v_per_s }) in self.limits.iter().enumerate() {
+                let slew = if slew_v_per_s.is_finite() {
+                    format!(", at most {} {input}/s", significant(*slew_v_per_s))
+                } else {
+                    String::new()
+                };
+                lines.push(format!(
+                    "Voltage [{k}]: {} to {} {input}{slew}.",
+                    significant(*low),
+                    significant(*high)
+                ));
+            }
             lines.push(format!(
                 "Follows up to {} Hz; the references are known {} samples ahead, beyond which they are taken \
                  to stay.",

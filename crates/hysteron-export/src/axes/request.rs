@@ -95,7 +95,9 @@ pub fn export_axes(
     subject.range = model.valid_range().cloned();
     let law = &subject.law;
     let bandwidth_hz = if request.inverse { law.bandwidth_hz } else { 0.0 };
-    let mut findings = model.decoupling_findings(law.level, bandwidth_hz);
+    let ends = subject.limits.iter().map(|limit| (limit.low, limit.high));
+    let ends = ends.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).filter(|_| request.inverse);
+    let mut findings = model.decoupling_findings(law.level, ends, bandwidth_hz);
     if request.inverse {
         findings.extend(Preview::from(law).finding(request.decoupling.preview));
     }

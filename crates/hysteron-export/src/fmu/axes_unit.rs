@@ -62,7 +62,8 @@ impl AxesUnit {
                 let about = format!("Voltage of actuator {} for the next period, {low} to {high}", k + 1);
                 add(voltage(k), OUTPUT, about, input, None);
             }
-            "0 followed, 1 limited by a range, 2 by a slew rate, -1 reference not finite"
+            "0 followed, 1 limited by a range, 2 by a slew rate, -1 reference not finite, -2 out of the range \
+             of numbers"
         } else {
             for k in 0..self.inputs {
                 add(voltage(k), INPUT, format!("Voltage of actuator {}", k + 1), input, Some(0.0));
@@ -71,7 +72,7 @@ impl AxesUnit {
                 let about = format!("Displacement of axis {} after the last sample", k + 1);
                 add(format!("displacement_{}", k + 1), OUTPUT, about, output, None);
             }
-            "0 done, -1 voltage not finite"
+            "0 done, -1 voltage not finite, -2 out of the range of numbers"
         };
         add("status".into(), WHOLE_OUTPUT, format!("Status of the last sample: {status}"), None, None);
         for (k, at_rest) in self.inverse.iter().flat_map(|inverse| &inverse.rest_voltages).enumerate() {

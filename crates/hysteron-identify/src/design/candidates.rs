@@ -58,8 +58,10 @@ pub(super) fn candidates(limits: &Limits, resonance_hz: Option<f64>, seed: u64) 
         all.push(w.multisine(from, to, seed.wrapping_add(index as u64)));
         all.push(w.carried(from, to, seed.wrapping_add((bands.len() + index) as u64)));
     }
-    all.extend([4, 8, 16].map(|loops| w.nested(loops)));
-    all.extend([4, 8].into_iter().flat_map(|loops| [w.reversals(loops, true), w.reversals(loops, false)]));
+    let slow = |loops: &usize| *loops as f64 / w.seconds <= highest;
+    all.extend([4, 8, 16].into_iter().filter(slow).map(|loops| w.nested(loops)));
+    let reversals = [4, 8].into_iter().filter(slow);
+    all.extend(reversals.flat_map(|loops| [w.reversals(loops, true), w.reversals(loops, false)]));
     all.extend([8, 16, 32].map(|turns| w.random_reversals(turns, seed)));
     all.extend([vec![1.0], vec![1.0, 0.0], vec![0.5, 1.0, 0.5, 0.0], staircase()].map(|l| w.holds(l)));
     all
@@ -119,7 +121,8 @@ impl Waves {
     }
 
     fn sine(&self, frequency_hz: f64) -> Segment {
-        let cycles = (frequency_hz * self.seconds).round().max(1.0);
+        let most = (self.limits.highest_hz * self.seconds * (1.0 + 1e-9)).floor();
+        let cycles = (frequency_hz * self.seconds).round().min(most).max(1.0);
         let frequency_hz = cycles / self.seconds;
         let amplitude = self.limits.amplitude(frequency_hz);
         let words = format!("sine, {} Hz, amplitude {}", brief(frequency_hz), brief(amplitude));

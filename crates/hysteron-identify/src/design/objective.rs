@@ -37,7 +37,11 @@ impl Objective {
                 let own = gradients * covariance * gradients.transpose();
                 own.determinant().max(0.0).powf(0.5 / gradients.nrows().max(1) as f64)
             }
-            Self::Output(weight) => weight.component_mul(covariance).sum().max(0.0).sqrt(),
+            Self::Output(weight) => {
+                // No less than the sum is rounded by.
+                let parts = weight.component_mul(covariance);
+                parts.sum().max(f64::EPSILON * parts.abs().sum()).sqrt()
+            }
         }
     }
 

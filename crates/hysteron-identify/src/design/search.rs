@@ -423,15 +423,28 @@ fn assumed(
             );
             findings.push(Finding::new(FindingKind::Warning, "resonance", text));
             if frequency_hz > limits.highest_hz {
+                let needed_hz = ABOVE_RESONANCE * SAMPLES_A_PERIOD * frequency_hz;
+                let remedy = if needed_hz > limits.rate_hz {
+                    format!("choose a sample rate of {} Hz or more", short_to(needed_hz, 2))
+                } else {
+                    format!("raise that to {} Hz", short_to(ABOVE_RESONANCE * frequency_hz, 2))
+                };
                 let text = format!(
                     "This is above the highest frequency of the drive, {} Hz, which its steps alone exceed: \
-                     choose a sample rate of {} Hz or more.",
-                    short_to(limits.highest_hz, 3),
-                    short_to(ABOVE_RESONANCE * SAMPLES_A_PERIOD * frequency_hz, 2)
+                     {remedy}.",
+                    short_to(limits.highest_hz, 3)
                 );
                 findings.push(Finding::new(FindingKind::Warning, "resonance", text));
             }
             Assumed::Resonance { frequency_hz }
+        }
+        Purpose::Resonance if options.resonance_hz.is_some() => {
+            let text = format!(
+                "The model has a resonance, at {} Hz: the one given is not used.",
+                short_to(own_resonance.unwrap_or(0.0), 3)
+            );
+            findings.push(Finding::new(FindingKind::Warning, "resonance", text));
+            Assumed::Nothing
         }
         Purpose::Creep if !creeps(model, options.time_s) => {
             let text = "The model has no creep: creep of one percent after a second is assumed, known to its \

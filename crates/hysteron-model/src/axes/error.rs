@@ -158,17 +158,16 @@ pub enum AxesError {
     },
     /// The model cannot be run at the rate of a controller.
     #[error(
-        "the model, identified at {model_hz} Hz, cannot be run at {rate_hz} Hz{}: choose a rate that divides \
-         that of its steps, or one above its sample rate",
+        "the model cannot be run at {rate_hz} Hz{}: choose {lowest_hz} Hz or more",
         matched(*error),
-        model_hz = exact(*.model_hz),
+        lowest_hz = exact(*.lowest_hz),
         rate_hz = exact(*.rate_hz)
     )]
     Rate {
         /// Rate requested \[Hz\].
         rate_hz: f64,
-        /// Sample rate of the model \[Hz\].
-        model_hz: f64,
+        /// Lowest rate, a 64th of that of the model's steps \[Hz\].
+        lowest_hz: f64,
         /// Relative error of the linear response; infinite where it was not fitted.
         error: f64,
     },

@@ -34,7 +34,7 @@ pub use modes::{LARGEST_POLE, POWERS, frequency, linear_states};
 pub use record::AxesRecord;
 pub use score::AxesScores;
 pub use steady::SteadyPeriod;
-pub(crate) use steady::level;
 #[doc(hidden)]
 pub use steady::remove_means;
+pub(crate) use steady::{level, repeats};
 pub use vector_fit::{CommonPoles, VectorFit, spread_poles};

@@ -156,12 +156,12 @@ pub(crate) fn level(u: &[f64], channels: usize) -> f64 {
     (centred.iter().map(|u| u * u).sum::<f64>() / centred.len().max(1) as f64).sqrt()
 }
 
-/// 2Σ x_k x_(k+P) / Σ (x_k² + x_(k+P)²), mean removed; 1 for a constant.
 /// True if `x` repeats after this number of samples, to its noise.
-pub(super) fn repeats(x: &[f64], period: usize) -> bool {
+pub(crate) fn repeats(x: &[f64], period: usize) -> bool {
     similarity(x, period) >= REPEATS
 }
 
+/// 2Σ x_k x_(k+P) / Σ (x_k² + x_(k+P)²), mean removed; 1 for a constant.
 fn similarity(x: &[f64], period: usize) -> f64 {
     let mean = x.iter().sum::<f64>() / x.len().max(1) as f64;
     let (mut product, mut power) = (0.0, 0.0);

@@ -97,8 +97,18 @@ pub enum DecouplingError {
         /// Relative change in the last one.
         change: f64,
     },
+    /// The drives depend on the last digits of the references.
+    #[error(
+        "with a bandwidth of {bandwidth_hz} Hz the drives depend on the last digits of the references: the loop \
+         through the hysteresis does not settle; ask for a lower bandwidth",
+        bandwidth_hz = short(*.bandwidth_hz)
+    )]
+    Unsteady {
+        /// Bandwidth \[Hz\].
+        bandwidth_hz: f64,
+    },
     /// The equations of the regulator have no solution in double precision.
-    #[error("no stable regulator of the axes was found; ask for a lower bandwidth")]
+    #[error("no stable regulator of the axes was found; ask for another bandwidth")]
     NoRegulator,
     /// An option out of its range.
     #[error("{name} must be {allowed}, but it is {value}", value = exact(*.value))]

@@ -143,6 +143,25 @@ impl DecouplingLaw {
         DecouplingController::new(self.clone(), limits.to_vec())
     }
 
+    /// True if the drives along `references` \[µm\] do not depend on their last digits. At bandwidths that are high
+    /// for the hysteresis the loop through it may not settle: the drives are then as chance has it.
+    ///
+    /// # Errors
+    /// Those of [`Self::follow`].
+    pub fn is_steady(&self, references: &[Vec<f64>], limits: &[Limits]) -> Result<bool, DecouplingError> {
+        let sign = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let nudged: Vec<Vec<f64>> = references
+            .iter()
+            .map(|r| r.iter().enumerate().map(|(k, r)| r * (1.0 + NUDGE * sign(k))).collect())
+            .collect();
+        let (found, other) = (self.follow(references, limits)?, self.follow(&nudged, limits)?);
+        let alike = |((a, b), limits): ((&Vec<f64>, &Vec<f64>), &Limits)| {
+            let most = a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+            most <= STEADY * (limits.high - limits.low)
+        };
+        Ok(found.drive.iter().zip(&other.drive).zip(limits).all(alike))
+    }
+
     /// The drives along `references` \[µm\], one list per axis, computed sample by sample from rest at their
     /// first values; after their end they stay.
     ///
@@ -185,6 +204,10 @@ impl DecouplingLaw {
         })
     }
 }
+
+/// Relative change of references, and the share of their limits that the drives may change by.
+const NUDGE: f64 = 1e-12;
+const STEADY: f64 = 1e-6;
 
 /// The regulator of (x, u_(k−1), u_(k−2)).
 struct Regulator {

@@ -40,7 +40,7 @@ pub use tracking::{
     AxesController, AxesControllerRun, AxesTrackOptions, AxesTracking, CrossCoupling, track_axes,
 };
 
-use crate::axes::ScheduledModes;
+use crate::axes::{ScheduledModes, level};
 use crate::compensator::Limits;
 use crate::invert::ERROR_AT_BANDWIDTH;
 
@@ -112,6 +112,13 @@ impl AxesDrive {
 /// or of the rate of the model's steps where that is lower. What the model does above is not known.
 pub fn own_bandwidth(model: &ScheduledModes, sample_rate_hz: f64) -> f64 {
     crate::invert::BANDWIDTH_SHARE * sample_rate_hz.min(model.step_rate_hz())
+}
+
+/// Level of drives, rms about their means.
+pub(crate) fn level_of(drives: &[Vec<f64>]) -> f64 {
+    let samples = drives.first().map_or(0, Vec::len);
+    let rows: Vec<f64> = (0..samples).flat_map(|k| drives.iter().map(move |u| u[k])).collect();
+    level(&rows, drives.len())
 }
 
 /// Checks references and limits against the numbers of inputs and outputs of a model.

@@ -1,8 +1,8 @@
 //! Inverse of scheduled modes for references known ahead.
 
 use super::linear::{LinearAxes, right_inverse};
-use super::{AxesDrive, DecouplingError, DecouplingOptions, check, limited, own_bandwidth};
-use crate::axes::{AxesError, ScheduledModes, Streaming, level};
+use super::{AxesDrive, DecouplingError, DecouplingOptions, check, level_of, limited, own_bandwidth};
+use crate::axes::{AxesError, ScheduledModes, Streaming};
 use crate::compensator::Limits;
 use crate::dynamics::{InverseAim, ResponseMatrix, Scheme, SimulationPlan};
 use crate::start::Start;
@@ -37,7 +37,7 @@ pub fn decouple(
     for attempt in 0.. {
         let task = Task::new(&held.model, references, (sample_rate_hz, bandwidth_hz), options, level_v)?;
         let found = task.solve(options)?;
-        let of_drive = rms(&found.drive);
+        let of_drive = level_of(&found.drive);
         let moved = held.model.level.state(of_drive) - held.model.level.state(level_v);
         if options.level.is_some() || moved.abs() < 1e-6 || attempt == LEVEL_ROUNDS {
             return Ok(AxesDrive { rate_error: held.error, ..found });
@@ -49,13 +49,6 @@ pub fn decouple(
 
 /// Rounds for the level.
 const LEVEL_ROUNDS: usize = 3;
-
-/// Level of drives.
-fn rms(drive: &[Vec<f64>]) -> f64 {
-    let samples = drive.first().map_or(0, Vec::len);
-    let rows: Vec<f64> = (0..samples).flat_map(|k| drive.iter().map(move |u| u[k])).collect();
-    level(&rows, drive.len())
-}
 
 struct Task<'a> {
     model: &'a ScheduledModes,

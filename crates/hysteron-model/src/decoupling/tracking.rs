@@ -321,28 +321,33 @@ impl<'a> Bench<'a> {
         }
         let samples = references.first().map_or(0, Vec::len);
         let (mut drive, mut displacement) = (vec![Vec::new(); rest.len()], vec![Vec::new(); axes]);
-        let (mut last, mut integral) = (rest.clone(), DVector::zeros(rest.len()));
+        let (mut last, mut integral) = (rest.clone(), vec![0.0; rest.len()]);
         let mut held_back = 0;
         for k in 0..samples {
-            let mut u = vec![0.0; rest.len()];
+            let (mut u, mut beyond) = (vec![0.0; rest.len()], vec![0.0; rest.len()]);
             for (n, limit) in self.options.limits.iter().enumerate() {
                 let wanted = planned.drive[n][k] + integral[n];
                 let (voltage, by) = limited(wanted, last[n], limit, self.sample_rate_hz);
                 held_back += usize::from(by != hysteron_rt::Limited::No);
-                u[n] = voltage;
+                (u[n], beyond[n]) = (voltage, wanted - voltage);
             }
             stage.step(&u).map_err(failed)?;
             let error = DVector::from_fn(axes, |m, _| {
                 references[m][k] - references[m][0] - (stage.reading_um()[m] - zero[m])
             });
-            integral += gain * &self.back * error;
+            let change = gain * &self.back * error;
+            // An actuator at a limit is not asked for more.
+            let grows = |n: usize| change[n] * beyond[n] > 0.0;
+            (0..rest.len()).filter(|n| !grows(*n)).for_each(|n| integral[n] += change[n]);
             for m in 0..axes {
                 displacement[m].push(stage.true_um()[m] - true_zero[m] + references[m][0]);
             }
             drive.iter_mut().zip(&u).for_each(|(list, u)| list.push(*u));
             last = u;
         }
-        Ok(Played { drive, displacement, held_back })
+        // Planned drives keep to the limits already.
+        let planned = planned.at_range.iter().chain(&planned.at_slew).sum();
+        Ok(Played { drive, displacement, held_back: held_back.max(planned) })
     }
 }
 

@@ -2,6 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
+use super::decoupled::ends_of;
 use super::{Model, Preview};
 use crate::Finding;
 use crate::axes::AxesRecord;
@@ -109,7 +110,9 @@ impl AxesTrackingSummary {
             })
             .collect();
         let law = &found.law;
-        let mut findings = model.decoupling_findings(law.level, law.bandwidth_hz);
+        let planned = found.runs.iter().find(|run| run.controller == AxesController::Feedforward);
+        let range = planned.and_then(|run| ends_of(&run.drive));
+        let mut findings = model.decoupling_findings(law.level, range, law.bandwidth_hz);
         findings.extend(Preview::from(law).finding(None));
         Self {
             bandwidth_hz: law.bandwidth_hz,

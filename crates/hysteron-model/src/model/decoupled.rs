@@ -2,11 +2,12 @@
 
 use serde::{Serialize, Serializer};
 
+use super::run::extrapolates;
 use super::{Capability, Model, Preview, Remark, RunError, SignalRole, Unsupported};
 use crate::axes::{AxesRecord, ScheduledModes};
 use crate::compensator::Limits;
 use crate::decoupling::{
-    AxesDrive, DecouplingLaw, DecouplingOptions, LawOptions, decouple, decouple_branches,
+    AxesDrive, DecouplingLaw, DecouplingOptions, LawOptions, decouple, decouple_branches, level_of,
 };
 use crate::record::{Keyed, Unit, key_in, range_of};
 use crate::{Finding, FindingKind};
@@ -72,9 +73,15 @@ impl Model {
         Some(vec![Limits::range(range.low, range.high); inputs.len()])
     }
 
-    /// What to know of an inverse for drives of this level (rms) with this bandwidth \[Hz\], for models of
-    /// several axes.
-    pub fn decoupling_findings(&self, level: f64, bandwidth_hz: f64) -> Vec<Finding> {
+    /// What to know of an inverse for drives of this level (rms) and range with this bandwidth \[Hz\], for
+    /// models of several axes.
+    pub fn decoupling_findings(
+        &self,
+        level: f64,
+        range: Option<(f64, f64)>,
+        bandwidth_hz: f64,
+    ) -> Vec<Finding> {
+        let far = self.valid_range().zip(range).and_then(|(valid, range)| extrapolates(valid, range));
         let swings = self.valid_range().and_then(|range| range.frequency.as_ref()).map(|swings| swings.high);
         let fast = swings
             .filter(|identified_hz| bandwidth_hz > *identified_hz)
@@ -83,8 +90,8 @@ impl Model {
             let (text, _) = remark.in_words(self);
             Finding::new(FindingKind::Warning, topic, text + ".")
         };
-        let level = self.beyond_levels(level).map(|remark| ("level", remark));
-        level.into_iter().chain(fast.map(|remark| ("bandwidth", remark))).map(warning).collect()
+        let all = [("level", self.beyond_levels(level)), ("range", far), ("bandwidth", fast)];
+        all.into_iter().filter_map(|(topic, remark)| Some((topic, remark?))).map(warning).collect()
     }
 
     /// The remark on a level (rms) beyond those identified.
@@ -170,6 +177,11 @@ pub struct AxisSummary {
     pub max: f64,
 }
 
+/// Least and largest of all drives.
+pub(super) fn ends_of(drives: &[Vec<f64>]) -> Option<(f64, f64)> {
+    drives.iter().map(|drive| range_of(drive)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+}
+
 impl DecoupledSummary {
     /// Summary of the `found` drives of a model for references; `preview`, where it was limited.
     pub fn new(model: &Model, references: &AxesRecord, found: &AxesDrive, preview: Option<Preview>) -> Self {
@@ -211,7 +223,11 @@ impl DecoupledSummary {
             rate_error: found.rate_error,
             actuators: inputs.iter().zip(&found.drive).enumerate().map(actuator).collect(),
             axes: outputs.iter().zip(&references.u).enumerate().map(axis).collect(),
-            findings: model.decoupling_findings(found.level, found.bandwidth_hz),
+            findings: model.decoupling_findings(
+                found.level.max(level_of(&found.drive)),
+                ends_of(&found.drive),
+                found.bandwidth_hz,
+            ),
             input_unit: model.units().input.clone(),
             output_unit: model.units().output.clone(),
         }

@@ -63,6 +63,12 @@ pub enum RunError {
         /// The kind of the model.
         kind: Kind,
     },
+    /// A period is given with which the drive does not repeat.
+    #[error("the drive does not repeat every {period_samples} samples, as a settled start says")]
+    NotRepeating {
+        /// Samples of the period.
+        period_samples: usize,
+    },
     /// The motion of a mass needs the time between samples.
     #[error("the record has no uniform sample rate: the motion of a mass cannot be followed")]
     NoSampleRate,

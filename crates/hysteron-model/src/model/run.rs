@@ -3,10 +3,10 @@
 use super::force_run::force;
 use super::verdict::{RANGE_SLACK, Verdict};
 use super::{AxesScore, Body, Model, Remark, RunError, RunScore, Score, SignalRole, Signals, Simulation};
-use crate::axes::{AxesRecord, AxesScores, SteadyPeriod};
+use crate::axes::{AxesRecord, AxesScores, SteadyPeriod, repeats};
 use crate::dynamics::Dynamics;
 use crate::hammerstein;
-use crate::model_file::{ModelFile, OscillatorFile};
+use crate::model_file::{ModelFile, OscillatorFile, ValidRange};
 use crate::oscillator::Oscillator;
 use crate::record::{
     InputOutput, InterSample, MeasurementRun, RunPart, TimeBase, Unit, find_periods, range_of,
@@ -42,6 +42,7 @@ impl Model {
         self.check_start(start)?;
         match (self, signals) {
             (Self::Hammerstein(_) | Self::Oscillator(_) | Self::Force(_), Signals::Single(record)) => {
+                check_repeats(&start, [&record.u])?;
                 let mut run = self.prepared(record)?;
                 let start = match start {
                     Start::AsIdentified => self.expected_start(record, &mut run.remarks),
@@ -293,11 +294,17 @@ impl Model {
         }
         let (period, settled_given) = match start {
             Start::Settled { period_samples: Some(period_samples), .. } => {
+                check_repeats(&start, &record.u)?;
                 let whole = record.len() / period_samples.max(1);
                 (Some(SteadyPeriod::mean(record, period_samples, 0, whole.max(1))?), true)
             }
             _ => (SteadyPeriod::find(record, false).ok(), false),
         };
+        if let Some(range) = self.valid_range() {
+            let ends = record.u.iter().map(|u| range_of(u));
+            let input = ends.fold((f64::MAX, f64::MIN), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+            remarks.extend(extrapolates(range, input));
+        }
         let rate = record.sample_rate_hz;
         let mut settled = period.as_ref().map(SteadyPeriod::samples);
         let outputs = match self {
@@ -368,12 +375,7 @@ impl Prepared {
         if let Some((fastest_hz, identified_hz)) = range.exceeded_by(&record.u, &record.time) {
             self.remarks.push(Remark::Fast { signal: SignalRole::Input, fastest_hz, identified_hz });
         }
-        let input = range_of(&record.u);
-        let identified = (range.input.low, range.input.high);
-        let slack = RANGE_SLACK * (identified.1 - identified.0);
-        if input.0 < identified.0 - slack || input.1 > identified.1 + slack {
-            self.remarks.push(Remark::Extrapolates { input, identified, unit: Unit::new(&range.input.unit) });
-        }
+        self.remarks.extend(extrapolates(range, range_of(&record.u)));
     }
 
     /// Simulated from the start that explains the record best: the one expected, from rest, or settled on the
@@ -434,6 +436,26 @@ fn agreed_unit(
         return Ok(found.clone());
     }
     Err(RunError::Unit { signal, model: own, record: found.clone() })
+}
+
+/// That inputs leave the range identified.
+pub(super) fn extrapolates(range: &ValidRange, input: (f64, f64)) -> Option<Remark> {
+    let identified = (range.input.low, range.input.high);
+    let slack = RANGE_SLACK * (identified.1 - identified.0);
+    let leaves = input.0 < identified.0 - slack || input.1 > identified.1 + slack;
+    leaves.then(|| Remark::Extrapolates { input, identified, unit: Unit::new(&range.input.unit) })
+}
+
+/// Refuses a period that is given where an input does not repeat with it.
+fn check_repeats<'a>(start: &Start, inputs: impl IntoIterator<Item = &'a Vec<f64>>) -> Result<(), RunError> {
+    match start {
+        Start::Settled { period_samples: Some(period_samples), .. }
+            if !inputs.into_iter().all(|u| repeats(u, *period_samples)) =>
+        {
+            Err(RunError::NotRepeating { period_samples: *period_samples })
+        }
+        _ => Ok(()),
+    }
 }
 
 /// The period of a repeating drive, which also takes the place of the output.

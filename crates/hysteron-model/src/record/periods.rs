@@ -91,10 +91,23 @@ pub fn find_periods(data: &InputOutput) -> Result<Periods, RecordError> {
     let moving = data.u.get(start..end).ok_or_else(not_periodic)?;
     let (period_samples, similarity) =
         period_of(moving).filter(|(_, s)| *s >= REPEATS).ok_or_else(not_periodic)?;
-    let count = ((moving.len() as f64 + 0.5) / period_samples).floor() as usize;
+    let (start, end) = continued(&data.u, (start, end), period_samples);
+    let count = (((end - start) as f64 + 0.5) / period_samples).floor() as usize;
     let mut periods = Periods { period_samples, start, count, settling: 0, similarity };
     periods.settling = settling_periods(&periods, &data.y);
     Ok(periods)
+}
+
+/// The range of a drive of this period with the rests before and after it that are part of a period, as those of
+/// a square wave.
+fn continued(u: &[f64], (start, end): (usize, usize), period_samples: f64) -> (usize, usize) {
+    let period = period_samples.round() as usize;
+    if (period_samples - period as f64).abs() > 1e-9 * period_samples {
+        return (start, end);
+    }
+    let before = start < period && (0..start).all(|k| u.get(k + period) == u.get(k));
+    let after = u.len() - end < period && (end..u.len()).all(|k| k >= period && u[k - period] == u[k]);
+    (if before { 0 } else { start }, if after { u.len() } else { end })
 }
 
 /// Samples between the leading and the trailing rest of the drive: one sample before the first and up to the

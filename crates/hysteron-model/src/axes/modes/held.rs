@@ -1,22 +1,24 @@
 //! Scheduled modes at a controller's rate, their inputs held from sample to sample.
 //!
-//! Where the rate divides that of the model's steps, each sample is a whole number of steps under one input:
-//! exact. At any other rate, not below the model's sample rate, a sample is the fewest steps that are no longer
-//! than the model's. Poles move by p → p^r, r = T/T_s ≤ 1 of the steps, and the rows of the outputs, of the free
-//! strokes and of the stresses aim at the model's response times that of the hold, H(s) = (1 − e^(−sT))/(sT),
-//! over the model's band:
+//! The model's own steps take inputs that are band-limited between them. Here a sample is the fewest steps that
+//! are no longer than the model's, and the inputs are held over it. Poles move by p → p^r, r = T/T_s ≤ 1 of the
+//! steps, and the rows of the outputs, of the free strokes and of the stresses aim at the model's response times
+//! that of the hold, H(s) = (1 − e^(−sT))/(sT) with T a step, over the model's band:
 //!
 //! - on the modes, inputs scaled by r, by equal residues: c → c p^(r−1) H(s_k), complex, s_k = ln p/T_s. What
 //!   the hysteresis drives then has its poles right, too;
 //! - on the lags as they are, their inputs scaled to the same gain: the loop through the hysteresis keeps its own;
 //! - on the inputs, a pair of fast poles per input, which keeps its last steps, and a pair beside each lag, both
 //!   driven by the input alone, by least squares of what is left: smooth, since the poles are accounted for.
+//!
+//! What the strains do at rest is that of the model: their inputs are moved by the least relative change with
+//! which free strokes and stresses are exact there, and their feedthrough takes up the rest of the outputs.
 
 use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{ScheduledModes, linear_states};
+use super::{AtLevel, ScheduledModes, linear_states};
 use crate::axes::AxesError;
 use hysteron_numeric::Complex64;
 
@@ -37,6 +39,10 @@ const BESIDE: f64 = 0.3;
 const RIDGE: f64 = 1e-5;
 /// Largest relative rms error of the refitted outputs.
 const WORST: f64 = 0.05;
+/// Most steps of a sample.
+const MOST_STEPS: f64 = 64.0;
+/// Smallest size of an entry of the strain inputs, relative to the largest, in the measure of their change.
+const SMALL: f64 = 1e-2;
 
 /// A model whose samples are those of a controller.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,7 +51,7 @@ pub struct HeldModes {
     pub model: ScheduledModes,
     /// Modes of the model at its own rate; more pairs of poles match the inputs at another.
     pub own_modes: usize,
-    /// Relative rms error of its linear response over the model's band; 0 where it is exact.
+    /// Relative rms error of its linear response over the model's band.
     pub error: f64,
 }
 
@@ -53,23 +59,19 @@ impl ScheduledModes {
     /// The model at the rate of a controller \[Hz\].
     ///
     /// # Errors
-    /// [`AxesError::Rate`] for a rate that does not divide that of the steps and is below the model's sample
-    /// rate, or at which the linear response cannot be matched to 5 %.
+    /// [`AxesError::Rate`] for a rate below a 64th of that of the steps, or at which the linear response cannot
+    /// be matched to 5 %.
     pub fn held_at(&self, rate_hz: f64) -> Result<HeldModes, AxesError> {
-        let refused = |error| AxesError::Rate { rate_hz, model_hz: self.sample_rate_hz, error };
+        let lowest_hz = self.step_rate_hz() / MOST_STEPS;
+        let refused = |error| AxesError::Rate { rate_hz, lowest_hz, error };
         if !(rate_hz.is_finite() && rate_hz > 0.0) {
             return Err(refused(f64::INFINITY));
         }
         let steps = self.step_rate_hz() / rate_hz;
-        if steps.round() >= 1.0 && (steps - steps.round()).abs() < 1e-9 * steps && steps.round() <= 64.0 {
-            let model =
-                ScheduledModes { sample_rate_hz: rate_hz, steps: steps.round() as usize, ..self.clone() };
-            return Ok(HeldModes { model, own_modes: self.modes, error: 0.0 });
-        }
-        if rate_hz < self.sample_rate_hz {
+        let substeps = (steps - 1e-9 * steps).ceil().max(1.0);
+        if substeps > MOST_STEPS {
             return Err(refused(f64::INFINITY));
         }
-        let substeps = (steps - 1e-9).ceil().max(1.0);
         match refitted(self, rate_hz * substeps) {
             Some(HeldModes { model, error, .. }) if error <= WORST => {
                 let model = ScheduledModes { sample_rate_hz: rate_hz, steps: substeps as usize, ..model };
@@ -85,7 +87,6 @@ struct AtEnd {
     transition: Vec<f64>,
     /// Rows of the outputs, of the free strokes, of the stresses: on the states, then on the inputs.
     rows: Vec<Vec<f64>>,
-    strain_feedthrough: Vec<f64>,
     error: f64,
 }
 
@@ -134,7 +135,7 @@ fn refitted(model: &ScheduledModes, rate_hz: f64) -> Option<HeldModes> {
         |of: std::ops::Range<usize>| lines(&flat(&at_high, 0, m, of.clone()), &flat(&at_low, 0, m, of));
     (held.output, held.output_slopes) = part(0..states);
     (held.feedthrough, held.feedthrough_slopes) = part(states..states + n);
-    held.strain_feedthrough = at_high.strain_feedthrough.clone();
+    exact_at_rest(model, &mut held, high, &at_high);
     if let Some(feedback) = &mut held.feedback {
         feedback.drive_rows = flat(&at_high, m, m + n, 0..states + n);
         feedback.stress_rows = flat(&at_high, m + n, m + 2 * n, 0..states + n);
@@ -165,19 +166,10 @@ fn at_end(model: &ScheduledModes, held: &ScheduledModes, s: f64, ratio: f64) -> 
         (transition[fast + 2 * n], transition[fast + 2 * n + 1]) = (near.re, near.im);
         transition[2 * held.modes + i] = lag_at(at.transition[2 * model.modes + i], ratio);
     }
-    let mut targets: Vec<Vec<f64>> = (0..m)
-        .map(|o| {
-            let states = &at.output[o * own_states..(o + 1) * own_states];
-            [states, &at.feedthrough[o * n..(o + 1) * n]].concat()
-        })
-        .collect();
-    if let Some(feedback) = &model.feedback {
-        let rows = feedback.drive_rows.chunks_exact(own_states + n);
-        targets.extend(rows.chain(feedback.stress_rows.chunks_exact(own_states + n)).map(<[f64]>::to_vec));
-    }
+    let targets = targets(model, &at);
     // Signals at every frequency, input by input: the model's (x, u), and those of the basis.
-    let response = |(z, poles, of, input, u): (Complex64, &[f64], &ScheduledModes, &[f64], usize)| {
-        let mut signals = linear_states(poles, of.modes, z, |k| Complex64::new(input[k * n + u], 0.0));
+    let response = |(z, poles, of, u): (Complex64, &[f64], &ScheduledModes, usize)| {
+        let mut signals = linear_states(poles, of.modes, z, |k| Complex64::new(of.input[k * n + u], 0.0));
         signals.extend((0..n).map(|i| if i == u { Complex64::ONE } else { Complex64::ZERO }));
         signals
     };
@@ -189,8 +181,8 @@ fn at_end(model: &ScheduledModes, held: &ScheduledModes, s: f64, ratio: f64) -> 
         let coarse = Complex64::from_polar(1.0, angle);
         for u in 0..n {
             let target = |x: Vec<Complex64>| x.into_iter().map(|x| x * hold).collect::<Vec<_>>();
-            own.push(target(response((fine, &at.transition, model, &model.input, u))));
-            basis.push(response((coarse, &transition, held, &held.input, u)));
+            own.push(target(response((fine, &at.transition, model, u))));
+            basis.push(response((coarse, &transition, held, u)));
         }
     }
     let of = |row: &[f64], x: &[Complex64]| -> Complex64 { row.iter().zip(x).map(|(c, x)| x * *c).sum() };
@@ -213,6 +205,12 @@ fn at_end(model: &ScheduledModes, held: &ScheduledModes, s: f64, ratio: f64) -> 
         for (place, c) in free.iter().zip(least_squares(&basis, &free, &left, &wanted)?) {
             row[*place] = c;
         }
+        // Exact at rest.
+        for u in 0..n {
+            let own = response((Complex64::ONE, &at.transition, model, u));
+            let found = response((Complex64::ONE, &transition, held, u));
+            row[states + u] += (of(target, &own) - of(&row, &found)).re;
+        }
         if o < m {
             for (x, wanted) in basis.iter().zip(&wanted) {
                 missed += (of(&row, x) - wanted).norm_sqr();
@@ -221,20 +219,63 @@ fn at_end(model: &ScheduledModes, held: &ScheduledModes, s: f64, ratio: f64) -> 
         }
         rows.push(row);
     }
-    // The feedthrough of the strains takes up what the states do not explain at rest.
-    let mut strain_feedthrough = vec![0.0; m * n];
-    for o in 0..m {
-        for u in 0..n {
-            let one = Complex64::ONE;
-            let own = response((one, &at.transition, model, &model.strain_input, u));
-            let new = response((one, &transition, held, &held.strain_input, u));
-            let left =
-                of(&targets[o][..own_states], &own[..own_states]) - of(&rows[o][..states], &new[..states]);
-            strain_feedthrough[o * n + u] = model.strain_feedthrough[o * n + u] + left.re;
+    let error = (missed / f64::max(all, f64::MIN_POSITIVE)).sqrt();
+    Some(AtEnd { transition, rows, error })
+}
+
+/// Rows of the outputs, of the free strokes, of the stresses: on the states, then on the inputs.
+fn targets(model: &ScheduledModes, at: &AtLevel) -> Vec<Vec<f64>> {
+    let (n, states) = (model.inputs, model.states());
+    let outputs = at.output.chunks_exact(states).zip(at.feedthrough.chunks_exact(n));
+    let mut rows: Vec<Vec<f64>> = outputs.map(|(of_x, of_u)| [of_x, of_u].concat()).collect();
+    if let Some(feedback) = &model.feedback {
+        let both = [&feedback.drive_rows, &feedback.stress_rows];
+        rows.extend(both.iter().flat_map(|list| list.chunks_exact(states + n)).map(<[f64]>::to_vec));
+    }
+    rows
+}
+
+/// Moves the inputs of the strains, and sets their feedthrough, so that what held strains do at rest is that of
+/// the model.
+fn exact_at_rest(model: &ScheduledModes, held: &mut ScheduledModes, s: f64, found: &AtEnd) {
+    let (n, m, states) = (model.inputs, model.outputs, held.states());
+    if model.feedback.is_none() {
+        return;
+    }
+    let at = model.at(s);
+    let wanted = targets(model, &at);
+    let rest = |poles: &[f64], modes: usize, b: &dyn Fn(usize) -> f64| -> Vec<f64> {
+        let x = linear_states(poles, modes, Complex64::ONE, |k| Complex64::new(b(k), 0.0));
+        x.into_iter().map(|x| x.re).collect()
+    };
+    let dot = |row: &[f64], x: &[f64]| row.iter().zip(x).map(|(c, x)| c * x).sum::<f64>();
+    // Signals at rest under a unit of every entry of the inputs of a strain.
+    let units: Vec<Vec<f64>> = (0..states)
+        .map(|entry| rest(&found.transition, held.modes, &|k| f64::from(u8::from(k == entry))))
+        .collect();
+    for strain in 0..n {
+        let own = rest(&at.transition, model.modes, &|k| model.strain_input[k * n + strain]);
+        let entry = |k: usize| held.strain_input[k * n + strain];
+        let new = rest(&found.transition, held.modes, &entry);
+        let size = (0..states).map(|k| entry(k).abs()).fold(0.0, f64::max);
+        // Entries without effect on the model stay 0.
+        let weights: Vec<f64> = (0..states)
+            .map(|k| if entry(k) == 0.0 { 0.0 } else { entry(k).abs().max(SMALL * size) })
+            .collect();
+        let matrix = DMatrix::from_fn(2 * n, states, |i, k| dot(&found.rows[m + i], &units[k]) * weights[k]);
+        let missed =
+            DVector::from_fn(2 * n, |i, _| dot(&wanted[m + i], &own) - dot(&found.rows[m + i], &new));
+        let largest = matrix.amax();
+        let Ok(change) = matrix.svd(true, true).solve(&missed, 1e-9 * largest) else { continue };
+        for k in 0..states {
+            held.strain_input[k * n + strain] += weights[k] * change[k];
+        }
+        let new = rest(&found.transition, held.modes, &|k| held.strain_input[k * n + strain]);
+        for o in 0..m {
+            held.strain_feedthrough[o * n + strain] =
+                model.strain_feedthrough[o * n + strain] + dot(&wanted[o], &own) - dot(&found.rows[o], &new);
         }
     }
-    let error = (missed / f64::max(all, f64::MIN_POSITIVE)).sqrt();
-    Some(AtEnd { transition, rows, strain_feedthrough, error })
 }
 
 /// Factors of the complex rows on the modes that keep their residues, times the hold: b moves by r, and

@@ -19,10 +19,10 @@ pub struct LevelLaw {
 }
 
 /// Relative distance from the levels identified at which one counts as beyond them.
-const SLACK: f64 = 0.02;
+const SLACK: f64 = 0.05;
 
 impl LevelLaw {
-    /// True if this level is one of those identified, to two percent.
+    /// True if this level is one of those identified, to five percent: the modes hardly move by that.
     pub fn holds_at(&self, level: f64) -> bool {
         ((1.0 - SLACK) * self.lowest..=(1.0 + SLACK) * self.highest).contains(&level)
     }
