@@ -165,8 +165,10 @@ pub(crate) fn period_of(x: &[f64]) -> Option<(f64, f64)> {
         multiple *= 2;
     }
     let whole = period.round();
-    // Within a tenth of a sample over the whole record a whole period is preferred.
-    if (period - whole).abs() * x.len() as f64 / whole < 0.1 {
+    // Within a tenth of a sample over the whole record a whole period is preferred, and one without any difference.
+    let later = x.get(whole as usize..).unwrap_or(&[]);
+    let same = !later.is_empty() && x.iter().zip(later).all(|(a, b)| a == b);
+    if same || (period - whole).abs() * x.len() as f64 / whole < 0.1 {
         period = whole;
     }
     Some((period, least))
@@ -268,6 +270,19 @@ mod tests {
                 energy += a * a + b * b;
             }
             assert!((fast - cross / energy).abs() < 1e-12, "lag {lag}");
+        }
+    }
+
+    #[test]
+    fn rests_that_are_part_of_a_square_wave_belong_to_its_periods() {
+        for half in [5, 25, 250] {
+            let u: Vec<f64> = (0..10 * half).map(|k| if k / half % 2 == 0 { -8.0 } else { 8.0 }).collect();
+            let found = find_periods(&data(u.clone(), u.clone())).unwrap();
+            assert_eq!((found.period_samples, found.start, found.count), (2.0 * half as f64, 0, 5), "{half}");
+            // A longer rest is one.
+            let rested: Vec<f64> = vec![-8.0; 3 * half].into_iter().chain(u).collect();
+            let found = find_periods(&data(rested.clone(), rested)).unwrap();
+            assert!(found.start > 3 * half && found.count < 5, "{found:?}");
         }
     }
 

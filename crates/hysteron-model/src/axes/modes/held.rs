@@ -39,10 +39,14 @@ const BESIDE: f64 = 0.3;
 const RIDGE: f64 = 1e-5;
 /// Largest relative rms error of the refitted outputs.
 const WORST: f64 = 0.05;
+/// Error with which the fewest steps are taken.
+const GOOD: f64 = 1e-2;
 /// Most steps of a sample.
 const MOST_STEPS: f64 = 64.0;
 /// Smallest size of an entry of the strain inputs, relative to the largest, in the measure of their change.
 const SMALL: f64 = 1e-2;
+/// Largest relative change of an entry with which they are moved at all.
+const LARGEST_CHANGE: f64 = 0.1;
 
 /// A model whose samples are those of a controller.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,15 +72,22 @@ impl ScheduledModes {
             return Err(refused(f64::INFINITY));
         }
         let steps = self.step_rate_hz() / rate_hz;
-        let substeps = (steps - 1e-9 * steps).ceil().max(1.0);
-        if substeps > MOST_STEPS {
-            return Err(refused(f64::INFINITY));
-        }
-        match refitted(self, rate_hz * substeps) {
-            Some(HeldModes { model, error, .. }) if error <= WORST => {
-                let model = ScheduledModes { sample_rate_hz: rate_hz, steps: substeps as usize, ..model };
-                Ok(HeldModes { model, own_modes: self.modes, error })
+        let fewest = (steps - 1e-9 * steps).ceil().max(1.0);
+        // Where poles of the model are as fast as its steps, halves of them are matched better.
+        let mut best: Option<HeldModes> = None;
+        for substeps in [fewest, 2.0 * fewest].into_iter().filter(|substeps| *substeps <= MOST_STEPS) {
+            let Some(found) = refitted(self, rate_hz * substeps) else { continue };
+            if best.as_ref().is_none_or(|best| found.error < best.error) {
+                let steps = substeps as usize;
+                let model = ScheduledModes { sample_rate_hz: rate_hz, steps, ..found.model };
+                best = Some(HeldModes { model, ..found });
             }
+            if best.as_ref().is_some_and(|best| best.error <= GOOD) {
+                break;
+            }
+        }
+        match best {
+            Some(found) if found.error <= WORST => Ok(found),
             found => Err(refused(found.map_or(f64::INFINITY, |held| held.error))),
         }
     }
@@ -267,13 +278,15 @@ fn exact_at_rest(model: &ScheduledModes, held: &mut ScheduledModes, s: f64, foun
             DVector::from_fn(2 * n, |i, _| dot(&wanted[m + i], &own) - dot(&found.rows[m + i], &new));
         let largest = matrix.amax();
         let Ok(change) = matrix.svd(true, true).solve(&missed, 1e-9 * largest) else { continue };
-        for k in 0..states {
-            held.strain_input[k * n + strain] += weights[k] * change[k];
+        if change.amax() <= LARGEST_CHANGE {
+            for k in 0..states {
+                held.strain_input[k * n + strain] += weights[k] * change[k];
+            }
         }
         let new = rest(&found.transition, held.modes, &|k| held.strain_input[k * n + strain]);
-        for o in 0..m {
+        for (o, (wanted, found)) in wanted.iter().zip(&found.rows).take(m).enumerate() {
             held.strain_feedthrough[o * n + strain] =
-                model.strain_feedthrough[o * n + strain] + dot(&wanted[o], &own) - dot(&found.rows[o], &new);
+                model.strain_feedthrough[o * n + strain] + dot(wanted, &own) - dot(found, &new);
         }
     }
 }
