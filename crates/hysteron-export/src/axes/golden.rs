@@ -80,7 +80,8 @@ impl AxesSubject {
         let hold = self.law.preview.div_ceil(WITHIN).max(1);
         let held = |m: usize| given.iter().flat_map(|r| std::iter::repeat_n(r[m], hold)).collect();
         let references: Vec<Vec<f64>> = (0..rest.len()).map(held).collect();
-        if !self.law.is_steady(&references, &self.limits)? {
+        let along = self.law.follow(&references, &self.limits)?;
+        if !self.law.is_steady(&along, &references, &self.limits)? {
             return Err(DecouplingError::Unsteady { bandwidth_hz: self.law.bandwidth_hz }.into());
         }
         let settles = simulation.settling_steps();

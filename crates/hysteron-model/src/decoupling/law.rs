@@ -143,18 +143,23 @@ impl DecouplingLaw {
         DecouplingController::new(self.clone(), limits.to_vec())
     }
 
-    /// True if the drives along `references` \[µm\] do not depend on their last digits. At bandwidths that are high
+    /// True if the drives `found` along `references` \[µm\] do not depend on their last digits. At bandwidths that are high
     /// for the hysteresis the loop through it may not settle: the drives are then as chance has it.
     ///
     /// # Errors
     /// Those of [`Self::follow`].
-    pub fn is_steady(&self, references: &[Vec<f64>], limits: &[Limits]) -> Result<bool, DecouplingError> {
+    pub fn is_steady(
+        &self,
+        found: &AxesDrive,
+        references: &[Vec<f64>],
+        limits: &[Limits],
+    ) -> Result<bool, DecouplingError> {
         let sign = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
         let nudged: Vec<Vec<f64>> = references
             .iter()
             .map(|r| r.iter().enumerate().map(|(k, r)| r * (1.0 + NUDGE * sign(k))).collect())
             .collect();
-        let (found, other) = (self.follow(references, limits)?, self.follow(&nudged, limits)?);
+        let other = self.follow(&nudged, limits)?;
         let alike = |((a, b), limits): ((&Vec<f64>, &Vec<f64>), &Limits)| {
             let most = a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
             most <= STEADY * (limits.high - limits.low)

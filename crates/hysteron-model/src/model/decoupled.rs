@@ -177,7 +177,7 @@ pub struct AxisSummary {
     pub max: f64,
 }
 
-/// Least and largest of all drives.
+/// Least and largest of all inputs.
 pub(super) fn ends_of(drives: &[Vec<f64>]) -> Option<(f64, f64)> {
     drives.iter().map(|drive| range_of(drive)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }

@@ -80,7 +80,7 @@ impl Model {
             Some(_) if request.periodic => return Err(DecouplingError::Repeats.into()),
             Some(_) => {
                 let (found, law) = self.decouple_by_sample(references, &request.law(), &limits)?;
-                if !law.is_steady(&references.u, &limits)? {
+                if !law.is_steady(&found, &references.u, &limits)? {
                     return Err(DecouplingError::Unsteady { bandwidth_hz: law.bandwidth_hz }.into());
                 }
                 (found, Some(Preview::from(&law)))

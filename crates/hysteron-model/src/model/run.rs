@@ -1,5 +1,6 @@
 //! Simulation and scores of any kind of model.
 
+use super::decoupled::ends_of;
 use super::force_run::force;
 use super::verdict::{RANGE_SLACK, Verdict};
 use super::{AxesScore, Body, Model, Remark, RunError, RunScore, Score, SignalRole, Signals, Simulation};
@@ -300,9 +301,7 @@ impl Model {
             }
             _ => (SteadyPeriod::find(record, false).ok(), false),
         };
-        if let Some(range) = self.valid_range() {
-            let ends = record.u.iter().map(|u| range_of(u));
-            let input = ends.fold((f64::MAX, f64::MIN), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+        if let Some((range, input)) = self.valid_range().zip(ends_of(&record.u)) {
             remarks.extend(extrapolates(range, input));
         }
         let rate = record.sample_rate_hz;

@@ -66,7 +66,6 @@ impl ScheduledModes {
         let steps = self.settling_steps(s, FOLDS).min(MOST_STEPS);
         let period = (2.0 * PI / a_step).ceil() as usize;
         let mut runner = Runner::new(self, s);
-        runner.reset();
         let mut u = vec![0.0; self.inputs];
         let mut largest: f64 = 0.0;
         for step in 0..steps {

@@ -200,6 +200,12 @@ fn at_end(model: &ScheduledModes, held: &ScheduledModes, s: f64, ratio: f64) -> 
     // The pairs of fast poles, those beside the lags, the inputs.
     let free: Vec<usize> = (2 * model.modes..2 * held.modes).chain(states..states + n).collect();
     let moved = moved_residues(&at.transition[..2 * model.modes], ratio);
+    let at_rest: Vec<_> = (0..n)
+        .map(|u| {
+            let own = response((Complex64::ONE, &at.transition, model, u));
+            (own, response((Complex64::ONE, &transition, held, u)))
+        })
+        .collect();
     let mut rows = Vec::with_capacity(targets.len());
     let (mut missed, mut all) = (0.0, 0.0);
     for (o, target) in targets.iter().enumerate() {
@@ -217,10 +223,8 @@ fn at_end(model: &ScheduledModes, held: &ScheduledModes, s: f64, ratio: f64) -> 
             row[*place] = c;
         }
         // Exact at rest.
-        for u in 0..n {
-            let own = response((Complex64::ONE, &at.transition, model, u));
-            let found = response((Complex64::ONE, &transition, held, u));
-            row[states + u] += (of(target, &own) - of(&row, &found)).re;
+        for (u, (own, found)) in at_rest.iter().enumerate() {
+            row[states + u] += (of(target, own) - of(&row, found)).re;
         }
         if o < m {
             for (x, wanted) in basis.iter().zip(&wanted) {
