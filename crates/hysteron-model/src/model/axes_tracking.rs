@@ -2,7 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
-use super::decoupled::ends_of;
+use super::run::ends_of;
 use super::{Model, Preview};
 use crate::Finding;
 use crate::axes::AxesRecord;

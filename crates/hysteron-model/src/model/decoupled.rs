@@ -2,7 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
-use super::run::extrapolates;
+use super::run::{ends_of, extrapolates};
 use super::{Capability, Model, Preview, Remark, RunError, SignalRole, Unsupported};
 use crate::axes::{AxesRecord, ScheduledModes};
 use crate::compensator::Limits;
@@ -175,11 +175,6 @@ pub struct AxisSummary {
     pub rms: f64,
     /// Largest error.
     pub max: f64,
-}
-
-/// Least and largest of all inputs.
-pub(super) fn ends_of(drives: &[Vec<f64>]) -> Option<(f64, f64)> {
-    drives.iter().map(|drive| range_of(drive)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
 impl DecoupledSummary {

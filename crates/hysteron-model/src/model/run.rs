@@ -1,6 +1,5 @@
 //! Simulation and scores of any kind of model.
 
-use super::decoupled::ends_of;
 use super::force_run::force;
 use super::verdict::{RANGE_SLACK, Verdict};
 use super::{AxesScore, Body, Model, Remark, RunError, RunScore, Score, SignalRole, Signals, Simulation};
@@ -435,6 +434,11 @@ fn agreed_unit(
         return Ok(found.clone());
     }
     Err(RunError::Unit { signal, model: own, record: found.clone() })
+}
+
+/// Least and largest of all inputs.
+pub(super) fn ends_of(drives: &[Vec<f64>]) -> Option<(f64, f64)> {
+    drives.iter().map(|drive| range_of(drive)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
 /// That inputs leave the range identified.
