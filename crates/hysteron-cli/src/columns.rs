@@ -100,6 +100,24 @@ impl TimeFlags {
 }
 
 impl InputFlags {
+    /// The flags as they are typed, each with its value, but for the time column.
+    fn typed(&self) -> Vec<(&'static str, String)> {
+        let number = |flag, x: Option<f64>| Some((flag, x?.to_string()));
+        let mut typed: Vec<(&'static str, String)> = [
+            self.input.clone().map(|column| ("--input", column)),
+            number("--dead-band", self.dead_band),
+            number("--dead-zone", self.dead_zone),
+            number("--sample-rate", self.time.sample_rate),
+            self.time.max_bytes.map(|bytes| ("--max-bytes", bytes.to_string())),
+        ]
+        .into_iter()
+        .flatten()
+        .collect();
+        typed.extend(self.scales.iter().map(|scale| ("--scale", scale.to_string())));
+        typed.extend(self.cut.typed());
+        typed
+    }
+
     /// The input that was chosen.
     pub fn input(&self) -> Option<&str> {
         self.input.as_deref()
@@ -196,6 +214,15 @@ impl ReferenceFlags {
 }
 
 impl ColumnFlags {
+    /// The flags as they are typed for `hysteron design`, each with its value.
+    pub fn typed_for_design(&self) -> Vec<(&'static str, String)> {
+        let mut typed = self.drive.typed();
+        // Its --time is the length of the drive.
+        typed.extend(self.drive.time.time.clone().map(|column| ("--time-column", column)));
+        typed.extend(self.output.clone().map(|column| ("--output", column)));
+        typed
+    }
+
     /// The flags of the drive alone.
     pub fn of_drive(&self) -> &InputFlags {
         &self.drive

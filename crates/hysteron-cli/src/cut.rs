@@ -36,4 +36,11 @@ impl CutFlags {
     pub fn cut(&self) -> Cut {
         Cut { from_s: self.from, to_s: self.to, conditions: self.conditions.clone(), turns: None }
     }
+
+    /// The flags as they are typed, each with its value.
+    pub fn typed(&self) -> Vec<(&'static str, String)> {
+        let ends = [("--from", self.from), ("--to", self.to)];
+        let ends = ends.into_iter().filter_map(|(flag, end)| Some((flag, end?.to_string())));
+        ends.chain(self.conditions.iter().map(|condition| ("--where", condition.to_string()))).collect()
+    }
 }

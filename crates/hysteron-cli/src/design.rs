@@ -9,7 +9,7 @@ use hysteron_identify::{CampaignRecord, FitRecords, IdentifyError, Listener, Tas
 use hysteron_io::write_record;
 use hysteron_model::model::Capability;
 use hysteron_model::model_file::Kind;
-use hysteron_model::record::{InputOutput, range_of};
+use hysteron_model::record::{InputOutput, ends_of};
 use hysteron_numeric::display::short_to;
 use hysteron_report::results::design::{expected, verdict};
 use hysteron_report::shell::word;
@@ -231,16 +231,27 @@ fn explain(error: &IdentifyError) -> Failure {
 /// How much faster than the records so far a drive is that is to find the resonance.
 const FASTER: f64 = 10.0;
 
-/// The command that makes the next drive, from the `files` of a model or of records whose drives are those of
-/// `records`.
-pub fn command<'a>(
-    files: impl IntoIterator<Item = &'a Path>,
-    records: &[InputOutput],
-    purpose: Purpose,
-) -> String {
-    let files: Vec<String> = files.into_iter().map(|path| word(&path.display().to_string())).collect();
-    let ends = records.iter().map(|data| range_of(&data.u));
-    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+/// What a drive is designed from.
+#[derive(Clone, Copy)]
+pub enum DesignFrom<'a> {
+    /// A model file.
+    Model(&'a Path),
+    /// Records, read with the flags of their columns.
+    Records(&'a [PathBuf], &'a ColumnFlags),
+}
+
+/// The command that makes the next drive, from a model or records whose drives are those of `records`.
+pub fn command(from: DesignFrom<'_>, records: &[InputOutput], purpose: Purpose) -> String {
+    let file = |path: &Path| word(&path.display().to_string());
+    let mut words = match from {
+        DesignFrom::Model(path) => vec![file(path)],
+        DesignFrom::Records(paths, _) => paths.iter().map(|path| file(path)).collect(),
+    };
+    if let DesignFrom::Records(_, columns) = from {
+        words
+            .extend(columns.typed_for_design().iter().map(|(flag, value)| format!("{flag}={}", word(value))));
+    }
+    let (low, high) = ends_of(records.iter().map(|data| &data.u)).unwrap_or_default();
     let rate = |data: &InputOutput, k: usize| {
         let seconds = data.time.time_s(k)? - data.time.time_s(k - 1)?;
         (seconds > 0.0).then(|| (data.u[k] - data.u[k - 1]).abs() / seconds)
@@ -255,7 +266,7 @@ pub fn command<'a>(
     if slew > 0.0 {
         limits += &format!(" --slew {}", short_to(slew, 2));
     }
-    format!("hysteron design {} --for {} --time 20s{limits} -o next.csv", files.join(" "), purpose.name())
+    format!("hysteron design {} --for {} --time 20s{limits} -o next.csv", words.join(" "), purpose.name())
 }
 
 /// The line that ends a result: what to measure next, and the command that makes the drive.
@@ -273,17 +284,76 @@ pub fn measure_next(prospects: &Prospects, command: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::Parser;
     use hysteron_model::record::TimeBase;
 
     #[test]
     fn the_command_quotes_what_a_shell_would_read_otherwise() {
-        let files = [Path::new("loop 1.csv"), Path::new("a'b.csv"), Path::new("runs/sweep.csv")];
+        let files = ["loop 1.csv", "a'b.csv", "runs/sweep.csv"].map(PathBuf::from);
         let drive = vec![0.0, 5.0, 10.0, 5.0];
         let data = InputOutput::new("loop", TimeBase::uniform(10.0), drive.clone(), drive).unwrap();
+        let plain = Flags::parse_from(["program"]).columns;
         assert_eq!(
-            command(files, &[data], Purpose::MinorLoops),
+            command(DesignFrom::Records(&files, &plain), &[data], Purpose::MinorLoops),
             "hysteron design 'loop 1.csv' 'a'\\''b.csv' runs/sweep.csv --for minor-loops --time 20s --range \
              0:10 --slew 50 -o next.csv"
         );
+    }
+
+    #[derive(Parser)]
+    struct Flags {
+        #[command(flatten)]
+        columns: ColumnFlags,
+    }
+
+    #[derive(Parser)]
+    struct Design {
+        #[command(flatten)]
+        command: DesignCommand,
+    }
+
+    /// The records are read there as here: every flag of the columns comes back from the command that is printed.
+    #[test]
+    fn the_command_reads_the_records_as_they_were_read() {
+        let typed = [
+            "program",
+            "--time",
+            "t s",
+            "--input",
+            "drive",
+            "--output",
+            "2",
+            "--sample-rate",
+            "1e4",
+            "--max-bytes",
+            "123",
+            "--scale",
+            "u=15V/V",
+            "--scale",
+            "y=-2.5um/V",
+            "--dead-zone",
+            "0.25",
+            "--from",
+            "300ms",
+            "--to",
+            "7.5",
+            "--where",
+            "segment=2..7",
+            "--where",
+            "kind=ramp up",
+            "--where",
+            "on=1",
+            "--where",
+            "k=..3",
+        ];
+        let given = Flags::parse_from(typed).columns;
+        let printed = given.typed_for_design();
+        let words = printed.iter().map(|(flag, value)| format!("{flag}={value}"));
+        let rest =
+            ["design", "a.csv", "--for", "delay", "--time", "20s", "-o", "next.csv"].map(str::to_owned);
+        let read = Design::parse_from(rest.into_iter().chain(words)).command;
+        assert_eq!(format!("{:?}", read.columns), format!("{given:?}"));
+        let band = Flags::parse_from(["program", "--dead-band", "0.5"]).columns;
+        assert_eq!(band.typed_for_design(), [("--dead-band", "0.5".to_owned())]);
     }
 }

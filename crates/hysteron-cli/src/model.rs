@@ -13,6 +13,7 @@ use hysteron_model::model::{
 use hysteron_model::record::{Driven, InputOutput, MeasurementRun, Quantity, Source, Timing, Unit};
 use hysteron_model::validate::Scoring;
 use hysteron_model::{Advice, Model, Start, hammerstein};
+use hysteron_numeric::display::short_to;
 
 use crate::axes::AxesFlags;
 use crate::columns::{ColumnFlags, InputFlags, TimeFlags};
@@ -312,6 +313,15 @@ impl Loaded {
             RunError::Decoupling(e @ DecouplingError::Begins { .. }) => failure()
                 .because(e)
                 .hint("widen --range, or let the references begin nearer to the device's rest"),
+            RunError::Decoupling(e @ DecouplingError::NotConverging { .. }) => {
+                let identified = self.model.valid_range().and_then(|range| range.frequency.as_ref());
+                let within = identified.map_or(String::new(), |swings| {
+                    format!(" (the records of the model hold up to {} Hz)", short_to(swings.high, 3))
+                });
+                failure().because(e).hint(format!(
+                    "a lower --bandwidth{within}, or sample by sample as a controller does: --preview SAMPLES"
+                ))
+            }
             RunError::Decoupling(e @ DecouplingError::RangeUnknown) => {
                 failure().because(e).hint("e.g. --range=-1:1")
             }

@@ -65,8 +65,8 @@ pub struct Validate {
     #[arg(long, conflicts_with = "continued")]
     correct: bool,
 
-    /// File for the scored samples: drive, measured output, model, residual (CSV, or NPZ or MAT by
-    /// extension); one record, or one run
+    /// File for the samples of the record, those before the scoring begins too: drive, measured output, model,
+    /// residual (CSV, or NPZ or MAT by extension); one record, or one run
     #[arg(short, long = "output-file", value_name = "OUT.csv|npz|mat")]
     out: Option<PathBuf>,
 

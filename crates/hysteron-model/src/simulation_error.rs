@@ -118,6 +118,15 @@ pub enum SimulationError {
         /// Number of the sample, from 0.
         index: usize,
     },
+    /// The motion overflows, though the parameters keep it bounded.
+    #[error(
+        "the motion leaves the range of numbers before sample {index}: under this force the hysteresis changes \
+         faster than the steps between samples can follow; check the unit of the force, or sample it faster"
+    )]
+    TooFast {
+        /// Number of the sample, from 0.
+        index: usize,
+    },
     /// No periodic steady state was found.
     #[error(
         "no steady state after {periods} periods: the state still changes by {change:e} of its size in a \

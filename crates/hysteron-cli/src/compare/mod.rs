@@ -22,7 +22,7 @@ use hysteron_report::comparison;
 use crate::axes::AxesFlags;
 use crate::columns::ColumnFlags;
 use crate::console;
-use crate::design;
+use crate::design::{self, DesignFrom};
 use crate::failure::Failure;
 use crate::interrupt::{Interrupt, partial};
 use crate::kept::{self, Kept};
@@ -242,10 +242,8 @@ impl Compare {
     fn next_drive(&self, campaign: &[CampaignRecord], model: Option<&Path>) -> String {
         let records: Vec<InputOutput> = campaign.iter().map(|record| record.data.clone()).collect();
         let purpose = prospects(&records).next_for;
-        match model {
-            Some(path) => design::command([path], &records, purpose),
-            None => design::command(self.records.iter().map(PathBuf::as_path), &records, purpose),
-        }
+        let from = model.map_or(DesignFrom::Records(&self.records, &self.columns), DesignFrom::Model);
+        design::command(from, &records, purpose)
     }
 
     /// Writes the preferred model so far beside where the model was to be, and says so.

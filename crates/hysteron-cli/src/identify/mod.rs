@@ -36,7 +36,7 @@ use crate::axes::AxesFlags;
 use crate::choices::one_of;
 use crate::columns::ColumnFlags;
 use crate::console;
-use crate::design;
+use crate::design::{self, DesignFrom};
 use crate::failure::Failure;
 use crate::interrupt::{Interrupt, partial};
 use crate::kept::{self, Kept};
@@ -386,9 +386,10 @@ impl Identify {
         let prospects = prospects(&records);
         let open = model.data().correlation.is_none()
             || found.parameters.iter().any(|p| !p.held && p.std_error.is_none());
-        let all = || self.records.iter().chain(&self.static_records).chain(&self.dynamic_records);
-        let files: Vec<&Path> = if open { all().map(PathBuf::as_path).collect() } else { vec![&self.out] };
-        design::measure_next(&prospects, &design::command(files, &records, prospects.next_for))
+        let all = self.records.iter().chain(&self.static_records).chain(&self.dynamic_records);
+        let all: Vec<PathBuf> = all.cloned().collect();
+        let from = if open { DesignFrom::Records(&all, &self.columns) } else { DesignFrom::Model(&self.out) };
+        design::measure_next(&prospects, &design::command(from, &records, prospects.next_for))
     }
 
     fn check_outputs(&self) -> Result<(), Failure> {

@@ -1,15 +1,13 @@
 //! Parameters that the records determine together.
 
-use std::path::PathBuf;
-
 use hysteron_identify::structure::Prospects;
 use hysteron_model::record::InputOutput;
 
 use crate::console;
-use crate::design;
+use crate::design::{self, DesignFrom};
 
 /// For people.
-pub fn text(prospects: &Prospects, records: &[InputOutput], files: &[PathBuf]) -> String {
+pub fn text(prospects: &Prospects, records: &[InputOutput], from: DesignFrom<'_>) -> String {
     let what = match records.len() {
         1 => "This record determines",
         _ => "These records together determine",
@@ -29,6 +27,6 @@ pub fn text(prospects: &Prospects, records: &[InputOutput], files: &[PathBuf]) -
             text += &format!("- {}: {content}\n", record.name);
         }
     }
-    let command = design::command(files.iter().map(PathBuf::as_path), records, prospects.next_for);
+    let command = design::command(from, records, prospects.next_for);
     text + &design::measure_next(prospects, &command)
 }

@@ -14,6 +14,7 @@ use serde::Serialize;
 
 use crate::columns::ColumnFlags;
 use crate::console;
+use crate::design::DesignFrom;
 use crate::failure::Failure;
 use crate::output::{self, OutFile};
 
@@ -95,7 +96,7 @@ impl Inspect {
         let listed = self.records.iter().zip(&held).filter(|(_, held)| !held.is_empty());
         let mut parts: Vec<String> = listed.map(|(path, held)| text::contents(path, held)).collect();
         parts.extend(inspected.iter().map(text::describe));
-        parts.push(campaign::text(&prospects, &records, &self.records));
+        parts.push(campaign::text(&prospects, &records, DesignFrom::Records(&self.records, &self.columns)));
         console::result(&parts.join("\n"))
     }
 

@@ -41,10 +41,14 @@ const INVERSE: &str = concat!(
     include_str!("../../templates/c/saved.c")
 );
 const SELFTEST: &str = include_str!("../../templates/c/axes_selftest.c");
+const LOOP: &str = include_str!("../../templates/c/axes_loop.c");
 const RUST_MODEL: &str = include_str!("../../templates/rust/axes.rs");
 const RUST_INVERSE: &str = include_str!("../../templates/rust/axes_inverse.rs");
 const RUST_SAVED: &str = include_str!("../../templates/rust/axes_saved.rs");
 const RUST_SELFTEST: &str = include_str!("../../templates/rust/axes_selftest.rs");
+
+/// Remaining share of a move at which the stage counts as settled.
+const SETTLED: f64 = 1e-3;
 
 /// A model of several axes to export, at the rate and level of a law.
 #[derive(Clone, Debug)]
@@ -96,6 +100,12 @@ impl AxesSubject {
     #[must_use]
     pub fn in_precision(self, precision: Precision) -> Self {
         Self { precision, ..self }
+    }
+
+    /// The same, identified in this range.
+    #[must_use]
+    pub fn identified_in(self, range: Option<ValidRange>) -> Self {
+        Self { range, ..self }
     }
 
     /// The law.
@@ -249,16 +259,38 @@ impl AxesSubject {
             .key("TABLES", tables.text())
             .flag("saves", true)
             .flag("inverse", inverse)
+            .flag("range", !inverse && self.range.is_some())
             .flag("strains", model.feedback.is_some())
             .flag("plays", plays > 0);
+        if let Some(range) = &self.range {
+            let literal = |x: f64| match language {
+                Language::C => format!("({})", precision.c_literal(x)),
+                Language::Rust => precision.rust_literal(x),
+            };
+            filling.key("RANGE_LOW", literal(range.input.low)).key("RANGE_HIGH", literal(range.input.high));
+        }
+        if inverse {
+            let limits = self.limited();
+            let row = |of: fn(&Limited) -> f64| {
+                language.row(precision, &limits.iter().map(of).collect::<Vec<f64>>())
+            };
+            filling
+                .key("LIMITS_LOW", row(|l| l.low))
+                .key("LIMITS_HIGH", row(|l| l.high))
+                .key("LIMITS_STEP", row(|l| l.step));
+        }
         filling
     }
 
     /// Lowest and highest voltage of each actuator in the source.
     fn ranges(&self) -> Vec<[f64; 2]> {
+        self.limited().iter().map(|l| [l.low, l.high]).collect()
+    }
+
+    /// Limits of each actuator as the source has them.
+    fn limited(&self) -> Vec<Limited> {
         let rate = self.model().sample_rate_hz;
-        let limited = |limits| Limited::new(limits, rate, self.precision);
-        self.limits.iter().map(limited).map(|l| [l.low, l.high]).collect()
+        self.limits.iter().map(|limits| Limited::new(limits, rate, self.precision)).collect()
     }
 
     /// What is packed as an FMU.
@@ -297,10 +329,24 @@ impl AxesSubject {
         Ok(Core { name, filling, files })
     }
 
+    /// Samples to wait after a move until a thousandth of it is left, and a comment on them.
+    fn settles(&self) -> (usize, String) {
+        let model = self.model();
+        let steps = model.settling_steps(self.law.state, -SETTLED.ln());
+        let samples = steps.div_ceil(model.steps);
+        let seconds = significant(samples as f64 / model.sample_rate_hz);
+        (samples, format!("Samples to wait after a move, {seconds} s: {SETTLED} of the response remains."))
+    }
+
     fn c_files(&self, inverse: bool, golden: &Golden) -> Result<Vec<NamedFile>, ExportError> {
         let Core { name, mut filling, mut files } = self.core(inverse, golden)?;
         golden.fill(&mut filling, Language::C, self.precision);
         files.push(NamedFile::new(format!("{name}_selftest.c"), filling.fill(SELFTEST)?));
+        if inverse {
+            let (samples, words) = self.settles();
+            filling.key("SETTLES", samples).key("SETTLES_IN_WORDS", words);
+            files.push(NamedFile::new(format!("{name}_loop.c"), filling.fill(LOOP)?));
+        }
         Ok(files)
     }
 
@@ -329,7 +375,8 @@ pub fn axes_files(subject: &AxesSubject) -> Result<Vec<NamedFile>, ExportError> 
     subject.c_files(false, &subject.golden()?)
 }
 
-/// The inverse as C99: `NAME_inverse.h`, `NAME_inverse.c`, and `NAME_inverse_selftest.c` with golden vectors.
+/// The inverse as C99: `NAME_inverse.h`, `NAME_inverse.c`, `NAME_inverse_selftest.c` with golden vectors, and
+/// `NAME_inverse_loop.c`, a loop around it.
 ///
 /// # Errors
 /// [`ExportError::Still`] where no voltage moves, [`ExportError::Decoupling`].

@@ -85,14 +85,14 @@ pub fn export_axes(
     let units = model.units();
     let mut subject =
         AxesSubject::new(&request.name, model.name(), (&units.input, &units.output), law, limits)?
-            .in_precision(request.float);
+            .in_precision(request.float)
+            .identified_in(model.valid_range().cloned());
     subject.origin = Origin::made(model.provenance());
     subject.origin.model_sha256 = request.model_sha256.clone().unwrap_or_default();
     subject.origin.date.clone_from(&request.date);
     if let Some((inputs, outputs)) = model.channels() {
         subject.channels = (inputs.to_vec(), outputs.to_vec());
     }
-    subject.range = model.valid_range().cloned();
     let law = &subject.law;
     let bandwidth_hz = if request.inverse { law.bandwidth_hz } else { 0.0 };
     let ends = subject.limits.iter().map(|limit| (limit.low, limit.high));

@@ -72,7 +72,8 @@ impl AxesUnit {
                 let about = format!("Displacement of axis {} after the last sample", k + 1);
                 add(format!("displacement_{}", k + 1), OUTPUT, about, output, None);
             }
-            "0 done, -1 voltage not finite, -2 out of the range of numbers"
+            "0 done, 1 a voltage outside of the range identified, -1 voltage not finite, -2 out of the range of \
+             numbers"
         };
         add("status".into(), WHOLE_OUTPUT, format!("Status of the last sample: {status}"), None, None);
         for (k, at_rest) in self.inverse.iter().flat_map(|inverse| &inverse.rest_voltages).enumerate() {

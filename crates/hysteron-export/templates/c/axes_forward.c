@@ -1,4 +1,12 @@
 
+//{ range
+static bool extrapolates(real u)
+{
+    const real slack = R(0.01) * ($NAME_VOLTAGE_HIGH - $NAME_VOLTAGE_LOW);
+    return u < $NAME_VOLTAGE_LOW - slack || u > $NAME_VOLTAGE_HIGH + slack;
+}
+
+//}
 void $name_init($name_state *state)
 {
     static const real none[INPUTS];
@@ -14,6 +22,13 @@ $name_status $name_rest_at($name_state *state, const $name_real voltages[$NAME_I
         }
     }
     settle(state, voltages);
+//{ range
+    for (i = 0; i < INPUTS; i++) {
+        if (extrapolates(voltages[i])) {
+            return $NAME_EXTRAPOLATED;
+        }
+    }
+//}
     return $NAME_OK;
 }
 
@@ -29,6 +44,11 @@ $name_status $name_step($name_state *state, const $name_real voltages[$NAME_INPU
             u[i] = state->held[i];
             status = $NAME_NOT_FINITE;
         }
+//{ range
+        if (extrapolates(u[i]) && status == $NAME_OK) {
+            status = $NAME_EXTRAPOLATED;
+        }
+//}
     }
     next_sample(state);
     if (!apply(state, u)) {

@@ -15,6 +15,12 @@ typedef $real $name_real;
 /* What a call has come to. */
 typedef enum {
     $NAME_OK = 0,
+//{ range
+    /* There is a result, but a voltage lies outside of the range that the model was identified in
+       ($NAME_VOLTAGE_LOW to $NAME_VOLTAGE_HIGH and a hundredth of it to either side): the model
+       extrapolates. */
+    $NAME_EXTRAPOLATED = 1,
+//}
 //{ inverse
     /* A voltage was held back by its range. */
     $NAME_AT_RANGE = 1,
@@ -37,6 +43,18 @@ typedef enum {
 #define $NAME_OUTPUTS $N_OUTPUTS
 #define $NAME_MODES $N_MODES
 #define $NAME_STATES (2 * $N_MODES + $N_INPUTS)
+//{ range
+/* Range of the voltages that the model was identified in [$INPUT_UNIT]. */
+#define $NAME_VOLTAGE_LOW $RANGE_LOW
+#define $NAME_VOLTAGE_HIGH $RANGE_HIGH
+//}
+//{ inverse
+/* Limits of the voltages [$INPUT_UNIT], and their largest changes from one sample to the next, as initialisers
+   of an array of $NAME_INPUTS. */
+#define $NAME_VOLTAGES_LOW $LIMITS_LOW
+#define $NAME_VOLTAGES_HIGH $LIMITS_HIGH
+#define $NAME_VOLTAGES_STEP $LIMITS_STEP
+//}
 //{ plays
 #define $NAME_PLAYS $N_PLAYS
 //}

@@ -17,6 +17,11 @@ pub const SAMPLE_RATE_HZ: $float = $RATE;
 pub const INPUTS: usize = $N_INPUTS;
 /// Axes.
 pub const OUTPUTS: usize = $N_OUTPUTS;
+//{ range
+/// Lowest and highest voltage of the records that the model was identified from \[$INPUT_UNIT\]; beyond, it
+/// extrapolates.
+pub const VOLTAGE_RANGE: ($float, $float) = ($RANGE_LOW, $RANGE_HIGH);
+//}
 const MODES: usize = $N_MODES;
 const STATES: usize = 2 * MODES + INPUTS;
 /// Steps of the model in one sample, and those after which every state has settled.

@@ -11,6 +11,7 @@ use hysteron_export::{
 use hysteron_model::axes::{FeedbackStrain, HeldSimulation, LevelLaw, ScheduledModes, StrainLaw};
 use hysteron_model::compensator::Limits;
 use hysteron_model::decoupling::{DecouplingLaw, LawOptions};
+use hysteron_model::model_file::{Interval, ValidRange};
 use hysteron_numeric::Listener;
 
 use crate::fmu::python;
@@ -153,6 +154,70 @@ fn a_motion_that_runs_away_is_told_and_comes_back() {
     let sources = ["held.c", "held_inverse.c", "runs_away.c", "-o", "runs_away"];
     run(place.path(), "cc", &[&["-std=c99", "-O1"], &sources[..], &["-lm"]].concat());
     run(place.path(), "./runs_away", &[]);
+}
+
+/// Exit code 0: a hundredth beyond the range is not told, more is, and a bad number is told first.
+const EXTRAPOLATES: &str = r#"
+#include "held.h"
+
+int main(void)
+{
+    static held_state model;
+    const double zero = 0.0, far[HELD_INPUTS] = {0.2, 1.1}, bad[HELD_INPUTS] = {zero / zero, 1.1};
+    const double within[HELD_INPUTS] = {HELD_VOLTAGE_LOW, HELD_VOLTAGE_HIGH + 0.01};
+    double outputs[HELD_OUTPUTS];
+    held_init(&model);
+    if (held_step(&model, within, outputs) != HELD_OK || held_rest_at(&model, within) != HELD_OK) {
+        return 1;
+    }
+    if (held_step(&model, far, outputs) != HELD_EXTRAPOLATED || held_rest_at(&model, far) != HELD_EXTRAPOLATED) {
+        return 2;
+    }
+    return held_step(&model, bad, outputs) == HELD_NOT_FINITE ? 0 : 3;
+}
+"#;
+
+#[test]
+fn voltages_beyond_the_records_are_told() {
+    let place = tempfile::tempdir().unwrap();
+    let (_, subject) = subjects().into_iter().find(|(name, _)| *name == "held").unwrap();
+    let range = Interval { low: -1.0, high: 1.0, unit: "V".into() };
+    let subject = subject.identified_in(Some(ValidRange { input: range, rate: None, frequency: None }));
+    let mut files = axes_files(&subject).unwrap();
+    files.push(NamedFile::new("extrapolates.c", EXTRAPOLATES));
+    write_folder(place.path(), &files).unwrap();
+    let sources = ["held.c", "extrapolates.c", "-o", "extrapolates"];
+    run(place.path(), "cc", &[&STRICT[..], &sources].concat());
+    run(place.path(), "./extrapolates", &[]);
+    let rust = axes_rust_files(&subject, false).unwrap();
+    let source = rust.iter().find(|file| file.name == "src/lib.rs").unwrap();
+    let text = String::from_utf8(source.bytes.clone()).unwrap();
+    assert!(text.contains("pub const VOLTAGE_RANGE: (f64, f64) = (-1.0, 1.0);"), "{text}");
+}
+
+#[test]
+fn the_loop_of_several_axes_starts_anywhere_within_its_limits() {
+    let place = tempfile::tempdir().unwrap();
+    let (_, subject) = subjects().into_iter().find(|(name, _)| *name == "held").unwrap();
+    let mut files = [axes_files(&subject).unwrap(), axes_inverse_files(&subject).unwrap()].concat();
+    files.push(NamedFile::new("driver.c", include_str!("axes_loop_driver.c")));
+    write_folder(place.path(), &files).unwrap();
+    let sources = ["held.c", "held_inverse.c", "held_inverse_loop.c", "driver.c", "-o", "loop"];
+    let sanitized = ["-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
+    run(place.path(), "cc", &[&STRICT[..], &sanitized, &sources].concat());
+    // The slew rate is 2000 V/s, the sample rate 2000 Hz: steps of at most 1 V. Beyond 1 V is beyond the limits
+    // of the first actuator. What the hysteresis remembers is not known but at 0 V: up to twice its largest, 0.022
+    // of strain, at a gain of 2 um.
+    for (at, known, tolerance) in
+        [("0", "1", 1e-3), ("0.4", "1", 0.09), ("0.4", "0", 0.09), ("1.4", "1", 0.09)]
+    {
+        let said = run(place.path(), "./loop", &[at, known, "20000"]);
+        let numbers: Vec<f64> = said.split_whitespace().map(|x| x.parse().unwrap()).collect();
+        println!("at {at} V, known {known}: {said}");
+        let [step, largest, missed, alarms] = numbers[..] else { unreachable!() };
+        assert!(step <= 1.0 + 1e-12 && largest <= 1.5 && alarms == 0.0, "{at} {known}: {said}");
+        assert!(missed <= tolerance, "{at} {known}: {said}");
+    }
 }
 
 #[test]

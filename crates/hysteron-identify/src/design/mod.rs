@@ -13,6 +13,7 @@
 //! The design is that of the present estimates (locally optimal); mathematics and a study:
 //! `docs/theory/experiments.md`.
 
+mod assumptions;
 mod candidates;
 mod information;
 mod limits;

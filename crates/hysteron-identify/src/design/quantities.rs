@@ -15,6 +15,10 @@ use hysteron_numeric::Complex64;
 
 /// Points of the search for a lag of 90°.
 const POINTS: usize = 400;
+/// Lag from which the dynamics do more than creep.
+const LAG_OF_CREEP: f64 = std::f64::consts::FRAC_PI_6;
+/// Share of a resonance up to which the gain shows creep: it rises by the square of it.
+const BELOW_RESONANCE: f64 = 0.05;
 /// Gain over a decade that tells creep from none.
 const CREEPS: f64 = 5e-4;
 
@@ -79,6 +83,9 @@ impl Quantity {
                 Some(gains[0] / gains[1])
             }
             Self::Creep => {
+                if !lasts_for_creep(model, time_s) {
+                    return None;
+                }
                 let gains = gains(model, &[1.0 / time_s, 10.0 / time_s])?;
                 Some(gains[0] / gains[1] - 1.0)
             }
@@ -115,6 +122,19 @@ pub(super) fn gradients(quantities: &[Quantity], prior: &Prior, time_s: f64) -> 
     let rows: Option<Vec<Vec<f64>>> = quantities.iter().map(row).collect();
     let rows = rows?;
     Some(DMatrix::from_fn(rows.len(), prior.count(), |i, j| rows[i][j]))
+}
+
+/// True if a drive of this time \[s\] lasts long enough for creep to be told from a lag of the dynamics: at ten
+/// times its inverse they lag by less than 30°, more than creep of a power of time up to 1/3.
+pub(super) fn lasts_for_creep(model: &Model, time_s: f64) -> bool {
+    let at = response(model, &[10.0 / time_s, 1.0 / time_s]);
+    at.is_some_and(|at| (at[0] / at[1]).arg().abs() < LAG_OF_CREEP)
+}
+
+/// True if the gain rises towards a resonance by more than a four-hundredth within a decade above the inverse of
+/// the time \[s\]: it takes that from creep.
+pub(super) fn rises_within(resonance_hz: f64, time_s: f64) -> bool {
+    10.0 / time_s > BELOW_RESONANCE * resonance_hz
 }
 
 /// True if the gain falls over the decade above a tenth of one over the time \[s\]; towards a resonance it
@@ -195,7 +215,7 @@ mod tests {
         };
         let model = Model {
             hysteresis: Hysteresis::without_memory(vec![2.0]).unwrap(),
-            dynamics: Dynamics::Fractional(g),
+            dynamics: Dynamics::Fractional(g.clone()),
             offset: 0.0,
             delay_s: 0.0,
             scheme: Scheme::BandLimited,
@@ -206,5 +226,12 @@ mod tests {
         let at = |f: f64| (1.0 + 0.01 * Complex64::new(0.0, TAU * f).powf(-0.15)).norm();
         let expected = at(0.05) / at(0.5) - 1.0;
         assert!((Quantity::Creep.of(&model, 20.0).unwrap() - expected).abs() < 1e-12);
+        // Of s^−0.15 without an end there is no time too short; with a pole at 1 Hz there is.
+        assert!(lasts_for_creep(&model, 1e-3));
+        let mut slow = g;
+        slow.denominator = vec![term(1.0, 0.15), term(1.0 / TAU, 1.15)];
+        let model = Model { dynamics: Dynamics::Fractional(slow), ..model };
+        assert!(lasts_for_creep(&model, 200.0) && !lasts_for_creep(&model, 10.0));
+        assert_eq!(Quantity::Creep.of(&model, 10.0), None);
     }
 }

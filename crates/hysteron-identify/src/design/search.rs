@@ -5,13 +5,14 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+use super::assumptions::{ABOVE_RESONANCE, assumed};
 use super::candidates::{Segment, candidates, minor_loops, random_motion, usual};
 use super::information::{Noise, Weighted, information};
 use super::limits::{Limits, SAMPLES_A_PERIOD};
 use super::objective::{Objective, exchanged, ranked};
 use super::outcome::{Design, Expected};
-use super::prior::{Assumed, Prior};
-use super::quantities::{creeps, gradients, quantities_of, resonance_hz};
+use super::prior::Prior;
+use super::quantities::{creeps, gradients, lasts_for_creep, quantities_of, resonance_hz};
 use super::record::Records;
 use super::{DesignBasis, DesignOptions, Purpose};
 use crate::IdentifyError;
@@ -33,8 +34,6 @@ const TURNS: usize = 24;
 const WORK: usize = 20_000_000;
 /// Most of them.
 const MOST_EXCHANGES: usize = 12;
-/// Highest frequency over the resonance.
-const ABOVE_RESONANCE: f64 = 1.5;
 /// Highest frequency under the sample rate, where the records have no resonance.
 const UNDER_RATE: f64 = 20.0;
 /// Samples of the fastest period while segments are chosen, and the fewest where there is much to simulate:
@@ -156,6 +155,21 @@ impl Experiment {
             basis.undetermined.iter().map(|name| (name.clone(), 0.0)).collect();
         if options.purpose == Purpose::Delay {
             undetermined.push(("delay".to_owned(), 0.1 / highest_hz));
+        }
+        if let Some(valid) = valid.filter(|valid| valid.is_left_by((range[0], range[1]))) {
+            let [low, high] = range.map(|end| short_to(end, 3));
+            let unit = Unit::new(&valid.input.unit).spaced();
+            let text = format!(
+                "The drive goes from {low} to {high}{unit}, the records of the model from {} to {}{unit}: beyond \
+                 these the model extrapolates, and the figures with it.",
+                short_to(valid.input.low, 3),
+                short_to(valid.input.high, 3)
+            );
+            findings.push(Finding::new(FindingKind::Warning, "range", text));
+        }
+        if options.purpose == Purpose::Creep && !lasts_for_creep(&model, options.time_s) {
+            let wanted = "longer for creep: at ten times its inverse other dynamics lag";
+            return Err(IdentifyError::Option { option: "time", value: options.time_s, wanted });
         }
         let assumed = assumed(options, &model, own_resonance, &limits, findings);
         let prior = Prior::new(file, &undetermined)?.assuming(assumed);
@@ -404,56 +418,6 @@ impl Chosen {
 
 fn errors(objective: &Objective, covariances: &[Option<DMatrix<f64>>; 3]) -> [f64; 3] {
     covariances.each_ref().map(|c| c.as_ref().map_or(f64::NAN, |c| objective.error_of(c)))
-}
-
-/// Dynamics to assume, where the model lacks those that the drive is for.
-fn assumed(
-    options: &DesignOptions,
-    model: &Model,
-    own_resonance: Option<f64>,
-    limits: &Limits,
-    findings: &mut Vec<Finding>,
-) -> Assumed {
-    match options.purpose {
-        Purpose::Resonance if own_resonance.is_none() => {
-            let frequency_hz = options.resonance_hz.unwrap_or(0.5 * limits.highest_hz);
-            let text = format!(
-                "The model has no resonance: one near {} Hz is assumed, known to a third.",
-                short_to(frequency_hz, 3)
-            );
-            findings.push(Finding::new(FindingKind::Warning, "resonance", text));
-            if frequency_hz > limits.highest_hz {
-                let needed_hz = ABOVE_RESONANCE * SAMPLES_A_PERIOD * frequency_hz;
-                let remedy = if needed_hz > limits.rate_hz {
-                    format!("choose a sample rate of {} Hz or more", short_to(needed_hz, 2))
-                } else {
-                    format!("raise that to {} Hz", short_to(ABOVE_RESONANCE * frequency_hz, 2))
-                };
-                let text = format!(
-                    "This is above the highest frequency of the drive, {} Hz, which its steps alone exceed: \
-                     {remedy}.",
-                    short_to(limits.highest_hz, 3)
-                );
-                findings.push(Finding::new(FindingKind::Warning, "resonance", text));
-            }
-            Assumed::Resonance { frequency_hz }
-        }
-        Purpose::Resonance if options.resonance_hz.is_some() => {
-            let text = format!(
-                "The model has a resonance, at {} Hz: the one given is not used.",
-                short_to(own_resonance.unwrap_or(0.0), 3)
-            );
-            findings.push(Finding::new(FindingKind::Warning, "resonance", text));
-            Assumed::Nothing
-        }
-        Purpose::Creep if !creeps(model, options.time_s) => {
-            let text = "The model has no creep: creep of one percent after a second is assumed, known to its \
-                        own size.";
-            findings.push(Finding::new(FindingKind::Warning, "creep", text));
-            Assumed::Creep
-        }
-        _ => Assumed::Nothing,
-    }
 }
 
 /// The noise of a record at this rate \[Hz\].

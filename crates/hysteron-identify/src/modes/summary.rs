@@ -15,7 +15,7 @@ use hysteron_model::axes::{
     AxesRecord, FrequencyMatrix, InfluenceMatrix, Mode, ScheduledModes, SteadyPeriod,
 };
 use hysteron_model::model_file::{ModesFile, SignalUnits};
-use hysteron_model::record::range_of;
+use hysteron_model::record::ends_of;
 use hysteron_numeric::display::{short, short_to};
 
 /// Fit of one record.
@@ -237,8 +237,7 @@ fn set_reach(model: &mut ScheduledModes, pieces: &[&RecordPeriod]) {
 
 /// Whether the model comes to rest within the range of its records.
 fn unbounded(model: &ScheduledModes, records: &[AxesRecord]) -> Option<Finding> {
-    let ends = records.iter().flat_map(|record| &record.u).map(|u| range_of(u));
-    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let (low, high) = ends_of(records.iter().flat_map(|record| &record.u))?;
     let wave = model.goes_on_after([low, high])?;
     let unit = records.first().map_or_else(String::new, |record| record.u_unit.spaced());
     let text = format!(
@@ -390,17 +389,19 @@ fn findings(
         falls.sort_by(f64::total_cmp);
         // Two digits, as the table has them.
         let percent = |x: f64| short(format!("{x:.1e}").parse().unwrap_or(x));
+        let median = falls[falls.len() / 2];
         let (least, most) = (falls.first().copied().unwrap_or(0.0), falls.last().copied().unwrap_or(0.0));
         say(
             &mut all,
             FindingKind::Verdict,
             "levels",
             format!(
-                "from {} to {}{unit} rms the resonances fall by {} % in the median of the modes ({} to {} \
+                "from {} to {}{unit} rms the resonances {} by {} % in the median of the modes (falls of {} to {} \
                  %{}).",
                 short(model.level.lowest),
                 short(model.level.highest),
-                percent(falls[falls.len() / 2]),
+                if median < 0.0 { "rise" } else { "fall" },
+                percent(median.abs()),
                 percent(least),
                 percent(most),
                 if least < 0.0 { ", below 0 where they rise" } else { "" }

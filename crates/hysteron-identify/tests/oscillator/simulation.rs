@@ -143,6 +143,11 @@ fn what_cannot_be_simulated_is_refused() {
     let far = drive(&[1e4; 400], RecordEnds::Open).unwrap();
     let error = hardening.simulate(&far, Start::AsIdentified, &mut [0.0; 400]).unwrap_err();
     assert!(matches!(error, SimulationError::RunsAway { index } if index > 1), "{error}");
+    // Bounded by its parameters, but pushed so hard that its hysteresis changes faster than the steps follow.
+    let hard = drive(&[1e12, -1e12].repeat(200), RecordEnds::Open).unwrap();
+    let bounded = Oscillator { gamma: 0.25 * BENCHMARK.beta, ..BENCHMARK };
+    let error = bounded.simulate(&hard, Start::AsIdentified, &mut [0.0; 400]).unwrap_err();
+    assert!(matches!(error, SimulationError::TooFast { .. }), "{error}");
     // Without any damping nothing settles.
     let ideal = Oscillator { damping: 0.0, alpha: 0.0, beta: 0.0, gamma: 0.0, ..BENCHMARK };
     let repeats = drive(&multisine(50, 3), RecordEnds::Periodic).unwrap();

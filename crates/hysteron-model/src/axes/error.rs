@@ -120,15 +120,29 @@ pub enum AxesError {
         /// Allowed values.
         expected: &'static str,
     },
-    /// A mode that does not decay.
+    /// A part of a model is not allowed.
+    #[error("{part}.{error}")]
+    Part {
+        /// Its keys in the file.
+        part: String,
+        /// What about it.
+        error: Box<AxesError>,
+    },
+    /// A mode or a lag that does not decay.
     #[error(
-        "mode {mode} is unstable at the level {level}: its pole has the magnitude {magnitude}",
+        "{} is unstable at the level {level}: its pole has the magnitude {magnitude}",
+        match mode.checked_sub(*modes) {
+            Some(lag @ 1..) => format!("the lag of input {lag}"),
+            _ => format!("mode {mode}"),
+        },
         level = exact(*.level),
         magnitude = exact(*.magnitude)
     )]
     Unstable {
         /// Number of the mode, from 1; the lags of the inputs come after the modes.
         mode: usize,
+        /// Number of modes.
+        modes: usize,
         /// Drive level, rms.
         level: f64,
         /// Magnitude of the pole.
@@ -243,5 +257,15 @@ fn matched(error: f64) -> String {
         format!(" (its linear response is matched to {error:.2} only)")
     } else {
         String::new()
+    }
+}
+
+impl AxesError {
+    /// The same of a part of a model.
+    pub(super) fn within(self, part: &str) -> Self {
+        match self {
+            Self::Part { part: inner, error } => Self::Part { part: format!("{part}.{inner}"), error },
+            error => Self::Part { part: part.to_owned(), error: Box::new(error) },
+        }
     }
 }

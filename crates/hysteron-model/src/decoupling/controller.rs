@@ -76,7 +76,7 @@ impl DecouplingController {
     /// Rests where these outputs \[µm\] are held; returns the voltages.
     ///
     /// # Errors
-    /// [`DecouplingError::Begins`] outside of the limits, [`DecouplingError::NotConverging`],
+    /// [`DecouplingError::Begins`] outside of the limits, [`DecouplingError::NoRest`],
     /// [`DecouplingError::References`].
     pub fn rest_at(&mut self, outputs: &[f64]) -> Result<Vec<f64>, DecouplingError> {
         let model = &self.law.held.model;
@@ -96,7 +96,7 @@ impl DecouplingController {
                 *u += step;
             }
             if change.is_nan() || (round + 1 == REST_ROUNDS && change > SETTLED) {
-                return Err(DecouplingError::NotConverging { rounds: round + 1, change });
+                return Err(DecouplingError::NoRest { rounds: round + 1, change });
             }
             if change <= SETTLED {
                 break;

@@ -87,14 +87,29 @@ pub enum DecouplingError {
     },
     /// The drive changes from round to round.
     #[error(
-        "no drive was found in {rounds} rounds: it still changes by {} of its size; the hysteresis in \
-         feedback is too strong at this bandwidth",
-        short(*change)
+        "no drive with a bandwidth of {bandwidth_hz} Hz was found in {rounds} rounds: it still changes by {change} \
+         of its size; the hysteresis in feedback is too strong at this bandwidth",
+        bandwidth_hz = short(*.bandwidth_hz),
+        change = short(*.change)
     )]
     NotConverging {
         /// Rounds computed.
         rounds: usize,
         /// Relative change in the last one.
+        change: f64,
+        /// Bandwidth \[Hz\].
+        bandwidth_hz: f64,
+    },
+    /// The voltages that hold outputs change from round to round.
+    #[error(
+        "no voltages that hold the first values of the references were found in {rounds} rounds: they still \
+         change by {} of their range",
+        short(*change)
+    )]
+    NoRest {
+        /// Rounds computed.
+        rounds: usize,
+        /// Change in the last one, relative to the range.
         change: f64,
     },
     /// The drives depend on the last digits of the references.

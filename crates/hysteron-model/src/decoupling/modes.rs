@@ -34,17 +34,18 @@ pub fn decouple(
     let bandwidth_hz = options.bandwidth_hz.unwrap_or_else(|| own_bandwidth(model, sample_rate_hz));
     // The level decides on the linear response, and the drive on the level.
     let mut level_v = options.level.unwrap_or(held.model.level.highest);
-    for attempt in 0.. {
+    let mut attempts = 0;
+    loop {
         let task = Task::new(&held.model, references, (sample_rate_hz, bandwidth_hz), options, level_v)?;
         let found = task.solve(options)?;
         let of_drive = level_of(&found.drive);
         let moved = held.model.level.state(of_drive) - held.model.level.state(level_v);
-        if options.level.is_some() || moved.abs() < 1e-6 || attempt == LEVEL_ROUNDS {
+        if options.level.is_some() || moved.abs() < 1e-6 || attempts == LEVEL_ROUNDS {
             return Ok(AxesDrive { rate_error: held.error, ..found });
         }
         level_v = of_drive;
+        attempts += 1;
     }
-    Err(DecouplingError::NotConverging { rounds: LEVEL_ROUNDS, change: 1.0 })
 }
 
 /// Rounds for the level.
@@ -102,7 +103,7 @@ impl<'a> Task<'a> {
                     break;
                 }
                 if round + 1 == REST_ROUNDS || !change.is_finite() {
-                    return Err(DecouplingError::NotConverging { rounds: round + 1, change });
+                    return Err(DecouplingError::NoRest { rounds: round + 1, change });
                 }
                 rest.iter_mut().zip(step).for_each(|(u, step)| *u += step);
             }
@@ -151,7 +152,11 @@ impl<'a> Task<'a> {
                 });
             }
             if rounds == ROUNDS || change.is_nan() {
-                return Err(DecouplingError::NotConverging { rounds, change });
+                return Err(DecouplingError::NotConverging {
+                    rounds,
+                    change,
+                    bandwidth_hz: self.bandwidth_hz,
+                });
             }
             // d = y − P u: what the linear response does not explain.
             let linear = self.plan.apply_matrix(&self.plant, &about(&next, &self.rest))?;

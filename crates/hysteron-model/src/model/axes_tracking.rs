@@ -2,12 +2,11 @@
 
 use serde::{Serialize, Serializer};
 
-use super::run::ends_of;
 use super::{Model, Preview};
 use crate::Finding;
 use crate::axes::AxesRecord;
 use crate::decoupling::{AxesController, AxesTracking};
-use crate::record::{Channel, Keyed, Record, RecordError};
+use crate::record::{Channel, Keyed, Record, RecordError, ends_of};
 
 /// An [`AxesTracking`] without its curves.
 #[derive(Clone, Debug, PartialEq)]

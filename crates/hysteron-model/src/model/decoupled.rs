@@ -2,14 +2,14 @@
 
 use serde::{Serialize, Serializer};
 
-use super::run::{ends_of, extrapolates};
+use super::run::extrapolates;
 use super::{Capability, Model, Preview, Remark, RunError, SignalRole, Unsupported};
 use crate::axes::{AxesRecord, ScheduledModes};
 use crate::compensator::Limits;
 use crate::decoupling::{
     AxesDrive, DecouplingLaw, DecouplingOptions, LawOptions, decouple, decouple_branches, level_of,
 };
-use crate::record::{Keyed, Unit, key_in, range_of};
+use crate::record::{Keyed, Unit, ends_of, key_in, range_of};
 use crate::{Finding, FindingKind};
 
 impl Model {

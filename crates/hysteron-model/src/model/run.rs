@@ -1,7 +1,7 @@
 //! Simulation and scores of any kind of model.
 
 use super::force_run::force;
-use super::verdict::{RANGE_SLACK, Verdict};
+use super::verdict::Verdict;
 use super::{AxesScore, Body, Model, Remark, RunError, RunScore, Score, SignalRole, Signals, Simulation};
 use crate::axes::{AxesRecord, AxesScores, SteadyPeriod, repeats};
 use crate::dynamics::Dynamics;
@@ -9,7 +9,7 @@ use crate::hammerstein;
 use crate::model_file::{ModelFile, OscillatorFile, ValidRange};
 use crate::oscillator::Oscillator;
 use crate::record::{
-    InputOutput, InterSample, MeasurementRun, RunPart, TimeBase, Unit, find_periods, range_of,
+    InputOutput, InterSample, MeasurementRun, RunPart, TimeBase, Unit, ends_of, find_periods, range_of,
 };
 use crate::start::Start;
 use crate::validate::{
@@ -436,17 +436,11 @@ fn agreed_unit(
     Err(RunError::Unit { signal, model: own, record: found.clone() })
 }
 
-/// Least and largest of all inputs.
-pub(super) fn ends_of(drives: &[Vec<f64>]) -> Option<(f64, f64)> {
-    drives.iter().map(|drive| range_of(drive)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
-}
-
 /// That inputs leave the range identified.
 pub(super) fn extrapolates(range: &ValidRange, input: (f64, f64)) -> Option<Remark> {
     let identified = (range.input.low, range.input.high);
-    let slack = RANGE_SLACK * (identified.1 - identified.0);
-    let leaves = input.0 < identified.0 - slack || input.1 > identified.1 + slack;
-    leaves.then(|| Remark::Extrapolates { input, identified, unit: Unit::new(&range.input.unit) })
+    let unit = Unit::new(&range.input.unit);
+    range.is_left_by(input).then_some(Remark::Extrapolates { input, identified, unit })
 }
 
 /// Refuses a period that is given where an input does not repeat with it.

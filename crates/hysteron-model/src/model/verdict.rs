@@ -16,9 +16,6 @@ const OTHER_GAIN: f64 = 0.02;
 /// times the error of the training.
 const OTHER_WIDTH: f64 = 1.25;
 const BEYOND_ERROR: f64 = 3.0;
-/// Excess over the range of the identification, as a share of it, that does not count.
-pub(super) const RANGE_SLACK: f64 = 0.01;
-
 /// Judgement on device and range from the score of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -108,8 +105,7 @@ impl Verdict {
 fn leaves(range: &ValidRange, record: &InputOutput) -> Vec<String> {
     let (low, high) = range_of(&record.u);
     let (least, most) = (range.input.low, range.input.high);
-    let slack = RANGE_SLACK * (most - least);
-    let amplitude = (low < least - slack || high > most + slack).then(|| {
+    let amplitude = range.is_left_by((low, high)).then(|| {
         format!(
             "the input runs from {} to {} {unit}, the model was identified from {} to {} {unit}",
             short(low),

@@ -247,6 +247,18 @@ pub struct ValidRange {
     pub rate: Option<Interval>,
 }
 
+/// Excess over the range of the identification, as a share of it, that does not count.
+const RANGE_SLACK: f64 = 0.01;
+
+impl ValidRange {
+    /// True if inputs of this range, least and largest, go beyond it by more than a hundredth of its width.
+    pub fn is_left_by(&self, input: (f64, f64)) -> bool {
+        let Interval { low, high, .. } = self.input;
+        let slack = RANGE_SLACK * (high - low);
+        input.0 < low - slack || input.1 > high + slack
+    }
+}
+
 impl SignalUnits {
     /// Of an input and an output in these units.
     pub fn of(input: &Unit, output: &Unit) -> Self {

@@ -136,6 +136,12 @@ impl Oscillator {
         }
     }
 
+    /// That the motion leaves the range of numbers before sample `index`, and why.
+    fn overflow(&self, index: usize) -> SimulationError {
+        let bounded = self.admissibility().is_bounded() && self.stiffness > 0.0 && self.damping > 0.0;
+        if bounded { SimulationError::TooFast { index } } else { SimulationError::RunsAway { index } }
+    }
+
     /// Boundedness of z for every motion; the displacement is then bounded where k > 0 and c > 0.
     pub fn admissibility(&self) -> Admissibility {
         self.unit_shape().admissibility()

@@ -117,7 +117,7 @@ fn follow(
         }
         let sum = s.y.iter().chain(&s.v).chain(&s.z).chain(&x).sum::<f64>();
         if !sum.is_finite() {
-            return Err(SimulationError::RunsAway { index: k + 1 });
+            return Err(motion.parameters().overflow(k + 1));
         }
         s.drop_vanished();
         keep(k + 1, &x, &s);

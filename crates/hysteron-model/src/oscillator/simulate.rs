@@ -82,7 +82,7 @@ fn follow(
             x = motion.step(&x, u, h);
         }
         if !(x[0] + x[1] + x[2]).is_finite() {
-            return Err(SimulationError::RunsAway { index: k + 1 });
+            return Err(motion.parameters().overflow(k + 1));
         }
         for (largest, x) in largest.iter_mut().zip(x) {
             *largest = largest.max(x.abs());

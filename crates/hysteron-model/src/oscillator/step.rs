@@ -72,6 +72,10 @@ impl Motion {
         Self { per_mass: 1.0 / parameters.mass, parameters: *parameters, power }
     }
 
+    pub(super) fn parameters(&self) -> &Oscillator {
+        &self.parameters
+    }
+
     /// |z|ⁿ⁻¹.
     #[inline(always)]
     fn less(&self, z: f64) -> f64 {

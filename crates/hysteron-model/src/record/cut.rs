@@ -1,5 +1,6 @@
 //! Part of a record by time, by the value of its columns and by the turning points of its drive.
 
+use std::fmt;
 use std::str::FromStr;
 
 use hysteron_numeric::display::short;
@@ -104,6 +105,21 @@ impl FromStr for Condition {
             },
         };
         Ok(Condition { column: column.to_owned(), is })
+    }
+}
+
+/// The text it is parsed from: `segment=2..7`.
+impl fmt::Display for Condition {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}=", self.column)?;
+        match &self.is {
+            Admitted::Range { low: Some(low), high: Some(high) } if low == high => write!(f, "{low}"),
+            Admitted::Range { low, high } => {
+                let end = |end: &Option<f64>| end.map(|x| x.to_string()).unwrap_or_default();
+                write!(f, "{}..{}", end(low), end(high))
+            }
+            Admitted::Text(text) => f.write_str(text),
+        }
     }
 }
 

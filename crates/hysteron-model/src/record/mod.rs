@@ -91,7 +91,7 @@ pub use timing::Timing;
 pub use trend::{LinearDrift, linear_drift};
 pub use turning_points::{TurningPoint, shortest_swing, turning_points};
 #[doc(hidden)]
-pub use turning_points::{range_of, span};
+pub use turning_points::{ends_of, range_of, span};
 pub use unit::{Quantity, Unit};
 
 /// Largest magnitude of a sample, in any unit: the sum of squares of all samples of a record stays finite.

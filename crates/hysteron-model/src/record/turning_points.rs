@@ -66,6 +66,13 @@ pub fn range_of(samples: &[f64]) -> (f64, f64) {
     it.fold((first, first), |(low, high), x| (low.min(x), high.max(x)))
 }
 
+/// Smallest and largest value of several signals; `None` without one.
+#[doc(hidden)]
+pub fn ends_of<'a>(signals: impl IntoIterator<Item = &'a Vec<f64>>) -> Option<(f64, f64)> {
+    let ends = signals.into_iter().map(|samples| range_of(samples));
+    ends.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+}
+
 /// Largest less smallest value; 0 of nothing.
 #[doc(hidden)]
 pub fn span(samples: &[f64]) -> f64 {

@@ -30,9 +30,20 @@ pub fn expected(design: &DesignSummary) -> Listing {
     rows
 }
 
+/// Fall of a standard error, as a share of it, below which a drive tells nothing new.
+const NOTHING_NEW: f64 = 0.005;
+
 /// The gain over loop and sweep in a sentence.
 pub fn verdict(design: &DesignSummary) -> String {
     let aims: Vec<&Expected> = design.expected.iter().filter(|e| e.aim).collect();
+    if aims.iter().all(|e| e.designed > (1.0 - NOTHING_NEW) * e.now) {
+        let names: Vec<String> = aims.iter().map(|e| format!("of the {}", e.name)).collect();
+        return format!(
+            "the standard error {} does not fall: with this noise and length no drive tells more than is known; a \
+             longer drive, a wider range or less noise does.",
+            names.join(" and ")
+        );
+    }
     let changes: Vec<String> = aims
         .iter()
         .map(|e| {

@@ -205,18 +205,16 @@ impl ScheduledModes {
     /// # Errors
     /// The first of [`AxesError::Length`], [`AxesError::Value`], [`AxesError::Unstable`].
     pub fn validate(&self) -> Result<(), AxesError> {
-        let whole = |what, value: usize, most: usize| match value {
-            v if v >= 1 && v <= most => Ok(()),
-            v => Err(AxesError::Value {
-                what,
-                value: v as f64,
-                expected: "a whole number from 1 to some hundred",
-            }),
-        };
-        whole("inputs", self.inputs, 64)?;
-        whole("outputs", self.outputs, 64)?;
-        whole("modes", self.modes, 512)?;
-        whole("steps", self.steps, 64)?;
+        for (what, value, most, expected) in [
+            ("inputs", self.inputs, 64, "a whole number from 1 to 64"),
+            ("outputs", self.outputs, 64, "a whole number from 1 to 64"),
+            ("modes", self.modes, 512, "a whole number from 1 to 512"),
+            ("steps", self.steps, 64, "a whole number from 1 to 64"),
+        ] {
+            if value < 1 || value > most {
+                return Err(AxesError::Value { what, value: value as f64, expected });
+            }
+        }
         if !RATES_HZ.contains(&self.sample_rate_hz) {
             return Err(AxesError::Value {
                 what: "sample_rate_hz",
@@ -239,13 +237,13 @@ impl ScheduledModes {
             finite_list(what, list, expected)?;
         }
         if let Some(feedback) = &self.feedback {
-            feedback.validate(n, x)?;
+            feedback.validate(n, x).map_err(|e| e.within("feedback"))?;
         }
         self.level.validate()?;
         for level in [self.level.lowest, self.level.highest] {
             let (magnitude, mode) = self.largest_pole(self.level.state(level));
             if magnitude.is_nan() || magnitude >= 1.0 {
-                return Err(AxesError::Unstable { mode: mode + 1, level, magnitude });
+                return Err(AxesError::Unstable { mode: mode + 1, modes: self.modes, level, magnitude });
             }
         }
         Ok(())

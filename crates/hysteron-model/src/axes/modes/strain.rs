@@ -102,15 +102,14 @@ impl FeedbackStrain {
         if self.stress.len() != inputs {
             return Err(AxesError::Length { what: "stress", expected: inputs, found: self.stress.len() });
         }
-        self.drive.validate()?;
+        self.drive.validate().map_err(|e| e.within("drive"))?;
         let plays = self.drive.radii.len();
-        for law in &self.stress {
-            if law.radii.len() != plays {
-                return Err(AxesError::Length { what: "radii", expected: plays, found: law.radii.len() });
-            }
-            law.validate()?;
-        }
-        Ok(())
+        let of_stress = |law: &StrainLaw| match law.radii.len() {
+            found if found != plays => Err(AxesError::Length { what: "radii", expected: plays, found }),
+            _ => law.validate(),
+        };
+        let mut laws = self.stress.iter().enumerate();
+        laws.try_for_each(|(n, law)| of_stress(law).map_err(|e| e.within(&format!("stress[{n}]"))))
     }
 }
 
