@@ -334,14 +334,16 @@ impl Model {
             Dynamics::Arx(arx) => arx.simulate(&moved, Start::ZERO, &mut y)?,
             Dynamics::Integer(g) | Dynamics::Fractional(g) => {
                 let rate = sample_rate_hz.ok_or(SimulationError::NoSampleRate)?;
-                let plan = SimulationPlan::new(y.len(), rate, self.scheme, Start::ZERO)?;
+                let mut plan = SimulationPlan::new(y.len(), rate, self.scheme, Start::ZERO)?;
                 // Buffers of a long record are made once those before are gone.
-                let spectrum = plan.transform(&moved)?;
-                drop(moved);
                 let mut response = plan.empty_values();
                 let sampling = Sampling { reconstruction: self.inter_sample, ..Sampling::of(self.scheme) };
                 plan.response(g, self.delay_s, sampling, &mut response)?;
-                plan.apply(&response, &spectrum, &mut plan.workspace(), &mut y)?;
+                plan.forget_tables();
+                let (mut workspace, mut spectrum) = (plan.workspace(), plan.empty_spectrum());
+                plan.transform_into(&moved, &mut workspace, &mut spectrum)?;
+                drop(moved);
+                plan.apply(&response, &spectrum, &mut workspace, &mut y)?;
             }
         }
         let gain = self.gain_at_rest();

@@ -1,6 +1,7 @@
 //! Real FFT plans of fast lengths, shared by the whole process.
 
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::collections::{HashMap, VecDeque};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use realfft::{ComplexToReal, FftError, RealFftPlanner, RealToComplex};
 
@@ -23,14 +24,12 @@ impl std::fmt::Debug for RealFft {
 }
 
 impl RealFft {
-    /// Plans of length `length`, taken from the process-wide cache. A length of 0 is planned as 1.
+    /// Plans of length `length`, shared with whoever else uses them. A length of 0 is planned as 1.
     pub fn new(length: usize) -> Self {
-        static PLANNER: OnceLock<Mutex<RealFftPlanner<f64>>> = OnceLock::new();
-        let planner = PLANNER.get_or_init(|| Mutex::new(RealFftPlanner::new()));
-        // A panic while planning leaves the cache usable: it only ever gains finished plans.
-        let mut planner = planner.lock().unwrap_or_else(PoisonError::into_inner);
-        let length = length.max(1);
-        Self { forward: planner.plan_fft_forward(length), inverse: planner.plan_fft_inverse(length) }
+        static PLANS: Mutex<Option<Plans>> = Mutex::new(None);
+        // A panic while planning leaves the plans usable: they only ever gain finished ones.
+        let mut plans = PLANS.lock().unwrap_or_else(PoisonError::into_inner);
+        plans.get_or_insert_default().of(length.max(1))
     }
 
     /// Spectrum of `time`, which is overwritten; both of the plan's lengths.
@@ -66,6 +65,48 @@ impl RealFft {
     /// Never: plans have at least length 1.
     pub fn is_empty(&self) -> bool {
         false
+    }
+}
+
+/// Samples of all plans together that are kept when nobody uses them. A plan takes some 32 bytes a sample: those of
+/// a long record take as much memory as its signals.
+const KEPT: usize = 1 << 20;
+
+/// Plans in use, and of those that are not the last used.
+#[derive(Default)]
+struct Plans {
+    /// The last used first.
+    kept: VecDeque<RealFft>,
+    #[allow(clippy::type_complexity)]
+    used: HashMap<usize, (Weak<dyn RealToComplex<f64>>, Weak<dyn ComplexToReal<f64>>)>,
+}
+
+impl Plans {
+    fn of(&mut self, length: usize) -> RealFft {
+        let used = self.used.get(&length);
+        let shared = used.and_then(|(forward, inverse)| {
+            Some(RealFft { forward: forward.upgrade()?, inverse: inverse.upgrade()? })
+        });
+        let plan = shared.unwrap_or_else(|| self.made(length));
+        if length > KEPT {
+            return plan;
+        }
+        self.kept.retain(|kept| kept.len() != length);
+        self.kept.push_front(plan.clone());
+        let mut samples = 0;
+        self.kept.retain(|kept| {
+            samples += kept.len();
+            samples <= KEPT
+        });
+        plan
+    }
+
+    fn made(&mut self, length: usize) -> RealFft {
+        let mut planner = RealFftPlanner::new();
+        let (forward, inverse) = (planner.plan_fft_forward(length), planner.plan_fft_inverse(length));
+        self.used.retain(|_, (forward, inverse)| forward.strong_count() + inverse.strong_count() > 0);
+        self.used.insert(length, (Arc::downgrade(&forward), Arc::downgrade(&inverse)));
+        RealFft { forward, inverse }
     }
 }
 
@@ -110,4 +151,33 @@ fn work(length: usize) -> f64 {
         }
     }
     length as f64 * a_sample
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plans_are_shared_while_in_use_and_long_ones_kept_no_longer() {
+        for (length, kept) in [(96, true), (2 * KEPT, false)] {
+            let plan = RealFft::new(length);
+            assert!(Arc::ptr_eq(&plan.forward, &RealFft::new(length).forward), "{length}");
+            let inverse = Arc::downgrade(&plan.inverse);
+            drop(plan);
+            assert_eq!(inverse.upgrade().is_some(), kept, "{length}");
+        }
+    }
+
+    #[test]
+    fn of_plans_without_use_the_last_are_kept() {
+        let mut plans = Plans::default();
+        for length in 1..=2000 {
+            plans.of(length);
+        }
+        let samples: usize = plans.kept.iter().map(RealFft::len).sum();
+        assert!(samples <= KEPT && samples > KEPT - 2000, "{samples}");
+        assert_eq!(plans.kept[0].len(), 2000);
+        plans.of(1990);
+        assert_eq!((plans.kept[0].len(), plans.kept[1].len()), (1990, 2000));
+    }
 }

@@ -231,7 +231,7 @@ fn simulated(
         .map(|m| m.facts.ends)
         .fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
     let simulate = |(index, member): (usize, &JointMember<'_>)| {
-        let mut data = member.facts.data.clone();
+        let data = &member.facts.data;
         let mut start = member.start(&solution.hysteresis, solution.memory[index]);
         if let Some(cycle) = member.facts.first_of_several_cycles()
             && !stopped
@@ -248,6 +248,8 @@ fn simulated(
             let part = data.cropped(0..samples)?;
             model.simulate(&part.u, &part.time, &start)?
         };
+        // A copy of a long record is made once the buffers of its simulation are gone.
+        let mut data = data.clone();
         if samples < data.len() {
             simulated.resize(data.len(), f64::NAN);
             data.valid.get_or_insert_with(|| vec![true; simulated.len()])[samples..].fill(false);

@@ -53,7 +53,7 @@ pub struct SimulationPlan {
     /// r^−k / L for the samples of the output.
     growth: Exponential,
     /// ln |s| and arg s along |z| = 1, made when a stability verdict first needs them.
-    unit_circle: OnceLock<(Vec<f64>, Vec<f64>)>,
+    pub(super) unit_circle: OnceLock<(Vec<f64>, Vec<f64>)>,
     /// Factors and images of a held and of a straight reconstruction, made when first needed.
     pub(super) held: OnceLock<Reconstruction>,
     pub(super) straight: OnceLock<Reconstruction>,

@@ -70,6 +70,11 @@ impl SimulationPlan {
         (self.held, self.straight) = Default::default();
         self
     }
+
+    /// Frees the tables of responses: as much memory as two signals. The next response makes them anew.
+    pub fn forget_tables(&mut self) {
+        (self.unit_circle, self.held, self.straight) = Default::default();
+    }
 }
 
 /// E: the factor of delay and reconstruction, and its derivative in the delay.
