@@ -327,22 +327,25 @@ impl Model {
         rest: f64,
         sample_rate_hz: Option<f64>,
     ) -> Result<Vec<f64>, SimulationError> {
-        let moved: Vec<f64> = v.iter().map(|v| v - rest).collect();
+        // The one buffer is input, then output: a long record has few of its length at a time.
         let mut y = v;
+        let moved = |y: &mut Vec<f64>| y.iter_mut().for_each(|y| *y -= rest);
         match &self.dynamics {
             Dynamics::None => return Ok(y),
-            Dynamics::Arx(arx) => arx.simulate(&moved, Start::ZERO, &mut y)?,
+            Dynamics::Arx(arx) => {
+                moved(&mut y);
+                arx.simulate(&y.clone(), Start::ZERO, &mut y)?;
+            }
             Dynamics::Integer(g) | Dynamics::Fractional(g) => {
                 let rate = sample_rate_hz.ok_or(SimulationError::NoSampleRate)?;
                 let mut plan = SimulationPlan::new(y.len(), rate, self.scheme, Start::ZERO)?;
-                // Buffers of a long record are made once those before are gone.
                 let mut response = plan.empty_values();
                 let sampling = Sampling { reconstruction: self.inter_sample, ..Sampling::of(self.scheme) };
                 plan.response(g, self.delay_s, sampling, &mut response)?;
                 plan.forget_tables();
                 let (mut workspace, mut spectrum) = (plan.workspace(), plan.empty_spectrum());
-                plan.transform_into(&moved, &mut workspace, &mut spectrum)?;
-                drop(moved);
+                moved(&mut y);
+                plan.transform_into(&y, &mut workspace, &mut spectrum)?;
                 plan.apply(&response, &spectrum, &mut workspace, &mut y)?;
             }
         }
