@@ -243,14 +243,14 @@ pub enum DesignFrom<'a> {
 /// The command that makes the next drive, from a model or records whose drives are those of `records`.
 pub fn command(from: DesignFrom<'_>, records: &[InputOutput], purpose: Purpose) -> String {
     let file = |path: &Path| word(&path.display().to_string());
-    let mut words = match from {
+    let words: Vec<String> = match from {
         DesignFrom::Model(path) => vec![file(path)],
-        DesignFrom::Records(paths, _) => paths.iter().map(|path| file(path)).collect(),
+        DesignFrom::Records(paths, columns) => {
+            let flags = columns.typed_for_design().into_iter();
+            let flags = flags.map(|(flag, value)| format!("{flag}={}", word(&value)));
+            paths.iter().map(|path| file(path)).chain(flags).collect()
+        }
     };
-    if let DesignFrom::Records(_, columns) = from {
-        words
-            .extend(columns.typed_for_design().iter().map(|(flag, value)| format!("{flag}={}", word(value))));
-    }
     let (low, high) = ends_of(records.iter().map(|data| &data.u)).unwrap_or_default();
     let rate = |data: &InputOutput, k: usize| {
         let seconds = data.time.time_s(k)? - data.time.time_s(k - 1)?;

@@ -212,8 +212,9 @@ impl AxesSubject {
         if !(inverse && language == Language::Rust) {
             tables.of_model(model, law.state);
         }
+        let limits = self.limited();
         if inverse {
-            tables.of_law(law, &self.limits);
+            tables.of_law(law, &limits);
         }
         let comment = |text: &str| match language {
             Language::C => c_comment(text),
@@ -270,7 +271,6 @@ impl AxesSubject {
             filling.key("RANGE_LOW", literal(range.input.low)).key("RANGE_HIGH", literal(range.input.high));
         }
         if inverse {
-            let limits = self.limited();
             let row = |of: fn(&Limited) -> f64| {
                 language.row(precision, &limits.iter().map(of).collect::<Vec<f64>>())
             };

@@ -110,7 +110,7 @@ impl Tables {
     }
 
     /// The numbers of a law and its limits.
-    pub fn of_law(&mut self, law: &DecouplingLaw, limits: &[Limits]) {
+    pub fn of_law(&mut self, law: &DecouplingLaw, limits: &[Limited]) {
         let model = &law.held.model;
         let (n, m) = (model.inputs, model.outputs);
         self.matrix("The law: gains on the states.", "LAW_STATES", model.states(), &law.states);
@@ -127,10 +127,7 @@ impl Tables {
         let content: Vec<String> = law.reference.iter().map(block).collect();
         let comment = "On the references, from the present one to the end of the preview.";
         self.declare(comment, "LAW_REFERENCES", &[law.reference.len(), n, m], &content.join(",\n"));
-        let of = |one: fn(Limited) -> f64| -> Vec<f64> {
-            let limited = |limits| Limited::new(limits, model.sample_rate_hz, self.precision);
-            limits.iter().map(|limits| one(limited(limits))).collect()
-        };
+        let of = |one: fn(&Limited) -> f64| -> Vec<f64> { limits.iter().map(one).collect() };
         let (low, high, step) = (of(|l| l.low), of(|l| l.high), of(|l| l.step));
         self.list("Least voltages.", "LOW", &low);
         self.list("Largest voltages.", "HIGH", &high);

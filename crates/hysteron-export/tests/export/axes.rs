@@ -82,13 +82,14 @@ pub fn subjects() -> Vec<(&'static str, AxesSubject)> {
         ("single_linear", false, 4000.0, single),
     ]
     .into_iter()
-    .map(|(name, hysteresis, rate, precision)| {
-        let law = DecouplingLaw::new(&device(hysteresis), rate, &LawOptions::default()).unwrap();
-        let limits = limits();
-        let subject = AxesSubject::new(name, Some("two */ axes"), ("V", "um"), law, limits).unwrap();
-        (name, subject.in_precision(precision))
-    })
+    .map(|(name, hysteresis, rate, precision)| (name, subject(name, hysteresis, rate, precision)))
     .collect()
+}
+
+fn subject(name: &str, hysteresis: bool, rate: f64, precision: Precision) -> AxesSubject {
+    let law = DecouplingLaw::new(&device(hysteresis), rate, &LawOptions::default()).unwrap();
+    let subject = AxesSubject::new(name, Some("two */ axes"), ("V", "um"), law, limits()).unwrap();
+    subject.in_precision(precision)
 }
 
 #[test]
@@ -147,7 +148,7 @@ int main(void)
 #[test]
 fn a_motion_that_runs_away_is_told_and_comes_back() {
     let place = tempfile::tempdir().unwrap();
-    let (_, subject) = subjects().into_iter().find(|(name, _)| *name == "held").unwrap();
+    let subject = subject("held", true, 2000.0, Precision::F64);
     let mut files = [axes_files(&subject).unwrap(), axes_inverse_files(&subject).unwrap()].concat();
     files.push(NamedFile::new("runs_away.c", RUNS_AWAY));
     write_folder(place.path(), &files).unwrap();
@@ -180,7 +181,7 @@ int main(void)
 #[test]
 fn voltages_beyond_the_records_are_told() {
     let place = tempfile::tempdir().unwrap();
-    let (_, subject) = subjects().into_iter().find(|(name, _)| *name == "held").unwrap();
+    let subject = subject("held", true, 2000.0, Precision::F64);
     let range = Interval { low: -1.0, high: 1.0, unit: "V".into() };
     let subject = subject.identified_in(Some(ValidRange { input: range, rate: None, frequency: None }));
     let mut files = axes_files(&subject).unwrap();
@@ -198,7 +199,7 @@ fn voltages_beyond_the_records_are_told() {
 #[test]
 fn the_loop_of_several_axes_starts_anywhere_within_its_limits() {
     let place = tempfile::tempdir().unwrap();
-    let (_, subject) = subjects().into_iter().find(|(name, _)| *name == "held").unwrap();
+    let subject = subject("held", true, 2000.0, Precision::F64);
     let mut files = [axes_files(&subject).unwrap(), axes_inverse_files(&subject).unwrap()].concat();
     files.push(NamedFile::new("driver.c", include_str!("axes_loop_driver.c")));
     write_folder(place.path(), &files).unwrap();
