@@ -26,6 +26,14 @@ impl Projection {
         Self { rows, columns: 0, q: vec![0.0; rows * capacity], r: vec![0.0; capacity * capacity], capacity }
     }
 
+    /// No columns, with room for `capacity` of `rows` rows; storage that suffices is kept.
+    pub(super) fn empty(&mut self, rows: usize, capacity: usize) {
+        let [q, r] = [rows * capacity, capacity * capacity];
+        self.q.resize(q.max(self.q.len()), 0.0);
+        self.r.resize(r.max(self.r.len()), 0.0);
+        (self.rows, self.columns, self.capacity) = (rows, 0, capacity);
+    }
+
     pub(super) fn clear(&mut self) {
         self.columns = 0;
     }

@@ -28,6 +28,8 @@ const LEAST_DAMPING: f64 = 1e-15;
 const LARGEST_DAMPING: f64 = 1e30;
 /// Iterations over which the rate of convergence is judged.
 const PACE: usize = 10;
+/// A step whose predicted fall is below this share of the tolerance is not worth its evaluation.
+const SURELY: f64 = 0.1;
 /// Smallest gain ratio of an accepted step.
 const LEAST_GAIN: f64 = 1e-4;
 
@@ -114,12 +116,17 @@ impl LocalFit {
         }
         self.curvature.update(&model.gradient);
         let curved = self.curvature.used().and_then(|matrix| model.with_curvature(&matrix));
-        let local = curved.as_ref().unwrap_or(&model);
+        let mut local = curved.as_ref().unwrap_or(&model);
         loop {
             let whole = local.step(&self.point, self.damping, &self.scale);
             let step = local.own(&whole);
             if step.iter().all(|p| p.abs() <= options.step_tolerance) {
                 return Some(LocalStatus::StepTolerance);
+            }
+            let predicted = local.predicted_fall(&whole);
+            let negligible = options.cost_tolerance * model.half_square;
+            if predicted <= SURELY * negligible && self.damping <= FIRST_DAMPING {
+                return Some(LocalStatus::CostTolerance);
             }
             if ledger.remaining(settings) == 0 {
                 return Some(LocalStatus::Budget);
@@ -127,9 +134,7 @@ impl LocalFit {
             let trial: Vec<f64> =
                 self.point.iter().zip(step.iter()).map(|(t, p)| (t + p).clamp(0.0, 1.0)).collect();
             let cost = residuals.try_point(&trial, ledger);
-            let predicted = local.predicted_fall(&whole);
             let fall = fall(residuals, cost);
-            let negligible = options.cost_tolerance * model.half_square;
             // At low damping the predicted reduction suffices: the actual one may be rounding error.
             let settled =
                 predicted <= negligible && (fall.abs() <= negligible || self.damping <= FIRST_DAMPING);
@@ -156,6 +161,11 @@ impl LocalFit {
             }
             if settled {
                 return Some(LocalStatus::CostTolerance);
+            }
+            if curved.is_some() && !std::ptr::eq(local, &model) {
+                // What earlier steps taught does not hold here.
+                local = &model;
+                continue;
             }
             if predicted <= negligible && cost.is_finite() {
                 return Some(LocalStatus::Stalled);
@@ -198,6 +208,9 @@ struct Linearised {
 /// Damping of the eliminated coefficients, relative to the norm of their columns, for those that depend on
 /// one another; columns of zeros are damped as well.
 const DEPENDENT: f64 = 1e-8;
+/// Damping relative to the squared norm of a column, above the rounding of products: columns that depend on one
+/// another, or are zero, have a factor all the same.
+const ROUNDING: f64 = 1e-12;
 
 impl Linearised {
     fn at(point: &[f64], residuals: &UnitResiduals<'_>) -> Self {
@@ -232,13 +245,22 @@ impl Linearised {
 
     /// This model with the second derivatives `matrix` of the numbers; `None` where it has no minimum.
     fn with_curvature(&self, matrix: &DMatrix<f64>) -> Option<Self> {
+        // Those of the positive coefficients are not concerned: the rows below theirs are those of the rest.
         let (first, n) = (self.positive.len(), matrix.ncols());
-        let mut hessian = self.r.tr_mul(&self.r);
-        let mut own = hessian.view_mut((first, first), (n, n));
+        let (below, target) = (self.r.view_range(first.., first..), self.target.rows_range(first..));
+        let mut hessian = below.tr_mul(&below);
+        let mut own = hessian.view_mut((0, 0), (n, n));
         own += matrix;
+        for (j, column) in below.column_iter().enumerate() {
+            let square = column.norm_squared();
+            hessian[(j, j)] += if square > 0.0 { ROUNDING * square } else { 1.0 };
+        }
         let lower = hessian.cholesky()?.unpack();
-        let target = lower.solve_lower_triangular(&self.r.tr_mul(&self.target))?;
-        Some(Self { r: lower.transpose(), target, ..self.clone() })
+        let turned = lower.solve_lower_triangular(&below.tr_mul(&target))?;
+        let mut curved = self.clone();
+        curved.r.view_range_mut(first.., first..).copy_from(&lower.transpose());
+        curved.target.rows_range_mut(first..).copy_from(&turned);
+        Some(curved)
     }
 
     /// Jᵀ of the trial residuals, J orthogonal to the columns of the positive coefficients.

@@ -269,13 +269,24 @@ pub(super) fn give(problem: &JointProblem, known: &Knowledge, fits: &mut [Record
     let total = at.residuals.len();
     for ((index, record), fit) in problem.records().iter().enumerate().zip(fits) {
         let rows = problem.rows(index);
-        let own = [&at.linear, &at.searched].map(|columns| {
-            let mut own: Vec<f64> =
-                columns.chunks_exact(total).flat_map(|column| &column[rows.clone()]).copied().collect();
-            own.chunks_exact_mut(rows.len()).for_each(|column| record.unweigh(column));
-            own
-        });
-        let mut std_dev = deviations(&[&own[0], &own[1]], rows.len(), 0..rows.len(), matrix);
+        let blocks = [&at.linear, &at.searched];
+        let of_columns = || {
+            blocks.map(|columns| {
+                let own = columns.chunks_exact(total).map(|column| &column[rows.clone()]);
+                let mut own = own.collect::<Vec<_>>().concat();
+                own.par_chunks_exact_mut(rows.len()).for_each(|column| record.unweigh(column));
+                own
+            })
+        };
+        let own =
+            if record.weighs_samples_alone() && fit.sines.is_empty() { None } else { Some(of_columns()) };
+        let mut std_dev = match &own {
+            Some([linear, searched]) => deviations(&[linear, searched], rows.len(), 0..rows.len(), matrix),
+            None => deviations(&blocks.map(Vec::as_slice), total, rows.clone(), matrix),
+        };
+        if own.is_none() {
+            record.unweigh(&mut std_dev);
+        }
         // A sample without weight takes the value of the one before.
         let counts = |(_, weight): &(&mut f64, &f64)| **weight > 0.0;
         let mut last = std_dev.iter_mut().zip(record.weights()).find(counts).map_or(0.0, |(sd, _)| *sd);
@@ -287,9 +298,7 @@ pub(super) fn give(problem: &JointProblem, known: &Knowledge, fits: &mut [Record
         }
         let std_dev = record.at_samples(&std_dev).into_owned();
         fit.band = Some(PredictionBand { std_dev, noise: fit.scores.rmse, ..PredictionBand::default() });
-        if fit.sines.is_empty() {
-            continue;
-        }
+        let Some(own) = own.filter(|_| !fit.sines.is_empty()) else { continue };
         let columns: Vec<Cow<'_, [f64]>> = own
             .iter()
             .flat_map(|block| block.chunks_exact(rows.len()))

@@ -119,7 +119,7 @@ fn finely(
         return Ok(best);
     }
     let problem = setup.problem(degree, Rate::Reduced)?;
-    let options = resolved(FINAL * resolution(&problem, &best));
+    let options = resolved(FROM_REDUCED * resolution(&problem, &best));
     let fit = local_fits(engine, REDUCED, &problem, vec![best.clone()], options, None);
     Ok(engine.unless_stopped(fit)?.map_or(best, |fit| fit.outcome.best))
 }

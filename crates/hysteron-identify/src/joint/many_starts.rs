@@ -16,6 +16,8 @@ use hysteron_optimize::{Algorithm, DeAbcOptions, LeastSquaresOptions, LocalStatu
 const WHITE: f64 = 0.5;
 /// A rough fit whose cost is within this many times the best leads to the same optimum.
 const SAME: f64 = 1.001;
+/// Starts nearer to one another than this share of every range are alike.
+const ALIKE: f64 = 5e-3;
 /// Fits that must come near the best optimum.
 const AGREEMENT: usize = 3;
 /// Number of first starts with fitted dynamics, in addition to the best unfitted one.
@@ -188,7 +190,25 @@ pub(super) fn fit_until_white(
     Ok(search)
 }
 
-/// Rough fits from all starts; the best is continued if it is near `known`, the best cost before, or better.
+/// Starts that differ, and for each of the others the index of that which it is like.
+fn distinct(problem: &JointProblem, starts: Vec<Vec<f64>>) -> (Vec<Vec<f64>>, Vec<usize>) {
+    let ranges = &problem.bounds().ranges;
+    let is_like = |a: &[f64], b: &[f64]| {
+        let mut apart = ranges.iter().zip(a.iter().zip(b));
+        apart.all(|(range, (a, b))| (range.to_unit(*a) - range.to_unit(*b)).abs() < ALIKE)
+    };
+    let (mut different, mut others): (Vec<Vec<f64>>, _) = (Vec::new(), Vec::new());
+    for start in starts {
+        match different.iter().position(|other| is_like(other, &start)) {
+            Some(index) => others.push(index),
+            None => different.push(start),
+        }
+    }
+    (different, others)
+}
+
+/// Rough fits from all starts; the best is continued if it is near `known`, the best cost before, or better. Of
+/// starts that are alike, since fits with the loop held led them to one place, one is fitted for all.
 fn raced_fit(
     engine: &mut Engine<'_, '_>,
     step: &str,
@@ -196,7 +216,13 @@ fn raced_fit(
     starts: Vec<Vec<f64>>,
     (known, show): (f64, Show<'_>),
 ) -> Result<Search, OptimizeError> {
+    let (starts, others) = distinct(problem, starts);
+    let count = starts.len();
     let mut search = local_fits(engine, step, problem, starts, rough(), show)?;
+    let ends = &mut search.outcome.starts;
+    if ends.len() == count {
+        ends.extend(others.into_iter().map(|index| ends[index].clone()).collect::<Vec<_>>());
+    }
     if search.outcome.cost <= known * NEAR && !engine.is_stopped() {
         let best = search.outcome.best.clone();
         let finished = resolved_fit(engine, step, problem, vec![best.clone()], show);

@@ -29,7 +29,7 @@ use hysteron_numeric::dot;
 use hysteron_optimize::{
     Bounds, Derivative, Eliminated, LeastSquaresProblem, Problem, Range, Stop, root_mean_square,
 };
-use workspace::Spare;
+pub(super) use workspace::SpareWorkspaces;
 
 /// Meaning of one searched number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,7 +60,7 @@ pub(in super::super) struct JointProblem {
     memory_is_kept: bool,
     stop: Stop,
     best: Mutex<Option<Evaluated>>,
-    spare: Spare,
+    spare: SpareWorkspaces,
 }
 
 /// The best point so far, for work that is stopped: an evaluation may take seconds.
@@ -105,7 +105,8 @@ impl JointProblem {
             place(*role, SearchedNumber::Memory(record));
         }
         let shaped = layout.shape.iter().map(|role| matches!(role, Role::Searched(_))).collect();
-        let (normalisation_hz, stop, best, spare) = (1.0, Stop::new(), Mutex::default(), Spare::default());
+        let (normalisation_hz, stop) = (1.0, Stop::new());
+        let (best, spare) = (Mutex::default(), SpareWorkspaces::default());
         Self {
             records,
             at,
@@ -127,6 +128,11 @@ impl JointProblem {
     /// This problem with `normalisation_hz` as the normalisation frequency of the dynamics \[Hz\].
     pub(super) fn normalised_at(self, normalisation_hz: f64) -> Self {
         Self { normalisation_hz, ..self }
+    }
+
+    /// This problem with the workspaces of others on the same records.
+    pub(super) fn sharing(self, spare: &SpareWorkspaces) -> Self {
+        Self { spare: Arc::clone(spare), ..self }
     }
 
     /// This problem for fits that hold the memory of every record at that of their start where this spares

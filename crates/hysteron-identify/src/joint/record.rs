@@ -176,14 +176,19 @@ impl JointRecord {
         matches!(self.plan, RecordPlan::Stamped(_))
     }
 
+    /// True if the weights are those of samples, not of periods.
+    pub(super) fn weighs_samples_alone(&self) -> bool {
+        self.weighting.periods.is_empty()
+    }
+
     /// Removes the weights from a column.
     pub(super) fn unweigh(&self, column: &mut [f64]) {
         self.weighting.undo(column);
     }
 
-    /// Scratch for `degree` powers, `hysteretic` columns and the tangents of `parameters` parameters of the
-    /// dynamics.
-    pub(super) fn workspace(&self, degree: usize, hysteretic: usize, parameters: usize) -> RecordWorkspace {
+    /// Scratch for the tangents of `parameters` parameters of the dynamics, and no columns
+    /// ([`Self::take_columns`]).
+    pub(super) fn workspace(&self, parameters: usize) -> RecordWorkspace {
         let samples = self.samples();
         let transients = self.transients.len();
         let own = match (&self.reduction, self.thinning) {
@@ -204,12 +209,22 @@ impl JointRecord {
             response: self.plan.empty_response(parameters),
             total: self.plan.empty_input(),
             local: self.nuisance.with_capacity(self.nuisance.capacity() + transients),
-            columns: vec![0.0; samples * (degree + hysteretic)],
+            columns: Vec::new(),
             target: vec![0.0; samples],
             transient_columns: vec![vec![0.0; samples]; transients],
             transient_shares: Vec::new(),
             lanes: (0..lanes).map(|_| lane()).collect(),
         }
+    }
+
+    /// Makes room for `count` columns.
+    pub(super) fn take_columns(&self, count: usize, ws: &mut RecordWorkspace) {
+        ws.columns.resize(self.samples() * count, 0.0);
+    }
+
+    /// Makes room for another number of tangents.
+    pub(super) fn take_parameters(&self, parameters: usize, ws: &mut RecordWorkspace) {
+        ws.response = self.plan.empty_response(parameters);
     }
 
     /// State of the operators before the first sample.

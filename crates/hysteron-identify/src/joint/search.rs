@@ -143,6 +143,7 @@ fn with_degree<'a>(
             Some(mut fit) => {
                 fit.outcome.evaluations += search.outcome.evaluations;
                 fit.outcome.generations += search.outcome.generations;
+                problem.free_scratch();
                 (finer_problem, finer, fit)
             }
             None => (problem, rate, search),

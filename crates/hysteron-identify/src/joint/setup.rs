@@ -7,7 +7,7 @@ use super::super::static_step::{HIGHEST_AUTOMATIC_DEGREE, Scales};
 use super::super::{IdentifyError, RecordFacts, fingerprint};
 use super::campaign::{JointMember, Rate};
 use super::parameter_layout::{DELAY, JointLayout};
-use super::problem::JointProblem;
+use super::problem::{JointProblem, SpareWorkspaces};
 use super::record::JointRecord;
 use super::resonances::{Resonance, resonances};
 use hysteron_model::Start;
@@ -54,6 +54,7 @@ struct Prepared {
     /// Highest polynomial degree prepared.
     degree: usize,
     records: Arc<[JointRecord]>,
+    spare: SpareWorkspaces,
     fingerprint: u64,
 }
 
@@ -149,7 +150,7 @@ impl<'a> JointSetup<'a> {
     /// The problem of this polynomial degree, on records of this rate.
     pub(in super::super) fn problem(&self, degree: usize, rate: Rate) -> Result<JointProblem, IdentifyError> {
         let (layout, bounds) = self.layout(degree);
-        let Prepared { records, fingerprint, .. } = self.prepared(degree, rate)?;
+        let Prepared { records, spare, fingerprint, .. } = self.prepared(degree, rate)?;
         let identity = format!(
             "joint {degree} {rate:?} {:?} {:?} {layout:?} {:?} {fingerprint:x}",
             self.hysteresis,
@@ -158,6 +159,7 @@ impl<'a> JointSetup<'a> {
         );
         let problem = JointProblem::new(records, (self.hysteresis, self.form), layout, bounds, identity);
         let problem = problem.normalised_at(NORMALISATION * self.fastest_hz).stopped_by(&self.stop);
+        let problem = problem.sharing(&spare);
         Ok(problem.keeping_memory(rate == Rate::Coarse))
     }
 
@@ -186,7 +188,8 @@ impl<'a> JointSetup<'a> {
             .members
             .iter()
             .flat_map(|m| m.facts.data.u.iter().chain(&m.facts.data.y).map(|x| x.to_bits()));
-        let prepared = Prepared { degree, records: records.into(), fingerprint: fingerprint(values) };
+        let (records, spare) = (records.into(), SpareWorkspaces::default());
+        let prepared = Prepared { degree, records, spare, fingerprint: fingerprint(values) };
         *kept = Some(prepared.clone());
         Ok(prepared)
     }

@@ -235,7 +235,13 @@ impl JointSetup<'_> {
             return Ok(found(&[]).into_iter().collect());
         }
         let of = |settled| shapes.iter().filter(move |(shape, _)| shape.settled == settled).take(2);
-        let starts = of(false).chain(of(true)).map(|(_, start)| start.clone()).collect();
+        let mut starts: Vec<Vec<f64>> = Vec::new();
+        for (_, start) in of(false).chain(of(true)) {
+            // Without a memory that is searched, those of both kinds are the same.
+            if !starts.contains(start) {
+                starts.push(start.clone());
+            }
+        }
         let fit = rough_fit(engine, "slowest record", &problem, starts);
         let Some(Search { outcome: mut fit, .. }) = engine.unless_stopped(fit)? else {
             return Ok(Vec::new());

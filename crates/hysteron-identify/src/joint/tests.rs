@@ -4,7 +4,7 @@ use super::super::layout::Role;
 use super::drive::fine_drive;
 use super::normalised::Normalised;
 use super::parameter_layout::JointLayout;
-use super::problem::JointProblem;
+use super::problem::{JointProblem, SpareWorkspaces};
 use super::record::{Clock, Ingredients, JointRecord};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Creep, DynamicForm, Modes, Sampling, Scheme};
@@ -118,7 +118,8 @@ fn of_family(
         delay,
         memory,
     };
-    JointProblem::new(records.into(), (hysteresis, form), layout, Bounds { ranges }, String::new())
+    let identity = format!("{hysteresis:?} {form:?} {layout:?}");
+    JointProblem::new(records.into(), (hysteresis, form), layout, Bounds { ranges }, identity)
 }
 
 /// Sixth-order central difference of `f` at 0 with the step `h`.
@@ -461,5 +462,39 @@ fn coefficients_and_a_held_memory_are_the_same_fit() {
         let held = problem.holding_memory(&x).unwrap();
         let same = residuals(&held, &x[..x.len() - 1]);
         assert_eq!(same, residuals(&problem, &x));
+    }
+}
+
+/// Workspaces handed from one problem to another on the same records, with other dynamics, weights or a held
+/// memory, and back: the residuals and derivatives are those of new workspaces to the bit.
+#[test]
+fn problems_on_the_same_records_share_workspaces() {
+    let shape = [("threshold_1", 0.5, 0.5), ("threshold_2", 1.3, 1.3), ("threshold_3", 2.5, 2.5)];
+    let plain = DynamicForm { modes: Modes::Fractional, creep: Creep::None };
+    let creeping = DynamicForm { creep: Creep::Fractional, ..plain };
+    let of = |form: DynamicForm, role: Role| {
+        let records = records(Scheme::BandLimited, false, [REMEMBERING; 2], 1);
+        of_family((three_plays(), &shape, &[role; 3]), form, records, [true, true])
+    };
+    let numbers = [120.0, 0.4, 1.9, 0.9, 0.06, 0.2];
+    let at = |form: DynamicForm| [&numbers[..form.parameter_count()], &[0.0034, 2.7431, 1.2]].concat();
+    let evaluated = |problem: &JointProblem, x: &[f64]| {
+        let mut ws = problem.workspace();
+        let (mut r, mut jacobian) = (residuals(problem, x), vec![0.0; problem.residual_count() * x.len()]);
+        assert!(problem.residuals(x, &mut ws, &mut r));
+        assert_eq!(problem.jacobian(x, &mut ws, &mut jacobian), Derivative::Written);
+        (r, jacobian)
+    };
+    let spare = SpareWorkspaces::default();
+    let [free, positive] = [Role::Projected, Role::OneSided(1.0)];
+    for (form, role) in
+        [(plain, free), (creeping, positive), (plain, positive), (creeping, free), (plain, free)]
+    {
+        let x = at(form);
+        let [fresh, shared] = [of(form, role), of(form, role).sharing(&spare)];
+        assert_eq!(evaluated(&shared, &x), evaluated(&fresh, &x));
+        let [fresh, shared] = [&fresh, &shared].map(|problem| problem.holding_memory(&x).unwrap());
+        let x = &x[..x.len() - 2];
+        assert_eq!(evaluated(&shared, x), evaluated(&fresh, x));
     }
 }

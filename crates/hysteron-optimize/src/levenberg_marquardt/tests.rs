@@ -302,3 +302,34 @@ fn a_fit_is_hopeless_only_if_its_pace_cannot_bring_it_down_to_the_best() {
     (fit.iterations, fit.cost) = (30, 1.2);
     assert!(!fit.is_hopeless(100, 0.1));
 }
+
+/// Columns that are zero, as of operators that the drive does not move, or depend on others have no effect on
+/// the model with second derivatives: its Hessian is RᵀR + S, and its step meets RᵀR p + S p = −Jᵀr.
+#[test]
+fn second_derivatives_count_beside_columns_of_zeros() {
+    let wave = |j: usize| (0..50).map(move |k| ((k * (2 * j + 3)) as f64 * 0.37).sin());
+    let columns: Vec<Vec<f64>> = (0..4).map(|j| wave(j).collect()).collect();
+    let [zeros, twice] = [vec![0.0; 50], wave(0).map(|x| 2.0 * x).collect()];
+    // A positive coefficient, two numbers, two coefficients that are 0; the residuals.
+    let all: Vec<&[f64]> = vec![&columns[0], &columns[1], &columns[2], &zeros, &twice, &columns[3]];
+    let whole = triangular(&all);
+    let model = Linearised {
+        r: whole.view((0, 0), (5, 5)).into_owned(),
+        target: -whole.view((0, 5), (5, 1)).column(0),
+        gradient: DVector::zeros(2),
+        column_norms: vec![1.0; 2],
+        positive: vec![1.0],
+        zeros: 2,
+        half_square: 1.0,
+    };
+    let second = DMatrix::from_row_slice(2, 2, &[-4.0, 1.0, 1.0, 3.0]);
+    let curved = model.with_curvature(&second).unwrap();
+    let hessian = |model: &Linearised| model.r.tr_mul(&model.r);
+    let added = hessian(&curved) - hessian(&model);
+    assert!((added.view((1, 1), (2, 2)) - &second).amax() < 1e-9, "{added}");
+    assert!(added.view((0, 0), (1, 5)).amax() < 1e-12, "{added}");
+    let gradient = |model: &Linearised| model.r.tr_mul(&model.target);
+    assert!((gradient(&curved) - gradient(&model)).amax() < 1e-9);
+    // Without a minimum there is no such model.
+    assert!(model.with_curvature(&DMatrix::from_diagonal_element(2, 2, -1e3)).is_none());
+}

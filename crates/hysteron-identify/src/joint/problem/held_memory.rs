@@ -32,6 +32,6 @@ impl JointProblem {
                 x[rest..].iter().map(|x| x.to_bits()).collect::<Vec<_>>()
             ),
         );
-        Some(held.normalised_at(self.normalisation_hz).stopped_by(&self.stop))
+        Some(held.normalised_at(self.normalisation_hz).stopped_by(&self.stop).sharing(&self.spare))
     }
 }

@@ -9,9 +9,9 @@ use super::super::super::projection::Projection;
 use super::super::record::{JointRecord, RecordWorkspace};
 use super::JointProblem;
 
-/// Workspaces of a problem that are not in use: a fit often begins where another one ended, and clearing new
-/// buffers takes as long as an evaluation.
-pub(super) type Spare = Arc<Mutex<Vec<JointWorkspace>>>;
+/// Workspaces that are not in use, of all problems on the same records: a fit often begins where another one
+/// ended, and clearing new buffers takes as long as an evaluation.
+pub(in super::super) type SpareWorkspaces = Arc<Mutex<Vec<JointWorkspace>>>;
 
 /// Scratch of one evaluation.
 #[derive(Debug, Default)]
@@ -31,6 +31,9 @@ pub(in super::super::super) struct JointWorkspace {
     pub(super) coefficients: Vec<f64>,
     /// Point of the columns, sensitivities and residual in this workspace; empty: none.
     pub(super) at: Vec<f64>,
+    /// Identity of the problem that it was last of, and its number of parameters of the dynamics.
+    of: String,
+    parameters: usize,
     /// Where it goes when it is dropped.
     home: Weak<Mutex<Vec<JointWorkspace>>>,
 }
@@ -42,25 +45,32 @@ impl JointWorkspace {
             return Self::default();
         }
         let spare = problem.spare.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        if let Some(spare) = spare {
-            return spare;
+        let mut workspace = spare.unwrap_or_default();
+        if workspace.home.strong_count() == 0 || workspace.of != problem.identity {
+            workspace.become_that_of(problem);
         }
+        workspace
+    }
+
+    /// Makes it one of `problem`: new, or of another one on the same records.
+    fn become_that_of(&mut self, problem: &JointProblem) {
         let (degree, weights) = (problem.degree(), problem.layout.weights.len());
         let (parameters, count) = (problem.layout.form.len(), problem.residual_count());
-        let of_record = |record: &JointRecord| record.workspace(degree, weights, parameters);
-        Self {
-            records: problem.records.iter().map(of_record).collect(),
-            dynamics: Linearised::default(),
-            column: vec![0.0; count],
-            target: vec![0.0; count],
-            projection: Projection::new(count, degree + weights),
-            signed: Vec::new(),
-            absolute: Vec::new(),
-            eliminated: Vec::with_capacity(degree + weights),
-            coefficients: Vec::new(),
-            at: Vec::with_capacity(problem.bounds.dimension()),
-            home: Arc::downgrade(&problem.spare),
+        if self.records.is_empty() {
+            self.records = problem.records.iter().map(|record| record.workspace(parameters)).collect();
+        } else if self.parameters != parameters {
+            let records = problem.records.iter().zip(&mut self.records);
+            records.for_each(|(record, ws)| record.take_parameters(parameters, ws));
         }
+        let records = problem.records.iter().zip(&mut self.records);
+        records.for_each(|(record, ws)| record.take_columns(degree + weights, ws));
+        self.column.resize(count, 0.0);
+        self.target.resize(count, 0.0);
+        self.projection.empty(count, degree + weights);
+        self.at.clear();
+        self.coefficients.clear();
+        (self.of, self.parameters) = (problem.identity.clone(), parameters);
+        self.home = Arc::downgrade(&problem.spare);
     }
 
     /// Sets the stop signal that ends an evaluation early.

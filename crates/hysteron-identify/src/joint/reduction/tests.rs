@@ -49,7 +49,8 @@ fn columns(record: &JointRecord, n: f64, creep: Creep) -> Vec<Vec<f64>> {
     let mut dynamics = Linearised::default();
     form.linearise(&[320.0, 0.4, 1.95, 1.02, 0.05, 0.15][..form.parameter_count()], &mut dynamics).unwrap();
     let candidate = Candidate { shape: vec![0.4, 0.1, n], delay_s: 3.37e-4, memory: Vec::new() };
-    let mut ws = record.workspace(2, 1, form.parameter_count());
+    let mut ws = record.workspace(form.parameter_count());
+    record.take_columns(3, &mut ws);
     let wanted = Some(&[true, true, false][..]);
     assert!(record.respond(HysteresisForm::default(), &candidate, 0.7, &dynamics, wanted, &mut ws));
     let samples = record.samples();
