@@ -449,6 +449,8 @@ impl LeastSquaresProblem for JointProblem {
         }
         if self.is_at(x, ws) {
             out.copy_from_slice(&ws.target);
+            // The workspace may come from an equal problem.
+            self.keep(x, ws);
             return true;
         }
         // Most trial points are accepted and differentiated next.
