@@ -118,11 +118,16 @@ pub(crate) fn correlation_time(e: &[f64]) -> f64 {
 
 /// [`correlation_time`] of a series with the inner products `products` at lags 0 … N − 1.
 pub(super) fn initial_positive_sum(products: &[f64]) -> f64 {
+    positive_sum(&products[..products.len() / 10])
+}
+
+/// 1 + 2 Σ ρ_k from inner products or autocorrelations at lags 0, 1, …, up to the first that is not positive.
+pub(super) fn positive_sum(products: &[f64]) -> f64 {
     let power = products.first().copied().unwrap_or(0.0);
     if power <= 0.0 {
         return 1.0;
     }
-    let lags = products.iter().take(products.len() / 10).skip(1);
+    let lags = products.iter().skip(1);
     1.0 + lags.map(|product| 2.0 * product / power).take_while(|&share| share > 0.0).sum::<f64>()
 }
 

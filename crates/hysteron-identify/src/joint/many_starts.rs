@@ -2,17 +2,19 @@
 
 use super::super::IdentifyError;
 use super::super::engine::{Engine, Search, Show, rough};
+use super::super::uncertainty::correlation_time;
 use super::campaign::Rate;
 use super::model::shown;
 use super::normalised::{local_fits, resolved_fit};
 use super::problem::JointProblem;
-use super::resolution::{NEAR, information};
+use super::record::JointRecord;
+use super::resolution::NEAR;
 use super::setup::JointSetup;
 use super::starts::{Places, Starts};
 use hysteron_model::dynamics::{Creep, DynamicForm};
 use hysteron_optimize::{Algorithm, DeAbcOptions, LeastSquaresOptions, LocalStatus, OptimizeError, Problem};
 
-/// Residuals with an effective sample size below this share of their samples are far from white.
+/// Residuals with an effective sample size below this share of that of white noise are far from white.
 const WHITE: f64 = 0.5;
 /// A rough fit whose cost is within this many times the best leads to the same optimum.
 const SAME: f64 = 1.001;
@@ -147,7 +149,8 @@ pub(super) fn search_from_places(
     };
     let mut search = raced_fit(engine, "joint fit", problem, points, (hopeless, show))?;
     search.outcome.evaluations += evaluations;
-    if is_settled(&search) || engine.is_stopped() {
+    // Where nothing is left to explain, no other optimum can be better.
+    if is_settled(&search) || engine.is_stopped() || is_nearly_white(problem, &search.outcome.best) {
         return Ok((search, true));
     }
     if search.outcome.cost > hopeless {
@@ -243,9 +246,16 @@ fn is_settled(search: &Search) -> bool {
     ended >= AGREEMENT && near().all(|start| start.status != LocalStatus::Stalled)
 }
 
-/// True if the residuals at `x` are not far from white: there is little left to explain.
+/// True if the residuals at `x` are not far from white, or from what reduction makes of white noise: there is
+/// little left to explain.
 pub(super) fn is_nearly_white(problem: &JointProblem, x: &[f64]) -> bool {
-    information(problem, x) >= WHITE * problem.valid() as f64
+    let Some(residuals) = problem.residuals_of(x) else { return false };
+    let independent = |(r, record): (usize, &JointRecord)| {
+        let time = correlation_time(&residuals[problem.rows(r)]);
+        record.valid as f64 * (record.correlation_time_of_white() / time).min(1.0)
+    };
+    let independent: f64 = problem.records().iter().enumerate().map(independent).sum();
+    independent >= WHITE * problem.valid() as f64
 }
 
 /// A point of a problem with other parameters: those of `x` by their names, the others from `guess`.

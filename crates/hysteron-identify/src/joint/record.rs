@@ -176,6 +176,11 @@ impl JointRecord {
         matches!(self.plan, RecordPlan::Stamped(_))
     }
 
+    /// Residuals of white noise that carry the information of one that is independent.
+    pub(super) fn correlation_time_of_white(&self) -> f64 {
+        self.reduction.as_ref().map_or(1.0, |reduction| reduction.output.correlation_time_of_white())
+    }
+
     /// True if the weights are those of samples, not of periods.
     pub(super) fn weighs_samples_alone(&self) -> bool {
         self.weighting.periods.is_empty()

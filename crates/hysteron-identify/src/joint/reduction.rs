@@ -10,6 +10,7 @@
 //! (inputs, offset and drift are 0). Beyond the last one, for any extension of the inputs, it follows by
 //! interpolation of the reduced output, and F of that part is subtracted.
 
+use super::super::uncertainty::positive_sum;
 use hysteron_model::record::low_pass;
 use hysteron_numeric::{InstructionSet, dot, filter_every};
 
@@ -43,6 +44,14 @@ impl Reduction {
 
     fn half(&self) -> usize {
         self.kernel.len() / 2
+    }
+
+    /// Reduced samples of white noise that carry the information of one that is independent: F leaves nothing
+    /// between its cut-off and half the reduced rate.
+    pub(super) fn correlation_time_of_white(&self) -> f64 {
+        let later = |lag: usize| self.kernel.iter().skip(lag * self.factor);
+        let products = (0..=REACH).map(|lag| self.kernel.iter().zip(later(lag)).map(|(a, b)| a * b).sum());
+        positive_sum(&products.collect::<Vec<f64>>())
     }
 
     /// Reduced samples before the record, in which F, being non-causal, already responds to its inputs.

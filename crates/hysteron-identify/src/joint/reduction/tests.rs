@@ -222,3 +222,25 @@ fn a_reduced_column_at_the_samples_is_what_it_was_made_of() {
         assert!(again.iter().all(|x| (1.9..9.0).contains(x)));
     }
 }
+
+/// That of white noise, by a long series of it: what is left of the band is about 0.8 of it.
+#[test]
+fn white_noise_is_known_after_reduction() {
+    let mut state = 1u64;
+    let mut uniform = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    };
+    for factor in [2, 5, 12] {
+        let noise: Vec<f64> = (0..factor * 40_000).map(|_| uniform()).collect();
+        let reduction = Reduction::new(factor, noise.len(), false);
+        let mut reduced = vec![0.0; reduction.rows()];
+        reduction.output(&noise, &mut reduced);
+        let products: Vec<f64> = (0..4)
+            .map(|lag| reduced[100..39_000].iter().zip(&reduced[100 + lag..]).map(|(a, b)| a * b).sum())
+            .collect();
+        let expected = positive_sum(&products);
+        let time = reduction.correlation_time_of_white();
+        assert!((time - expected).abs() < 0.05 && (1.3..1.7).contains(&time), "{factor}: {time} {expected}");
+    }
+}
