@@ -162,7 +162,7 @@ impl LocalFit {
             if settled {
                 return Some(LocalStatus::CostTolerance);
             }
-            if curved.is_some() && !std::ptr::eq(local, &model) {
+            if !std::ptr::eq(local, &model) {
                 // What earlier steps taught does not hold here.
                 local = &model;
                 continue;

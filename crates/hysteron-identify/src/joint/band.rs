@@ -278,15 +278,15 @@ pub(super) fn give(problem: &JointProblem, known: &Knowledge, fits: &mut [Record
                 own
             })
         };
-        let own =
-            if record.weighs_samples_alone() && fit.sines.is_empty() { None } else { Some(of_columns()) };
-        let mut std_dev = match &own {
-            Some([linear, searched]) => deviations(&[linear, searched], rows.len(), 0..rows.len(), matrix),
-            None => deviations(&blocks.map(Vec::as_slice), total, rows.clone(), matrix),
-        };
-        if own.is_none() {
+        let (own, mut std_dev) = if record.weighs_samples_alone() && fit.sines.is_empty() {
+            let mut std_dev = deviations(&blocks.map(Vec::as_slice), total, rows.clone(), matrix);
             record.unweigh(&mut std_dev);
-        }
+            (None, std_dev)
+        } else {
+            let own = of_columns();
+            let std_dev = deviations(&[&own[0], &own[1]], rows.len(), 0..rows.len(), matrix);
+            (Some(own), std_dev)
+        };
         // A sample without weight takes the value of the one before.
         let counts = |(_, weight): &(&mut f64, &f64)| **weight > 0.0;
         let mut last = std_dev.iter_mut().zip(record.weights()).find(counts).map_or(0.0, |(sd, _)| *sd);

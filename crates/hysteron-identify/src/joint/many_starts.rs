@@ -2,13 +2,12 @@
 
 use super::super::IdentifyError;
 use super::super::engine::{Engine, Search, Show, rough};
-use super::super::uncertainty::correlation_time;
 use super::campaign::Rate;
 use super::model::shown;
 use super::normalised::{local_fits, resolved_fit};
 use super::problem::JointProblem;
 use super::record::JointRecord;
-use super::resolution::NEAR;
+use super::resolution::{NEAR, correlation_times};
 use super::setup::JointSetup;
 use super::starts::{Places, Starts};
 use hysteron_model::dynamics::{Creep, DynamicForm};
@@ -195,14 +194,9 @@ pub(super) fn fit_until_white(
 
 /// Starts that differ, and for each of the others the index of that which it is like.
 fn distinct(problem: &JointProblem, starts: Vec<Vec<f64>>) -> (Vec<Vec<f64>>, Vec<usize>) {
-    let ranges = &problem.bounds().ranges;
-    let is_like = |a: &[f64], b: &[f64]| {
-        let mut apart = ranges.iter().zip(a.iter().zip(b));
-        apart.all(|(range, (a, b))| (range.to_unit(*a) - range.to_unit(*b)).abs() < ALIKE)
-    };
     let (mut different, mut others): (Vec<Vec<f64>>, _) = (Vec::new(), Vec::new());
     for start in starts {
-        match different.iter().position(|other| is_like(other, &start)) {
+        match different.iter().position(|other| problem.are_near(other, &start, ALIKE)) {
             Some(index) => others.push(index),
             None => different.push(start),
         }
@@ -249,12 +243,10 @@ fn is_settled(search: &Search) -> bool {
 /// True if the residuals at `x` are not far from white, or from what reduction makes of white noise: there is
 /// little left to explain.
 pub(super) fn is_nearly_white(problem: &JointProblem, x: &[f64]) -> bool {
-    let Some(residuals) = problem.residuals_of(x) else { return false };
-    let independent = |(r, record): (usize, &JointRecord)| {
-        let time = correlation_time(&residuals[problem.rows(r)]);
+    let independent = |(record, time): (&JointRecord, f64)| {
         record.valid as f64 * (record.correlation_time_of_white() / time).min(1.0)
     };
-    let independent: f64 = problem.records().iter().enumerate().map(independent).sum();
+    let independent: f64 = problem.records().iter().zip(correlation_times(problem, x)).map(independent).sum();
     independent >= WHITE * problem.valid() as f64
 }
 

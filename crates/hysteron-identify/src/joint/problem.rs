@@ -176,11 +176,13 @@ impl JointProblem {
     fn best_at(&self, x: &[f64]) -> Option<Evaluated> {
         let best = self.best.lock().unwrap_or_else(PoisonError::into_inner);
         // Scaling to the optimiser's unit box rounds a point.
-        let same = |best: &&Evaluated| {
-            let apart = |(range, (a, b)): (&Range, (&f64, &f64))| range.to_unit(*a) - range.to_unit(*b);
-            self.bounds.ranges.iter().zip(best.x.iter().zip(x)).map(apart).all(|by| by.abs() <= 1e-12)
-        };
-        best.as_ref().filter(same).cloned()
+        best.as_ref().filter(|best| self.are_near(&best.x, x, 1e-12)).cloned()
+    }
+
+    /// True if two points are no farther apart than this share of any range.
+    pub(super) fn are_near(&self, a: &[f64], b: &[f64], share: f64) -> bool {
+        let apart = |(range, (a, b)): (&Range, (&f64, &f64))| range.to_unit(*a) - range.to_unit(*b);
+        self.bounds.ranges.iter().zip(a.iter().zip(b)).map(apart).all(|by| by.abs() <= share)
     }
 
     /// Keeps the evaluated point if it is the best so far; returns its cost.

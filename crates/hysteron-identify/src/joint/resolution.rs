@@ -22,11 +22,14 @@ pub(super) const NEAR: f64 = 1.1;
 
 /// Effective number of independent samples of the residuals at `x`.
 pub(in super::super) fn information(problem: &JointProblem, x: &[f64]) -> f64 {
-    let residual = problem.residuals_of(x).unwrap_or_else(|| vec![0.0; problem.residual_count()]);
-    (0..problem.records().len())
-        .map(|r| problem.records()[r].valid as f64 / correlation_time(&residual[problem.rows(r)]))
-        .sum::<f64>()
-        .max(2.0)
+    let times = correlation_times(problem, x);
+    problem.records().iter().zip(times).map(|(record, time)| record.valid as f64 / time).sum::<f64>().max(2.0)
+}
+
+/// Correlation time of the residuals of every record at `x`; 1 where it cannot be simulated, or after a stop.
+pub(super) fn correlation_times(problem: &JointProblem, x: &[f64]) -> Vec<f64> {
+    let residuals = problem.residuals_of(x).unwrap_or_else(|| vec![0.0; problem.residual_count()]);
+    (0..problem.records().len()).map(|r| correlation_time(&residuals[problem.rows(r)])).collect()
 }
 
 /// Fits that end where the squared cost falls by less than this share.

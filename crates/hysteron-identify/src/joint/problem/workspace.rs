@@ -31,8 +31,8 @@ pub(in super::super::super) struct JointWorkspace {
     pub(super) coefficients: Vec<f64>,
     /// Point of the columns, sensitivities and residual in this workspace; empty: none.
     pub(super) at: Vec<f64>,
-    /// Identity of the problem that it was last of, and its number of parameters of the dynamics.
-    of: String,
+    /// Identity of the problem that it was last of, if any, and its number of parameters of the dynamics.
+    of: Option<String>,
     parameters: usize,
     /// Where it goes when it is dropped.
     home: Weak<Mutex<Vec<JointWorkspace>>>,
@@ -46,7 +46,7 @@ impl JointWorkspace {
         }
         let spare = problem.spare.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let mut workspace = spare.unwrap_or_default();
-        if workspace.home.strong_count() == 0 || workspace.of != problem.identity {
+        if workspace.of.as_ref() != Some(&problem.identity) {
             workspace.become_that_of(problem);
         }
         workspace
@@ -69,7 +69,7 @@ impl JointWorkspace {
         self.projection.empty(count, degree + weights);
         self.at.clear();
         self.coefficients.clear();
-        (self.of, self.parameters) = (problem.identity.clone(), parameters);
+        (self.of, self.parameters) = (Some(problem.identity.clone()), parameters);
         self.home = Arc::downgrade(&problem.spare);
     }
 
