@@ -29,7 +29,7 @@ pub(super) struct FirstPoints {
     places: Places,
     pub(super) points: Vec<Vec<f64>>,
     /// Evaluations spent on finding them.
-    evaluations: usize,
+    pub(super) evaluations: usize,
 }
 
 impl FirstPoints {
@@ -116,7 +116,7 @@ pub(super) fn search_globally(
         };
         let Some(guesses) = engine.unless_stopped(setup.guesses(problem))? else { return Ok(search) };
         let from_found = |guess: &Vec<f64>| from_other(&plain, &found.outcome.best, problem, guess);
-        let starts = guesses.iter().map(from_found).collect();
+        let starts = distinct(problem, guesses.iter().map(from_found).collect()).0;
         let grown = |x: &[f64]| shown(problem, x, setup);
         let fit = resolved_fit(engine, "joint fit with creep", problem, starts, Some(&grown));
         let Some(fit) = engine.unless_stopped(fit)? else { return Ok(search) };

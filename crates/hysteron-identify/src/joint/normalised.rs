@@ -3,7 +3,9 @@
 //! A second-order factor 1/(b₂ (s/ω₀)^α₂ + b₁ (s/ω₀)^α₁ + 1), b₂ = (ω₀/ω)^α₂, b₁ = 2ζ (ω₀/ω)^α₁, with ω₀ at
 //! twice the fastest frequency of the drive. For a resonance beyond the band of the records the output is
 //! nearly linear in b₂ and b₁, while natural frequency and damping compensate for each other and for the
-//! orders along a curved valley. The optimum is the same, in fewer evaluations (`docs/theory/joint.md`).
+//! orders along a curved valley. The optimum is the same, in fewer evaluations (`docs/theory/joint.md`). A factor
+//! that starts within the band, or where an earlier fit in coefficients ended outside its ranges, keeps its
+//! natural frequency and damping.
 
 use super::super::engine::{Engine, Search, Show, rough};
 use super::super::layout::Role;
@@ -17,6 +19,8 @@ use hysteron_optimize::{
 /// Fits are continued beyond [`COARSE`] if their cost exceeds the best by less than this many times that
 /// share.
 const CONTINUED: f64 = 100.0;
+/// Fastest frequency of the drive, over ω₀/2π.
+const BAND: f64 = 0.5;
 /// Least coefficient, at which the term is negligible.
 const NOTHING: f64 = 1e-12;
 
@@ -56,8 +60,9 @@ pub(super) struct Normalised<'p> {
 }
 
 impl<'p> Normalised<'p> {
-    /// `None` where no factor of the dynamics is searched, or its resonances are within the band.
-    pub(super) fn new(problem: &'p JointProblem) -> Option<Self> {
+    /// For fits from these `starts`; `None` where no factor of the dynamics is searched, or its resonances are
+    /// within the band.
+    pub(super) fn new(problem: &'p JointProblem, starts: &[Vec<f64>]) -> Option<Self> {
         let (form, layout) = (problem.form(), problem.layout());
         let one_resonance = match form.modes {
             Modes::Fractional | Modes::FractionalFreeLowest | Modes::TwoFractional => true,
@@ -77,14 +82,20 @@ impl<'p> Normalised<'p> {
                 orders: [highest, order(ParameterKind::MiddleOrder(mode), 1.0)],
             })
         };
-        let factors: Vec<Factor> = (1..=form.parameter_count()).filter_map(factor).collect();
+        let (at_hz, ranges) = (problem.normalisation_hz(), &problem.bounds().ranges);
+        let is_beyond = |factor: &Factor, x: &Vec<f64>| x[factor.natural_frequency] > BAND * at_hz;
+        let is_at_end = |factor: &Factor, x: &Vec<f64>| {
+            [factor.natural_frequency, factor.damping].iter().any(|&index| ranges[index].is_end(x[index]))
+        };
+        let applies = |factor: &Factor| {
+            starts.iter().all(|x| is_beyond(factor, x)) && !starts.iter().all(|x| is_at_end(factor, x))
+        };
+        let factors: Vec<Factor> = (1..=form.parameter_count()).filter_map(factor).filter(applies).collect();
         if !one_resonance || factors.is_empty() {
             return None;
         }
-        let at_hz = problem.normalisation_hz();
         let mut bounds = problem.bounds().clone();
         for factor in &factors {
-            let ranges = &problem.bounds().ranges;
             let [f, damping] = [&ranges[factor.natural_frequency], &ranges[factor.damping]];
             let largest = |order: Order| {
                 let orders = match order {
@@ -97,6 +108,11 @@ impl<'p> Normalised<'p> {
             let coefficient = |range: &Range, most: f64| Range::linear(&range.name, NOTHING, most);
             bounds.ranges[factor.natural_frequency] = coefficient(f, most2);
             bounds.ranges[factor.damping] = coefficient(damping, 2.0 * damping.high * most1);
+        }
+        // The response to a short lag is linear in it.
+        if let Some(lag) = layout.place(&form, ParameterKind::Lag) {
+            let Range { name, low, high, .. } = &ranges[lag];
+            bounds.ranges[lag] = Range::linear(name, *low, *high);
         }
         Some(Self { problem, factors, at_hz, bounds })
     }
@@ -349,7 +365,7 @@ pub(in super::super) fn local_fits(
     if problem.keeps_memory() && starts.first().is_some_and(holds_memory) {
         return kept_memory_fits(engine, step, problem, starts, options, show);
     }
-    let Some(normalised) = Normalised::new(problem).filter(|_| !starts.is_empty()) else {
+    let Some(normalised) = Normalised::new(problem, &starts) else {
         return engine.local_fits(step, problem, starts, options, show);
     };
     let coefficients = starts.iter().map(|x| normalised.coefficients(x)).collect();

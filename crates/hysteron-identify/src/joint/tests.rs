@@ -433,8 +433,8 @@ fn coefficients_and_a_held_memory_are_the_same_fit() {
         let records = records(Scheme::BandLimited, false, before, 1);
         let family = (three_plays(), &shape[..], &[Role::Projected; 3][..]);
         let problem = of_family(family, form, records, [true, false]).normalised_at(40.0);
-        let normalised = Normalised::new(&problem).unwrap();
         let x = [numbers, &[0.0034, 2.7431]].concat();
+        let normalised = Normalised::new(&problem, std::slice::from_ref(&x)).unwrap();
         let point = normalised.coefficients(&x);
         assert!(point.iter().zip(&x).any(|(a, b)| a != b));
         for (back, x) in normalised.own(&point).iter().zip(&x) {
