@@ -112,8 +112,8 @@ impl Initial {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum DynamicsChoice {
-    /// Dynamics that the records support: fractional with a dynamic record, a first-order lag with a start
-    /// from rest, else none.
+    /// Dynamics that the records support: with a dynamic record a resonance and a lag, or fractional orders where
+    /// these leave a far smaller error; a first-order lag with a start from rest; else none.
     #[default]
     Auto,
     /// Static model.

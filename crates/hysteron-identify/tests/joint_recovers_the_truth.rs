@@ -114,14 +114,17 @@ fn data(run: &CampaignRun) -> InputOutput {
     run.run.record.input_output(&ChannelChoice::default()).unwrap()
 }
 
-fn fit(runs: &[CampaignRun], degree: usize, threads: Option<usize>) -> Identification {
-    let campaign: Vec<CampaignRecord> = runs
-        .iter()
+/// The records to identify from.
+fn training(runs: &[CampaignRun]) -> Vec<CampaignRecord> {
+    runs.iter()
         .filter(|r| matches!(r.role, Role::QuasiStatic | Role::Sweep | Role::NestedLoops))
         .map(|r| CampaignRecord { data: data(r), role: None })
-        .collect();
+        .collect()
+}
+
+fn fit(runs: &[CampaignRun], degree: usize, threads: Option<usize>) -> Identification {
     let options = Options { degree: Choice::Given(degree), threads, ..Options::default() };
-    identify(&campaign, &options, &Watch::silent(), None).unwrap()
+    identify(&training(runs), &options, &Watch::silent(), None).unwrap()
 }
 
 /// Deviations from the truth in standard errors.
@@ -263,10 +266,12 @@ fn threads_change_nothing() {
 #[test]
 fn the_objective_has_its_minimum_where_the_fit_ended() {
     let runs = cases()[0].campaign(2000.0, 5);
-    let found = fit(&runs, 2, None);
+    let dynamics = DynamicsChoice::Fractional;
+    let options = Options { degree: Choice::Given(2), dynamics, ..Options::default() };
+    let campaign = training(&runs);
+    let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();
     let campaign: Vec<CampaignRecord> =
         found.records.iter().map(|r| CampaignRecord { data: r.data.clone(), role: Some(r.role) }).collect();
-    let options = Options { degree: Choice::Given(2), ..Options::default() };
     let objective = JointObjective::new(&campaign, &options, false).unwrap();
     let (best, cost) = (&found.searches[0].outcome.best, found.searches[0].outcome.cost);
     assert_eq!(objective.bounds(), &found.bounds[0]);

@@ -52,8 +52,9 @@ use crate::result_flags::ResultFlags;
 /// Identify a model from measured records: hysteresis block, dynamic block, model file, report.
 #[derive(Args)]
 #[command(after_help = "Without flags the structure is chosen from the records: polynomial degree by BIC; \
-    fractional dynamics where a record is much faster than the slowest one, else, where a record starts from \
-    rest with a jump, a delay and a first-order lag. Slow and fast records are recognised; --static and \
+    a resonance with a lag and, where the records show it, creep where a record is much faster than the \
+    slowest one (fractional orders where these leave a far smaller error), else, where a record starts from rest \
+    with a jump, a delay and a first-order lag. Slow and fast records are recognised; --static and \
     --dynamic override it. Where another kind of model leaves less than a quarter of the error, it is named \
     and no model is written.\n\n\
     Records are fitted jointly: both blocks, the delay, offset and initial hysteresis memory of each record, \

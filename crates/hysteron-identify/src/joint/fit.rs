@@ -41,6 +41,7 @@ pub(in super::super) const PLAN: Plan = Plan(&[
     ("joint fit, other starts", 0.15),
     ("joint fit, population", 0.05),
     ("joint fit, polished", 0.02),
+    ("joint fit, fractional orders", 0.02),
     ("degree", 0.08),
     (REDUCED, 0.03),
     (ALL_SAMPLES, 0.05),

@@ -15,6 +15,7 @@ mod many_starts;
 mod model;
 mod normalised;
 mod objective;
+mod orders;
 mod parameter_layout;
 mod parameters;
 mod problem;
@@ -44,5 +45,5 @@ pub(super) use normalised::{fit_with_its_memory, local_fits, nearer_with_its_mem
 pub use objective::{JointObjective, JointScratch};
 pub(super) use problem::JointProblem;
 pub(super) use resolution::information;
-pub(super) use setup::{JointSetup, form, memory_name, scheme};
+pub(super) use setup::{JointSetup, RESONANCE_AND_LAG, form, memory_name, scheme};
 pub use smoothing::Smoothing;

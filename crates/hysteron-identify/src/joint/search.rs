@@ -13,12 +13,16 @@ use super::many_starts::{
 };
 use super::model::shown;
 use super::normalised::{fit_with_its_memory, nearer_with_its_memory, resolved_fit};
+use super::orders::{self, Begun};
 use super::problem::JointProblem;
 use super::resolution::{COARSE, resolved};
 use super::setup::JointSetup;
 use super::starts::{Places, Starts};
-use hysteron_model::dynamics::{Creep, DynamicForm};
-use hysteron_optimize::Problem;
+use hysteron_model::dynamics::{Creep, DynamicForm, Modes, ParameterKind};
+use hysteron_optimize::{Problem, Range};
+
+/// Share of the range of a lag from its upper end that counts as that end.
+const EDGE: f64 = 1e-6;
 
 /// The best point of a search and its structure.
 pub(super) struct Optimum<'a> {
@@ -50,14 +54,30 @@ pub(super) fn search<'a>(
         Some(_) if reduced => Rate::Reduced,
         _ => Rate::Own,
     };
-    let mut problem = setup.problem(first_degree, rate)?;
     let creep_is_open = options.dynamics == DynamicsChoice::Auto && options.creep == Creep::None;
+    let mut begun = None;
+    if setup.chooses_orders() {
+        let creep = if creep_is_open { Creep::Fractional } else { setup.form.creep };
+        let (modes, first) = orders::compared(&setup, creep, (first_degree, rate), engine)?;
+        setup.form.modes = modes;
+        begun = Some(first);
+    }
     let with_creep = DynamicForm { creep: Creep::Fractional, ..setup.form };
     let is_free = options.algorithm.is_none() && options.start.is_none();
     let (mut first, mut found) = (None, None);
+    let mut problem = match begun.take_if(|_| !creep_is_open) {
+        Some(Begun { problem, places, starts }) => {
+            let before = places.evaluations + starts.evaluations;
+            let mut points = FirstPoints::at(places, &problem, &setup, engine)?;
+            points.evaluations += before;
+            first = Some(points);
+            problem
+        }
+        None => setup.problem(first_degree, rate)?,
+    };
     if creep_is_open && is_free && problem.bounds().dimension() > 0 {
         let creeping = setup.with(with_creep, options);
-        let mut begun = begin_with_creep(&problem, &creeping, rate, engine)?;
+        let mut begun = begin_with_creep(&problem, (&creeping, begun), rate, engine)?;
         begun.search.outcome.evaluations += begun.evaluations();
         let shows_creep = begun.shows_creep(&problem) && begun.delay_is_inside(&creeping);
         if shows_creep && !begun.dynamics_are_inside(&creeping) && !engine.is_stopped() {
@@ -124,6 +144,16 @@ fn with_degree<'a>(
 ) -> Result<Optimum<'a>, IdentifyError> {
     search.outcome.best = problem.in_order(search.outcome.best);
     let shorter = with_reach(&setup, (&problem, rate), &mut search, engine)?;
+    if setup.chooses_orders() {
+        let nearer = shorter.as_ref().map(|shorter| shorter.problem(problem.degree(), rate)).transpose()?;
+        let (own, found) = (shorter.as_ref().unwrap_or(&setup), nearer.as_ref().unwrap_or(&problem));
+        if orders::fractional_are_better(own, (found, rate), &search, engine)? {
+            let form = DynamicForm { modes: Modes::Fractional, creep: setup.options.creep };
+            let mut optimum = self::search(setup.with(form, setup.options), rate == Rate::Coarse, engine)?;
+            optimum.search.outcome.evaluations += search.outcome.evaluations;
+            return Ok(optimum);
+        }
+    }
     let finer = if rate == Rate::Coarse { Rate::Reduced } else { rate };
     let is_final = shorter.is_none() && finer == rate;
     let setup = shorter.unwrap_or(setup);
@@ -187,12 +217,15 @@ impl CreepFirst {
         })
     }
 
-    /// True if no parameter of the dynamics is at an edge of its range.
+    /// True if no parameter of the dynamics is at an edge of its range; the shortest lag is none.
     fn dynamics_are_inside(&self, setup: &JointSetup<'_>) -> bool {
         let own = setup.form.parameters();
-        let is_own = |name: &str| own.iter().any(|parameter| parameter.name == name);
-        let mut ranges = self.problem.bounds().ranges.iter().zip(&self.search.outcome.best);
-        !ranges.any(|(range, x)| is_own(&range.name) && range.is_end(*x))
+        let is_at_edge = |(range, &x): (&Range, &f64)| match own.iter().find(|own| own.name == range.name) {
+            Some(own) if own.kind == ParameterKind::Lag => range.to_unit(x) >= 1.0 - EDGE,
+            Some(_) => range.is_end(x),
+            None => false,
+        };
+        !self.problem.bounds().ranges.iter().zip(&self.search.outcome.best).any(is_at_edge)
     }
 
     /// True if the delay is not at the upper end of its range.
@@ -205,15 +238,24 @@ impl CreepFirst {
 /// valley that takes long to follow in either direction.
 fn begin_with_creep(
     plain: &JointProblem,
-    creeping: &JointSetup<'_>,
+    (creeping, begun): (&JointSetup<'_>, Option<Begun>),
     rate: Rate,
     engine: &mut Engine<'_, '_>,
 ) -> Result<CreepFirst, IdentifyError> {
-    let problem = creeping.problem(plain.degree(), rate)?;
-    let places = creeping.places(&problem, engine)?;
+    let (problem, places, starts) = match begun {
+        Some(Begun { problem, places, starts }) => (problem, places, Some(starts)),
+        None => {
+            let problem = creeping.problem(plain.degree(), rate)?;
+            let places = creeping.places(&problem, engine)?;
+            (problem, places, None)
+        }
+    };
     // A loop held at one without creep misleads the dynamics where shape numbers are searched.
     let Starts { points, evaluations } = if problem.searches_shape() {
-        Starts { points: creeping.unfitted(&problem, &places, 0..FIRST_STARTS), evaluations: 0 }
+        let points = creeping.unfitted(&problem, &places, 0..FIRST_STARTS);
+        Starts { points, evaluations: starts.map_or(0, |starts| starts.evaluations) }
+    } else if let Some(starts) = starts {
+        starts
     } else {
         creeping.fitted(&problem, &places, 0..1, engine)?
     };

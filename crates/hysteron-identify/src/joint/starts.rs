@@ -58,6 +58,7 @@ struct Motion {
 }
 
 /// Loop fitted to the slowest record, in the search's own numbers.
+#[derive(Clone, Debug)]
 struct Loop {
     shape: Vec<f64>,
     /// Memory of the slowest record.
@@ -118,14 +119,22 @@ impl JointSetup<'_> {
             problem.cost(&start, &mut problem.workspace());
         }
         let loops = self.loops(problem, engine, &mut evaluations)?;
-        let motions = match loops.first() {
-            Some(first) => {
-                let point = |motion| self.looping(problem.bounds(), first, motion);
-                self.motions(problem, point, Some(&first.coefficients))
-            }
-            None => Vec::new(),
-        };
+        let motions = self.motions_of(&loops, problem);
         Ok(Places { loops, motions, evaluations })
+    }
+
+    /// Dynamics of this form for the loops of places found with another one.
+    pub(super) fn places_of_loops(&self, problem: &JointProblem, found: &Places) -> Places {
+        let loops = found.loops.clone();
+        let motions = self.motions_of(&loops, problem);
+        Places { loops, motions, evaluations: 0 }
+    }
+
+    /// Dynamics for the first loop; none without a loop.
+    fn motions_of(&self, loops: &[Loop], problem: &JointProblem) -> Vec<Motion> {
+        let Some(first) = loops.first() else { return Vec::new() };
+        let point = |motion| self.looping(problem.bounds(), first, motion);
+        self.motions(problem, point, Some(&first.coefficients))
     }
 
     /// Starts at some of the places, the dynamics fitted to all records with the loop held; without those that

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use super::super::joint::RESONANCE_AND_LAG;
 use super::super::options::{Choice, DynamicsChoice, FamilyChoice, HIGHEST_DEGREE, Method, Options};
 use hysteron_model::dynamics::{Creep, MOST_INTEGER_POLES};
 use hysteron_model::hysteresis::HysteresisForm;
@@ -113,14 +114,14 @@ impl Block {
         Self::USUAL.into_iter().chain(integer).chain(modes).chain(regressions.map(Self::of))
     }
 
-    /// The block of an identification with these options; [`DynamicsChoice::Auto`] counts as fractional.
+    /// The block of an identification with these options; with [`DynamicsChoice::Auto`] the one that its search
+    /// begins with.
     pub(super) fn of_options(options: &Options) -> Self {
-        let dynamics = match options.dynamics {
-            DynamicsChoice::Auto => DynamicsChoice::Fractional,
-            given => given,
-        };
-        let block = Self { dynamics, order: options.order };
-        if block.has_order() { block } else { Self::of(dynamics) }
+        if options.dynamics == DynamicsChoice::Auto {
+            return Self::integer(RESONANCE_AND_LAG);
+        }
+        let block = Self { dynamics: options.dynamics, order: options.order };
+        if block.has_order() { block } else { Self::of(options.dynamics) }
     }
 
     fn name(self) -> String {

@@ -6,6 +6,7 @@ use super::super::normalised::local_fits;
 use super::super::resolution::{FINAL, resolution, resolved};
 use super::super::setup::{JointSetup, form};
 use super::*;
+use crate::DynamicsChoice;
 use crate::Watch;
 use hysteron_model::dynamics::{Dynamics, Term, TransferFunction};
 use hysteron_model::hammerstein::Model;
@@ -50,7 +51,7 @@ fn long() -> InputOutput {
 #[test]
 fn the_fit_of_a_long_record_is_that_of_all_its_samples() {
     let facts = RecordFacts::new(long());
-    let options = Options::default();
+    let options = Options { dynamics: DynamicsChoice::Fractional, ..Options::default() };
     let watch = Watch::silent();
     let mut engine = Engine::new(None, Settings::default(), &watch, Plan(&[]), None);
     let thinned = JointMember::new(&facts, &options, &mut engine).unwrap();
