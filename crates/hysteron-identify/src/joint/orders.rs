@@ -6,11 +6,13 @@
 
 use super::super::IdentifyError;
 use super::super::engine::{Engine, Search, rough};
+use super::super::static_step::BIC_FALL;
 use super::campaign::Rate;
 use super::many_starts::{from_other, is_nearly_white};
-use super::normalised::local_fits;
+use super::normalised::{local_fits, resolved_fit};
 use super::parameter_layout::DELAY;
 use super::problem::JointProblem;
+use super::resolution::information;
 use super::setup::JointSetup;
 use super::starts::{Places, Starts};
 use hysteron_model::dynamics::{Creep, DynamicForm, Modes, ParameterKind};
@@ -18,6 +20,7 @@ use hysteron_optimize::{Problem, Range};
 
 /// Cost of whole orders over that of fractional ones from which on these are chosen.
 const WORTH: f64 = 1.25;
+const STEP: &str = "joint fit, fractional orders";
 
 /// Where a search begins, and its first start, the dynamics fitted.
 pub(super) struct Begun {
@@ -60,26 +63,63 @@ fn least(problem: &JointProblem, starts: &Starts) -> f64 {
     starts.points.iter().map(|x| problem.cost(x, &mut ws)).fold(f64::INFINITY, f64::min)
 }
 
-/// True if a fit with fractional orders from the optimum of whole ones costs far less, or leaves nothing to explain
-/// where that does.
-pub(super) fn fractional_are_better(
+/// What a fit with fractional orders from the optimum of whole ones shows.
+pub(super) enum Orders {
+    Whole,
+    Fractional,
+    /// Fractional ones at this point leave nothing to explain at this rate, but cost little less.
+    InDoubt(Vec<f64>),
+}
+
+/// Fits fractional orders from the optimum `found` with whole ones.
+pub(super) fn weighed(
     setup: &JointSetup<'_>,
     (problem, rate): (&JointProblem, Rate),
     found: &Search,
     engine: &mut Engine<'_, '_>,
-) -> Result<bool, IdentifyError> {
+) -> Result<Orders, IdentifyError> {
     let best = &found.outcome.best;
     if !setup.chooses_orders() || engine.is_stopped() || is_nearly_white(problem, best) {
-        return Ok(false);
+        return Ok(Orders::Whole);
     }
-    let form = DynamicForm { modes: Modes::Fractional, ..setup.form };
-    let fractional = setup.with(form, setup.options()).problem(problem.degree(), rate);
-    let Some(fractional) = engine.unless_stopped(fractional)? else { return Ok(false) };
+    let fractional = engine.unless_stopped(with_fractional(setup).problem(problem.degree(), rate))?;
+    let Some(fractional) = fractional else { return Ok(Orders::Whole) };
     let start = with_orders((problem, best), &fractional);
-    let fit = local_fits(engine, "joint fit, fractional orders", &fractional, vec![start], rough(), None);
-    let Some(fit) = engine.where_feasible(fit)? else { return Ok(false) };
-    let is_worth_it = WORTH * fit.outcome.cost < problem.cost(best, &mut problem.workspace());
-    Ok(!engine.is_stopped() && (is_worth_it || is_nearly_white(&fractional, &fit.outcome.best)))
+    let fit = local_fits(engine, STEP, &fractional, vec![start], rough(), None);
+    let Some(fit) = engine.where_feasible(fit)?.filter(|_| !engine.is_stopped()) else {
+        return Ok(Orders::Whole);
+    };
+    Ok(if WORTH * fit.outcome.cost < problem.cost(best, &mut problem.workspace()) {
+        Orders::Fractional
+    } else if is_nearly_white(&fractional, &fit.outcome.best) {
+        Orders::InDoubt(fit.outcome.best)
+    } else {
+        Orders::Whole
+    })
+}
+
+/// True if fractional orders, fitted from `start`, are better than the optimum `found` with whole ones by the
+/// Bayesian information criterion.
+pub(super) fn fractional_are_better(
+    setup: &JointSetup<'_>,
+    (problem, rate): (&JointProblem, Rate),
+    found: &Search,
+    start: Vec<f64>,
+    engine: &mut Engine<'_, '_>,
+) -> Result<bool, IdentifyError> {
+    let fractional = engine.unless_stopped(with_fractional(setup).problem(problem.degree(), rate))?;
+    let Some(fractional) = fractional else { return Ok(false) };
+    let fit = resolved_fit(engine, STEP, &fractional, vec![start], None);
+    let Some(fit) = engine.where_feasible(fit)?.filter(|_| !engine.is_stopped()) else { return Ok(false) };
+    let samples = information(&fractional, &fit.outcome.best);
+    let more = fractional.bounds().dimension() as f64 - problem.bounds().dimension() as f64;
+    let fall = 2.0 * samples * (found.outcome.cost / fit.outcome.cost).ln();
+    Ok(fall > BIC_FALL + more * samples.ln())
+}
+
+/// The setup with fractional orders.
+pub(super) fn with_fractional<'a>(setup: &JointSetup<'a>) -> JointSetup<'a> {
+    setup.with(DynamicForm { modes: Modes::Fractional, ..setup.form }, setup.options())
 }
 
 /// The point of the problem with orders 2 and 1, and the lag as part of the delay.

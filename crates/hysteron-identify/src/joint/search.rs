@@ -13,7 +13,7 @@ use super::many_starts::{
 };
 use super::model::shown;
 use super::normalised::{fit_with_its_memory, nearer_with_its_memory, resolved_fit};
-use super::orders::{self, Begun};
+use super::orders::{self, Begun, Orders};
 use super::problem::JointProblem;
 use super::resolution::{COARSE, resolved};
 use super::setup::JointSetup;
@@ -144,14 +144,14 @@ fn with_degree<'a>(
 ) -> Result<Optimum<'a>, IdentifyError> {
     search.outcome.best = problem.in_order(search.outcome.best);
     let shorter = with_reach(&setup, (&problem, rate), &mut search, engine)?;
+    let mut in_doubt = None;
     if setup.chooses_orders() {
         let nearer = shorter.as_ref().map(|shorter| shorter.problem(problem.degree(), rate)).transpose()?;
         let (own, found) = (shorter.as_ref().unwrap_or(&setup), nearer.as_ref().unwrap_or(&problem));
-        if orders::fractional_are_better(own, (found, rate), &search, engine)? {
-            let form = DynamicForm { modes: Modes::Fractional, creep: setup.options.creep };
-            let mut optimum = self::search(setup.with(form, setup.options), rate == Rate::Coarse, engine)?;
-            optimum.search.outcome.evaluations += search.outcome.evaluations;
-            return Ok(optimum);
+        match orders::weighed(own, (found, rate), &search, engine)? {
+            Orders::Whole => {}
+            Orders::Fractional => return with_fractional_orders(&setup, rate, &search, engine),
+            Orders::InDoubt(point) => in_doubt = Some((setup.clone(), point)),
         }
     }
     let finer = if rate == Rate::Coarse { Rate::Reduced } else { rate };
@@ -181,6 +181,12 @@ fn with_degree<'a>(
     } else {
         (problem, rate, search)
     };
+    if let Some((longest, point)) = in_doubt.filter(|_| !engine.is_stopped())
+        && orders::fractional_are_better(&setup, (&problem, rate), &search, point, engine)?
+    {
+        let coarsest = if rate == Rate::Reduced { Rate::Coarse } else { rate };
+        return with_fractional_orders(&longest, coarsest, &search, engine);
+    }
     let mut degrees = Vec::new();
     let (degree, best) = if setup.options.degree == Choice::Auto && !engine.is_stopped() {
         choose_degree(&setup, rate, &search, engine, &mut degrees)?
@@ -188,6 +194,19 @@ fn with_degree<'a>(
         (problem.degree(), search.outcome.best.clone())
     };
     Ok(Optimum { setup, problem, search, degree, best, degrees })
+}
+
+/// The whole search again with fractional orders, after that with whole ones.
+fn with_fractional_orders<'a>(
+    setup: &JointSetup<'a>,
+    rate: Rate,
+    before: &Search,
+    engine: &mut Engine<'_, '_>,
+) -> Result<Optimum<'a>, IdentifyError> {
+    let form = DynamicForm { modes: Modes::Fractional, creep: setup.options.creep };
+    let mut optimum = search(setup.with(form, setup.options), rate == Rate::Coarse, engine)?;
+    optimum.search.outcome.evaluations += before.outcome.evaluations;
+    Ok(optimum)
 }
 
 /// A fit with creep, and a rough fit without creep from its optimum.
