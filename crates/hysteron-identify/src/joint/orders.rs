@@ -20,6 +20,7 @@ use hysteron_optimize::{Problem, Range};
 
 /// Cost of whole orders over that of fractional ones from which on these are chosen.
 const WORTH: f64 = 1.25;
+/// Name of the fits with fractional orders.
 const STEP: &str = "joint fit, fractional orders";
 
 /// Where a search begins, and its first start, the dynamics fitted.
@@ -117,8 +118,7 @@ pub(super) fn fractional_are_better(
     Ok(fall > BIC_FALL + more * samples.ln())
 }
 
-/// The setup with fractional orders.
-pub(super) fn with_fractional<'a>(setup: &JointSetup<'a>) -> JointSetup<'a> {
+fn with_fractional<'a>(setup: &JointSetup<'a>) -> JointSetup<'a> {
     setup.with(DynamicForm { modes: Modes::Fractional, ..setup.form }, setup.options())
 }
 

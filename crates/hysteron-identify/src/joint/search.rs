@@ -150,7 +150,9 @@ fn with_degree<'a>(
         let (own, found) = (shorter.as_ref().unwrap_or(&setup), nearer.as_ref().unwrap_or(&problem));
         match orders::weighed(own, (found, rate), &search, engine)? {
             Orders::Whole => {}
-            Orders::Fractional => return with_fractional_orders(&setup, rate, &search, engine),
+            Orders::Fractional => {
+                return with_fractional_orders(&setup.clone(), rate, (setup, problem, search), engine);
+            }
             Orders::InDoubt(point) => in_doubt = Some((setup.clone(), point)),
         }
     }
@@ -185,7 +187,7 @@ fn with_degree<'a>(
         && orders::fractional_are_better(&setup, (&problem, rate), &search, point, engine)?
     {
         let coarsest = if rate == Rate::Reduced { Rate::Coarse } else { rate };
-        return with_fractional_orders(&longest, coarsest, &search, engine);
+        return with_fractional_orders(&longest, coarsest, (setup, problem, search), engine);
     }
     let mut degrees = Vec::new();
     let (degree, best) = if setup.options.degree == Choice::Auto && !engine.is_stopped() {
@@ -196,17 +198,22 @@ fn with_degree<'a>(
     Ok(Optimum { setup, problem, search, degree, best, degrees })
 }
 
-/// The whole search again with fractional orders, after that with whole ones.
+/// The whole search again with fractional orders; after a stop what was found with whole ones.
 fn with_fractional_orders<'a>(
-    setup: &JointSetup<'a>,
+    from: &JointSetup<'a>,
     rate: Rate,
-    before: &Search,
+    (setup, problem, found): (JointSetup<'a>, JointProblem, Search),
     engine: &mut Engine<'_, '_>,
 ) -> Result<Optimum<'a>, IdentifyError> {
-    let form = DynamicForm { modes: Modes::Fractional, creep: setup.options.creep };
-    let mut optimum = search(setup.with(form, setup.options), rate == Rate::Coarse, engine)?;
-    optimum.search.outcome.evaluations += before.outcome.evaluations;
-    Ok(optimum)
+    let form = DynamicForm { modes: Modes::Fractional, creep: from.options.creep };
+    let again = search(from.with(form, from.options), rate == Rate::Coarse, engine);
+    if engine.is_stopped() {
+        let (degree, best) = (problem.degree(), found.outcome.best.clone());
+        return Ok(Optimum { setup, problem, search: found, degree, best, degrees: Vec::new() });
+    }
+    let mut again = again?;
+    again.search.outcome.evaluations += found.outcome.evaluations;
+    Ok(again)
 }
 
 /// A fit with creep, and a rough fit without creep from its optimum.
