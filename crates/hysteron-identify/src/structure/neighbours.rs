@@ -19,8 +19,9 @@ use super::errors::Training;
 use super::fit::{Campaign, Named, NoFit};
 use super::folds;
 use crate::IdentifyError;
+use crate::parameter::ParameterRole;
 use crate::watch::{Event, Plan, Watch};
-use hysteron_model::dynamics::Creep;
+use hysteron_model::dynamics::{Creep, ParameterKind};
 use hysteron_optimize::Settings;
 
 /// Highest polynomial degree tried.
@@ -122,8 +123,18 @@ pub fn neighbours(
 fn identified(options: &Options, found: &Identification) -> Candidate {
     // Not the form of the model, which holds the many plays of a fitted density.
     let hysteresis = options.family();
+    let has = |kind: ParameterKind| {
+        found.parameters.iter().any(|p| matches!(p.role, ParameterRole::Dynamics(own) if own.kind == kind))
+    };
+    let block = match options.dynamics {
+        DynamicsChoice::Auto if has(ParameterKind::HighestOrder(1)) => Block::of(DynamicsChoice::Fractional),
+        DynamicsChoice::Auto if has(ParameterKind::NaturalFrequency(1)) => Block::of_options(options),
+        DynamicsChoice::Auto if has(ParameterKind::Lag) => Block::integer(1),
+        DynamicsChoice::Auto => Block::NONE,
+        _ => Block::of_options(options),
+    };
     Candidate {
-        block: Block::of_options(options),
+        block,
         creep: found.structure.creep,
         degree: found.structure.degree,
         n_free: options.n == Choice::Auto && hysteresis.description().has_exponent(),
