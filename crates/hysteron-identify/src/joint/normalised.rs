@@ -11,6 +11,7 @@ use super::super::engine::{Engine, Search, Show, rough};
 use super::super::layout::Role;
 use super::problem::{JointProblem, JointWorkspace};
 use super::resolution::{COARSE, resolution, resolved};
+use super::setup::NORMALISATION;
 use hysteron_model::dynamics::{Modes, ParameterKind};
 use hysteron_optimize::{
     Bounds, Derivative, Eliminated, LeastSquaresOptions, LeastSquaresProblem, OptimizeError, Problem, Range,
@@ -19,8 +20,6 @@ use hysteron_optimize::{
 /// Fits are continued beyond [`COARSE`] if their cost exceeds the best by less than this many times that
 /// share.
 const CONTINUED: f64 = 100.0;
-/// Fastest frequency of the drive, over ω₀/2π.
-const BAND: f64 = 0.5;
 /// Least coefficient, at which the term is negligible.
 const NOTHING: f64 = 1e-12;
 
@@ -83,7 +82,7 @@ impl<'p> Normalised<'p> {
             })
         };
         let (at_hz, ranges) = (problem.normalisation_hz(), &problem.bounds().ranges);
-        let is_beyond = |factor: &Factor, x: &Vec<f64>| x[factor.natural_frequency] > BAND * at_hz;
+        let is_beyond = |factor: &Factor, x: &Vec<f64>| NORMALISATION * x[factor.natural_frequency] > at_hz;
         let is_at_end = |factor: &Factor, x: &Vec<f64>| {
             [factor.natural_frequency, factor.damping].iter().any(|&index| ranges[index].is_end(x[index]))
         };

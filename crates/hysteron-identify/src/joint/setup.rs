@@ -11,7 +11,7 @@ use super::problem::{JointProblem, SpareWorkspaces};
 use super::record::JointRecord;
 use super::resonances::{Resonance, resonances};
 use hysteron_model::Start;
-use hysteron_model::dynamics::{Creep, DynamicForm, FormParameter, Modes, ParameterKind, Scheme};
+use hysteron_model::dynamics::{DynamicForm, FormParameter, Modes, ParameterKind, Scheme};
 use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::model_file::polynomial_name;
 use hysteron_optimize::{Bounds, Problem, Range, Stop};
@@ -24,10 +24,11 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 const FAR_DELAY_PERIODS: f64 = 1.6;
 
 /// Normalisation frequency of the dynamics' coefficients, over the fastest frequency of the drive.
-const NORMALISATION: f64 = 2.0;
+pub(super) const NORMALISATION: f64 = 2.0;
 
 /// Order of a resonance with a lag: the dynamics where they are not asked for.
 pub(in super::super) const RESONANCE_AND_LAG: usize = 3;
+const WHOLE: Modes = Modes::Integer { order: RESONANCE_AND_LAG };
 
 /// Data and options from which a joint problem of any degree is built.
 #[derive(Clone)]
@@ -115,13 +116,9 @@ impl<'a> JointSetup<'a> {
 
     /// True if the orders of the dynamics are chosen from the records, and are whole ones as yet.
     pub(super) fn chooses_orders(&self) -> bool {
-        let whole = Modes::Integer { order: RESONANCE_AND_LAG };
-        let is_lag = |name: &str| {
-            DynamicForm::parameter_named(name).is_some_and(|parameter| parameter.kind == ParameterKind::Lag)
-        };
         self.options.dynamics == DynamicsChoice::Auto
-            && self.form.modes == whole
-            && !self.options.demands.names().any(is_lag)
+            && self.form.modes == WHOLE
+            && !demands(self.options, &[ParameterKind::Lag])
     }
 
     /// This setup with longer delays, where a fit ended at the upper bound of the delay; else `None`.
@@ -303,9 +300,7 @@ pub(in super::super) fn form(options: &Options) -> DynamicForm {
         DynamicsChoice::Modes => Modes::Resonances { count: options.order / 2, lag: options.order % 2 == 1 },
         DynamicsChoice::FractionalFreeLowest => Modes::FractionalFreeLowest,
         DynamicsChoice::TwoFractional => Modes::TwoFractional,
-        DynamicsChoice::Auto if begins_with_whole_orders(options) => {
-            Modes::Integer { order: RESONANCE_AND_LAG }
-        }
+        DynamicsChoice::Auto if begins_with_whole_orders(options) => WHOLE,
         _ => Modes::Fractional,
     };
     DynamicForm { modes, creep: options.creep }
@@ -314,16 +309,14 @@ pub(in super::super) fn form(options: &Options) -> DynamicForm {
 /// True if the search begins with a resonance and a lag: no fractional order was asked for, and neither a method of
 /// the search nor a model to start from.
 fn begins_with_whole_orders(options: &Options) -> bool {
-    let modes = Modes::Fractional;
-    let fractional = DynamicForm { modes, creep: Creep::None }.parameters();
-    let is_order = |name: &str| {
-        let own = fractional.iter().find(|parameter| parameter.name == name);
-        own.is_some_and(|own| {
-            matches!(own.kind, ParameterKind::HighestOrder(_) | ParameterKind::MiddleOrder(_))
-        })
-    };
-    let is_free = options.algorithm.is_none() && options.start.is_none();
-    is_free && !options.demands.names().any(is_order)
+    let orders = [ParameterKind::HighestOrder(1), ParameterKind::MiddleOrder(1)];
+    options.algorithm.is_none() && options.start.is_none() && !demands(options, &orders)
+}
+
+/// True if a parameter of the dynamics of one of these kinds is held or bounded.
+fn demands(options: &Options, kinds: &[ParameterKind]) -> bool {
+    let is_one = |name: &str| DynamicForm::parameter_named(name).is_some_and(|own| kinds.contains(&own.kind));
+    options.demands.names().any(is_one)
 }
 
 /// The scheme that the user asked for, or what the records support.

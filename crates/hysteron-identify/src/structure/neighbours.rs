@@ -128,9 +128,13 @@ fn identified(options: &Options, found: &Identification) -> Candidate {
     };
     let block = match options.dynamics {
         DynamicsChoice::Auto if has(ParameterKind::HighestOrder(1)) => Block::of(DynamicsChoice::Fractional),
-        DynamicsChoice::Auto if has(ParameterKind::NaturalFrequency(1)) => Block::of_options(options),
-        DynamicsChoice::Auto if has(ParameterKind::Lag) => Block::integer(1),
-        DynamicsChoice::Auto => Block::NONE,
+        DynamicsChoice::Auto if !has(ParameterKind::NaturalFrequency(1)) => {
+            if has(ParameterKind::Lag) {
+                Block::integer(1)
+            } else {
+                Block::NONE
+            }
+        }
         _ => Block::of_options(options),
     };
     Candidate {
