@@ -29,7 +29,8 @@ impl Model {
     /// [`RunError`]: other units or channels, no or another sample rate where one is needed, a motion that
     /// cannot be simulated, an output that is not finite.
     pub fn simulate(&self, signals: &Signals, start: Start) -> Result<Simulation, RunError> {
-        let mut found = self.simulated(signals, start)?.finite()?;
+        self.check_start(signals, start)?;
+        let mut found = self.simulated(signals, start)?;
         if let (Start::AsIdentified, Start::Settled { period_samples: Some(period_samples), .. }) =
             (start, &found.start)
         {
@@ -39,10 +40,8 @@ impl Model {
     }
 
     fn simulated(&self, signals: &Signals, start: Start) -> Result<Simulation, RunError> {
-        self.check_start(start)?;
-        match (self, signals) {
+        let simulation = match (self, signals) {
             (Self::Hammerstein(_) | Self::Oscillator(_) | Self::Force(_), Signals::Single(record)) => {
-                check_repeats(&start, [&record.u])?;
                 let mut run = self.prepared(record)?;
                 let start = match start {
                     Start::AsIdentified => self.expected_start(record, &mut run.remarks),
@@ -56,13 +55,14 @@ impl Model {
                     Self::Force(body) => force(body, record, start)?,
                     Self::Modes(_) | Self::Branches(_) => return Err(self.takes_others()),
                 };
-                Ok(run.finished(start, y))
+                run.finished(start, y)
             }
             (Self::Modes(_) | Self::Branches(_), Signals::Several(record)) => {
-                self.simulate_axes(record, start)
+                self.simulate_axes(record, start)?
             }
-            _ => Err(self.takes_others()),
-        }
+            _ => return Err(self.takes_others()),
+        };
+        simulation.finite()
     }
 
     /// Scores of the model on a record, simulated from its start. [`Start::AsIdentified`]: from the start
@@ -72,26 +72,30 @@ impl Model {
     /// # Errors
     /// Those of [`Self::simulate`]; a record that cannot be scored.
     pub fn score(&self, signals: &Signals, start: Start, scoring: &Scoring) -> Result<Score, RunError> {
-        self.check_start(start)?;
+        self.check_start(signals, start)?;
+        self.scored(signals, start, scoring)
+    }
+
+    fn scored(&self, signals: &Signals, start: Start, scoring: &Scoring) -> Result<Score, RunError> {
         let (simulation, record, scores) = match (self, signals) {
             (Self::Hammerstein(body), Signals::Single(record)) => {
                 let simulation = match start {
                     Start::AsIdentified => self.explain_hammerstein(body, record, scoring)?,
-                    given => self.simulate(signals, given)?,
+                    given => self.simulated(signals, given)?,
                 };
                 self.scored_single(record, simulation, scoring)?
             }
             (Self::Oscillator(body), Signals::Single(record)) => {
                 let simulation = match start {
                     Start::AsIdentified => self.explain_oscillator(body, record, scoring)?,
-                    given => self.simulate(signals, given)?,
+                    given => self.simulated(signals, given)?,
                 };
                 self.scored_single(record, simulation, scoring)?
             }
             (Self::Force(body), Signals::Single(record)) => {
                 let simulation = match start {
                     Start::AsIdentified => self.explain_force(body, record, scoring)?,
-                    given => self.simulate(signals, given)?,
+                    given => self.simulated(signals, given)?,
                 };
                 self.scored_single(record, simulation, scoring)?
             }
@@ -112,7 +116,7 @@ impl Model {
         let estimated = matches!(simulation.start, Start::Remembering { .. });
         let without_estimated_start = if start == Start::AsIdentified && estimated {
             let expected = self.expected_start(record, &mut Vec::new());
-            self.score(signals, expected, scoring)?.outputs.into_iter().next().map(Box::new)
+            self.scored(signals, expected, scoring)?.outputs.into_iter().next().map(Box::new)
         } else {
             None
         };
@@ -130,18 +134,21 @@ impl Model {
         start: Start,
         scoring: &Scoring,
     ) -> Result<RunScore, RunError> {
-        let first = run.beginning();
+        let (first, signals) = (run.beginning(), Signals::Single(run.data.clone()));
         let chosen = match start {
+            // Where the first record begins settled, the run still need not repeat.
             Start::AsIdentified => {
                 self.score(&Signals::Single(first.clone()), start, scoring)?.simulation.start
             }
-            given => given,
+            given => {
+                self.check_start(&signals, given)?;
+                given
+            }
         };
-        let signals = Signals::Single(run.data.clone());
-        let whole = self.score(&signals, chosen, scoring)?;
+        let whole = self.scored(&signals, chosen, scoring)?;
         let expected = self.expected_start(&first, &mut Vec::new());
         let without = if start == Start::AsIdentified && expected != chosen {
-            Some(self.score(&signals, expected, scoring)?)
+            Some(self.scored(&signals, expected, scoring)?)
         } else {
             None
         };
@@ -192,7 +199,10 @@ impl Model {
     }
 
     /// Only a Hammerstein model can start from an input other than the first sample's.
-    fn check_start(&self, start: Start) -> Result<(), RunError> {
+    fn check_start(&self, signals: &Signals, start: Start) -> Result<(), RunError> {
+        if let Signals::Single(record) = signals {
+            check_repeats(&start, [&record.u])?;
+        }
         match (self, start) {
             (Self::Hammerstein(_), _) | (_, Start::AsIdentified | Start::Settled { .. }) => Ok(()),
             (Self::Oscillator(_), Start::Rest { voltage_v: 0.0 }) => Ok(()),
@@ -525,4 +535,45 @@ fn check_meaningful(record: &InputOutput, simulated: &[f64]) -> Result<(), RunEr
         return Err(RunError::ConstantInput { name: record.input.clone(), value: u_low });
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::Scheme;
+    use crate::hysteresis::{ArticleOperator, Hysteresis};
+    use crate::model_file::SignalUnits;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn a_run_that_begins_settled_need_not_repeat() {
+        const SAMPLES: usize = 200;
+        let law = hammerstein::Model {
+            hysteresis: Hysteresis::from(ArticleOperator::new(vec![3.0], 1.0, 0.4, 0.1, 1.0).unwrap()),
+            dynamics: Dynamics::None,
+            offset: 0.0,
+            delay_s: 0.0,
+            scheme: Scheme::Tustin,
+            inter_sample: InterSample::Linear,
+            sample_rate_hz: None,
+        };
+        let part = |start_s: f64, volts: &dyn Fn(usize) -> f64| {
+            let base = TimeBase::Uniform { start_s, sample_rate_hz: 100.0, jitter_samples: 0.0 };
+            let u: Vec<f64> = (0..SAMPLES).map(volts).collect();
+            InputOutput::new("part", base, u.clone(), u).unwrap()
+        };
+        let loop_ = part(0.0, &|k| 5.0 - 5.0 * (TAU * k as f64 / SAMPLES as f64).cos());
+        let mut run = MeasurementRun::of(&[loop_, part(2.0, &|k| 0.1 * k as f64)]).unwrap().remove(0);
+        let settled = Start::settled(run.beginning().len());
+        run.data.y = law.simulate(&run.data.u, &run.data.time, &settled).unwrap();
+        for part in &mut run.parts {
+            part.data.y = run.data.y[part.samples.clone()].to_vec();
+        }
+        let model = Model::try_from(ModelFile::from_model(&law, SignalUnits::default())).unwrap();
+        let found = model.score_run(&run, Start::AsIdentified, &Scoring::default()).unwrap();
+        assert_eq!(found.whole.simulation.start, settled);
+        assert!(found.whole.outputs[0].rmse < 1e-9, "{}", found.whole.outputs[0].rmse);
+        let given = model.score_run(&run, settled, &Scoring::default());
+        assert!(matches!(given, Err(RunError::NotRepeating { .. })), "{given:?}");
+    }
 }
