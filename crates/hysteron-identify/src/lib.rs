@@ -221,7 +221,7 @@ fn beyond_the_records(found: &Identification) -> bool {
     let Some(resonance) = found.parameters.iter().find(is_resonance) else { return false };
     let mut ranges = found.bounds.iter().flat_map(|bounds| &bounds.ranges);
     let range = ranges.find(|range| range.name == resonance.name);
-    range.is_some_and(|range| range.to_unit(resonance.value) >= 1.0 - 1e-9)
+    range.is_some_and(|range| range.is_upper_end(resonance.value))
 }
 
 /// True if the fit with fewer parameters is as good by the Bayesian information criterion, n ln Σ e² + p ln

@@ -6,8 +6,8 @@
 use hysteron_numeric::{dot, project_out, subtract};
 
 /// Orthonormal basis Q (and R) of a growing set of columns, by Gram–Schmidt with reorthogonalisation,
-/// orthogonal to working accuracy (Giraud et al. 2005, doi:10.1007/s00211-005-0615-4). Column storage is
-/// allocated once.
+/// orthogonal to working accuracy (Giraud et al. 2005, doi:10.1007/s00211-005-0615-4). Memory for all columns is
+/// reserved at once, but not touched before it holds one.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Projection {
     rows: usize,
@@ -23,14 +23,15 @@ const DEPENDENT: f64 = 1e-11;
 
 impl Projection {
     pub(super) fn new(rows: usize, capacity: usize) -> Self {
-        Self { rows, columns: 0, q: vec![0.0; rows * capacity], r: vec![0.0; capacity * capacity], capacity }
+        let mut new = Self::default();
+        new.empty(rows, capacity);
+        new
     }
 
     /// No columns, with room for `capacity` of `rows` rows; storage that suffices is kept.
     pub(super) fn empty(&mut self, rows: usize, capacity: usize) {
-        let [q, r] = [rows * capacity, capacity * capacity];
-        self.q.resize(q.max(self.q.len()), 0.0);
-        self.r.resize(r.max(self.r.len()), 0.0);
+        self.q.reserve((rows * capacity).saturating_sub(self.q.len()));
+        self.r.resize(self.r.len().max(capacity * capacity), 0.0);
         (self.rows, self.columns, self.capacity) = (rows, 0, capacity);
     }
 
@@ -57,9 +58,8 @@ impl Projection {
     pub(super) fn with_capacity(&self, capacity: usize) -> Self {
         let mut wider = Self::new(self.rows, capacity);
         wider.columns = self.columns.min(capacity);
+        wider.q.extend_from_slice(&self.q[..wider.columns * self.rows]);
         for c in 0..wider.columns {
-            wider.q[c * self.rows..(c + 1) * self.rows]
-                .copy_from_slice(&self.q[c * self.rows..(c + 1) * self.rows]);
             wider.r[c * capacity..c * capacity + wider.columns]
                 .copy_from_slice(&self.r[c * self.capacity..c * self.capacity + wider.columns]);
         }
@@ -70,6 +70,7 @@ impl Projection {
     /// vector, hence coefficient zero.
     pub(super) fn push(&mut self, fill: impl FnOnce(&mut [f64])) {
         let c = self.columns;
+        self.q.resize(self.q.len().max((c + 1) * self.rows), 0.0);
         let (done, rest) = self.q.split_at_mut(c * self.rows);
         let new = &mut rest[..self.rows];
         fill(new);

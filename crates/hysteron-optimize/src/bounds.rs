@@ -60,7 +60,12 @@ impl Range {
 
     /// True if the parameter value `x` is at a bound, to 1e-9 of the range.
     pub fn is_end(&self, x: f64) -> bool {
-        !(1e-9..=1.0 - 1e-9).contains(&self.to_unit(x))
+        self.to_unit(x) < 1e-9 || self.is_upper_end(x)
+    }
+
+    /// True if the parameter value `x` is at the upper bound, to 1e-9 of the range.
+    pub fn is_upper_end(&self, x: f64) -> bool {
+        self.to_unit(x) > 1.0 - 1e-9
     }
 
     /// dx/dt of [`Self::from_unit`] where it takes the value `x`.
@@ -141,6 +146,7 @@ mod tests {
                 assert_eq!(range.is_end(range.from_unit(t)), at_end, "{t}");
             }
             assert!(range.is_end(range.from_unit(1.0 - 1e-10)) && range.is_end(range.high));
+            assert!(range.is_upper_end(range.high) && !range.is_upper_end(range.low));
         }
     }
 

@@ -29,7 +29,7 @@ const LARGEST_DAMPING: f64 = 1e30;
 /// Iterations over which the rate of convergence is judged.
 const PACE: usize = 10;
 /// A step whose predicted fall is below this share of the tolerance is not worth its evaluation.
-const SURELY: f64 = 0.1;
+const SURELY: f64 = 0.01;
 /// Smallest gain ratio of an accepted step.
 const LEAST_GAIN: f64 = 1e-4;
 

@@ -27,6 +27,10 @@ const CLOSE: f64 = 10.0;
 const BRIEF: usize = 3;
 const OF_START: f64 = 0.25;
 const OF_BRIEF: f64 = 0.5;
+/// Share by which the squared cost of a first fit still falls at its end where it starts hopeless, and share of its
+/// cost that another fit from there cannot come below.
+const ROUGHLY: f64 = 1e-2;
+const OF_ROUGH: f64 = 0.95;
 
 /// The setup with the reach of the plays that fits the records best at the optimum of a search, where a density
 /// of plays is searched: its corners are then where the device has plays. `None` where the present one is.
@@ -213,7 +217,7 @@ fn highest_degree(setup: &JointSetup<'_>) -> usize {
 }
 
 /// [`fit_with_its_memory`], ended after a few iterations where a cost far below that reached then would still
-/// be hopeless.
+/// be hopeless, and early where one a little below would be.
 pub(super) fn fit_unless_hopeless(
     engine: &mut Engine<'_, '_>,
     step: &str,
@@ -223,12 +227,23 @@ pub(super) fn fit_unless_hopeless(
     is_hopeless: impl Fn(f64) -> bool,
 ) -> Result<Search, OptimizeError> {
     let at_start = problem.cost(&start, &mut problem.workspace());
-    if at_start.is_finite() && is_hopeless(OF_START * at_start) {
-        let brief = LeastSquaresOptions { iterations: BRIEF, ..options.clone() };
-        let fit = fit_with_its_memory(engine, step, problem, start.clone(), brief, None)?;
-        if is_hopeless(OF_BRIEF * fit.outcome.cost) || engine.is_stopped() {
-            return Ok(fit);
-        }
+    if !at_start.is_finite() || !is_hopeless(at_start) {
+        return fit_with_its_memory(engine, step, problem, start, options, None);
     }
-    fit_with_its_memory(engine, step, problem, start, options, None)
+    let (first, share) = if is_hopeless(OF_START * at_start) {
+        (LeastSquaresOptions { iterations: BRIEF, ..options.clone() }, OF_BRIEF)
+    } else {
+        (
+            LeastSquaresOptions { cost_tolerance: ROUGHLY.max(options.cost_tolerance), ..options.clone() },
+            OF_ROUGH,
+        )
+    };
+    let fit = fit_with_its_memory(engine, step, problem, start, first, None)?;
+    if is_hopeless(share * fit.outcome.cost) || engine.is_stopped() {
+        return Ok(fit);
+    }
+    let (evaluations, from) = (fit.outcome.evaluations, fit.outcome.best);
+    let mut fit = fit_with_its_memory(engine, step, problem, from, options, None)?;
+    fit.outcome.evaluations += evaluations;
+    Ok(fit)
 }

@@ -10,7 +10,7 @@ use super::model::shown;
 use super::normalised::{local_fits, resolved_fit};
 use super::parameter_layout::DELAY;
 use super::problem::JointProblem;
-use super::resolution::{FINAL, FROM_REDUCED, information, resolution, resolved};
+use super::resolution::{BEFORE_ALL, FINAL, information, resolution, resolved};
 use super::search::Optimum;
 use super::setup::JointSetup;
 use hysteron_optimize::Problem;
@@ -108,7 +108,7 @@ impl<'a> FittedOptimum<'a> {
     }
 }
 
-/// The optimum of the reduced records near `best`, as closely as that of all samples is found from it: a step
+/// The optimum of the reduced records near `best`, more closely than that of all samples is found from it: a step
 /// there costs several times more.
 fn finely(
     setup: &JointSetup<'_>,
@@ -119,7 +119,7 @@ fn finely(
         return Ok(best);
     }
     let problem = setup.problem(degree, Rate::Reduced)?;
-    let options = resolved(FROM_REDUCED * resolution(&problem, &best));
+    let options = resolved(BEFORE_ALL * resolution(&problem, &best));
     let fit = local_fits(engine, REDUCED, &problem, vec![best.clone()], options, None);
     Ok(engine.unless_stopped(fit)?.map_or(best, |fit| fit.outcome.best))
 }
@@ -136,8 +136,11 @@ fn polished(
         return Ok(None);
     }
     let Some(whole) = engine.unless_stopped(setup.problem(degree, Rate::Own))? else { return Ok(None) };
-    let share = if searched == Rate::Own { FINAL } else { FROM_REDUCED };
-    let options = resolved(share * resolution(&setup.problem(degree, searched)?, &best));
+    // From reduced records the start is within 0.1 standard errors but for what they lack.
+    let share = if searched == Rate::Own { FINAL } else { 1.0 };
+    let before = setup.problem(degree, searched)?;
+    let options = resolved(share * resolution(&before, &best));
+    before.hand_outputs_to(&whole);
     let grown = |x: &[f64]| shown(&whole, x, setup);
     let polished = local_fits(engine, ALL_SAMPLES, &whole, vec![best], options, Some(&grown));
     let polished = engine.unless_stopped(polished)?.map(|search| search.outcome);

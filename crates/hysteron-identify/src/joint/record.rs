@@ -161,6 +161,11 @@ impl JointRecord {
         self.drive.len()
     }
 
+    /// Samples of an output of the operators.
+    fn outputs(&self) -> usize {
+        self.drive.len().div_ceil(self.grid.factor)
+    }
+
     /// Number of samples, after reduction.
     pub(super) fn samples(&self) -> usize {
         self.weighting.weight.len()
@@ -290,7 +295,7 @@ impl JointRecord {
             self.prepare_sum([], lane)
         } else {
             let parts = signed().zip(&operated.values).map(|((weight, rest), x)| (weight, &x[..], *rest));
-            self.input_of_sum(parts, operated.values[0].len(), lane).is_some()
+            self.input_of_sum(parts, self.outputs(), lane).is_some()
         };
         if !done {
             return false;

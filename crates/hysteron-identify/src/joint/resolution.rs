@@ -10,9 +10,8 @@ const NEGLIGIBLE: f64 = 0.1;
 /// Share of the resolution to which the optimum of a chosen structure is fitted: steps of 0.03 standard
 /// errors.
 pub(super) const FINAL: f64 = 0.01;
-/// The same for all samples from the optimum of their reduced records, which is near and costs a fraction: steps of
-/// 0.1 standard errors.
-pub(super) const FROM_REDUCED: f64 = 0.1;
+/// The same for reduced records whose optimum starts the fit of all samples: steps of 0.1 standard errors.
+pub(super) const BEFORE_ALL: f64 = 0.1;
 /// Largest resolution: where the residuals have few independent samples, the structure or the start is wrong,
 /// and a better one has more.
 pub(super) const COARSE: f64 = 1e-5;
@@ -38,9 +37,9 @@ pub(super) fn resolved(resolution: f64) -> LeastSquaresOptions {
 }
 
 /// Share by which the squared cost at `x` may differ without effect: −2 ln of the likelihood by
-/// [`NEGLIGIBLE`], over the independent samples of the residuals; a power of ten, the next below, since
+/// [`NEGLIGIBLE`], over the independent samples of the residuals; a power of two, the next below, since
 /// resumed searches compare it and the last bits of the residuals differ between processors.
 pub(super) fn resolution(problem: &JointProblem, x: &[f64]) -> f64 {
-    let decade = (NEGLIGIBLE / information(problem, x)).log10().floor();
-    10f64.powi(decade as i32).min(COARSE)
+    let octave = (NEGLIGIBLE / information(problem, x)).log2().floor();
+    2f64.powi(octave as i32).min(COARSE)
 }

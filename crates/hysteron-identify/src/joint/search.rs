@@ -17,12 +17,9 @@ use super::orders::{self, Begun, Orders};
 use super::problem::JointProblem;
 use super::resolution::{COARSE, resolved};
 use super::setup::JointSetup;
-use super::starts::{Places, Starts};
+use super::starts::{Places, Starts, on_wider_band};
 use hysteron_model::dynamics::{Creep, DynamicForm, Modes, ParameterKind};
 use hysteron_optimize::{Problem, Range};
-
-/// Share of the range of a lag from its upper end that counts as that end.
-const EDGE: f64 = 1e-6;
 
 /// The best point of a search and its structure.
 pub(super) struct Optimum<'a> {
@@ -166,14 +163,14 @@ fn with_degree<'a>(
     };
     let (problem, rate, search) = if let Some(finer_problem) = finer_problem {
         let grown = |x: &[f64]| shown(&finer_problem, x, &setup);
-        let start = search.outcome.best.clone();
+        let (start, tried) = on_wider_band(&finer_problem, search.outcome.best.clone(), engine.stop());
         let options = resolved(COARSE);
         let start =
             nearer_with_its_memory(engine, "joint fit", &finer_problem, start, options, Some(&grown))?;
         let fit = resolved_fit(engine, "joint fit", &finer_problem, vec![start], Some(&grown));
         match engine.unless_stopped(fit)? {
             Some(mut fit) => {
-                fit.outcome.evaluations += search.outcome.evaluations;
+                fit.outcome.evaluations += search.outcome.evaluations + tried;
                 fit.outcome.generations += search.outcome.generations;
                 problem.free_scratch();
                 (finer_problem, finer, fit)
@@ -243,12 +240,15 @@ impl CreepFirst {
         })
     }
 
-    /// True if no parameter of the dynamics is at an edge of its range; the shortest lag is none.
+    /// True if no parameter of the dynamics is at an edge of its range; the shortest lag is none, nor the lightest
+    /// damping, which these records do not determine where the resonance is beyond their band.
     fn dynamics_are_inside(&self, setup: &JointSetup<'_>) -> bool {
         let own = setup.form.parameters();
         let is_at_edge = |(range, &x): (&Range, &f64)| match own.iter().find(|own| own.name == range.name) {
-            Some(own) if own.kind == ParameterKind::Lag => range.to_unit(x) >= 1.0 - EDGE,
-            Some(_) => range.is_end(x),
+            Some(own) => match own.kind {
+                ParameterKind::Lag | ParameterKind::Damping(_) => range.is_upper_end(x),
+                _ => range.is_end(x),
+            },
             None => false,
         };
         !self.problem.bounds().ranges.iter().zip(&self.search.outcome.best).any(is_at_edge)

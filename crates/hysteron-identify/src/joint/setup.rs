@@ -125,7 +125,7 @@ impl<'a> JointSetup<'a> {
     pub(super) fn with_longer_delays(&self, problem: &JointProblem, x: &[f64]) -> Option<JointSetup<'a>> {
         let asked = self.options.demands.names().any(|name| name == DELAY);
         let mut ranges = problem.bounds().ranges.iter().zip(x);
-        let at_end = ranges.any(|(range, &x)| range.name == DELAY && range.to_unit(x) >= 1.0 - 1e-6);
+        let at_end = ranges.any(|(range, &x)| range.name == DELAY && range.is_upper_end(x));
         let longer = FAR_DELAY_PERIODS / self.fastest_hz;
         let widen = at_end && !asked && longer > self.longest_delay_s;
         widen.then(|| JointSetup { longest_delay_s: longer, ..self.clone() })

@@ -403,6 +403,29 @@ impl JointSetup<'_> {
     }
 }
 
+/// The point `x` on records of a wider band than it was found on: where its damping is the lightest of the range,
+/// which the narrower band left open, with the usual one of the least cost. And the evaluations that this took.
+pub(super) fn on_wider_band(problem: &JointProblem, x: Vec<f64>, stop: &Stop) -> (Vec<f64>, usize) {
+    let form = problem.form().parameters();
+    let is_damping =
+        |name: &str| form.iter().any(|own| own.name == name && matches!(own.kind, ParameterKind::Damping(_)));
+    let ranges = &problem.bounds().ranges;
+    let open: Vec<usize> = (0..x.len())
+        .filter(|&k| is_damping(&ranges[k].name) && ranges[k].is_end(x[k]) && !ranges[k].is_upper_end(x[k]))
+        .collect();
+    if open.is_empty() {
+        return (x, 0);
+    }
+    let with = |damping: f64| {
+        let mut other = x.clone();
+        open.iter().for_each(|&k| other[k] = damping.clamp(ranges[k].low, ranges[k].high));
+        other
+    };
+    let candidates: Vec<Vec<f64>> = std::iter::once(x.clone()).chain(DAMPINGS.map(with)).collect();
+    let mut ordered = by_cost(problem, &candidates, |x, ws| problem.cost(x, ws), stop);
+    (ordered.swap_remove(0), candidates.len())
+}
+
 /// The candidates in order of cost; last those that cannot be simulated or were not tried before a stop.
 fn by_cost<T: Clone + Send + Sync>(
     problem: &JointProblem,

@@ -5,10 +5,10 @@
 //! influence operators representing smart actuators, part I", *Math. Probl. Eng.* 3 (1997) 287–328,
 //! doi:10.1155/S1024123X97000586.
 
-use hysteron_rt::{Scalar, Sides, between_ramps, ramp};
+use hysteron_rt::{Dual, Scalar, Sides, between_ramps, ramp};
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
+use super::columns::{ColumnKernel, is_plain, parameter, positive, simulate_with_sensitivities};
 use super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, GRID_ENDS, MOST_OF_A_PLANE, NumberUnit,
     RuntimeOperator, Search, ShapeNumber, ends, on_a_plane,
@@ -100,6 +100,26 @@ impl ColumnKernel for KrasnoselskiiPokrovskii {
 
     fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &KrasnoselskiiPokrovskiiState<S>, out: &mut [S]) {
         out.iter_mut().zip(&state.columns).for_each(|(out, column)| *out = *column);
+    }
+
+    fn with_derivatives_constant<const P: usize>(
+        &self,
+        shape: &[f64],
+        state: &KrasnoselskiiPokrovskiiState<Dual<f64, P>>,
+        [low, high]: [f64; 2],
+    ) -> Option<KrasnoselskiiPokrovskiiState<f64>> {
+        let steepness = steepness(shape);
+        let at = |u: f64, index: usize| ramp(steepness, u - self.line(index));
+        let pairs = (0..self.lines).flat_map(|i| (0..=i).map(move |j| (j, i)));
+        let is_settled = |(column, (p1, p2)): (&Dual<f64, P>, (usize, usize))| {
+            // Between the ramps it stays.
+            is_plain(column) || at(high, p2) < column.value && column.value < at(low, p1)
+        };
+        if !state.columns.iter().zip(pairs).all(is_settled) || !state.ramps.iter().all(is_plain) {
+            return None;
+        }
+        let numbers = |of: &[Dual<f64, P>]| of.iter().map(|number| number.value).collect();
+        Some(KrasnoselskiiPokrovskiiState { ramps: numbers(&state.ramps), columns: numbers(&state.columns) })
     }
 }
 

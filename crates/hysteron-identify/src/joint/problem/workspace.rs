@@ -97,6 +97,11 @@ impl JointProblem {
         self.records.iter().for_each(JointRecord::free_operators);
     }
 
+    /// Hands the outputs of the operators that are not in use to the problem on all samples of the same records.
+    pub(in super::super) fn hand_outputs_to(&self, whole: &Self) {
+        self.records.iter().zip(whole.records.iter()).for_each(|(own, whole)| own.hand_outputs_to(whole));
+    }
+
     /// True if columns, sensitivities and residual in the workspace are those at `x`.
     pub(super) fn is_at(&self, x: &[f64], ws: &mut JointWorkspace) -> bool {
         if x.is_empty() || ws.at != x {

@@ -112,7 +112,7 @@ impl JointRecord {
         lane: &mut Lane,
     ) {
         let samples = self.samples();
-        let driven = known.hysteresis.values.first().map_or(0, Vec::len);
+        let driven = self.outputs();
         let (mut tangents, mut outputs, mut rests) = (Vec::new(), Vec::new(), Vec::new());
         for (direction, out) in wanted {
             let rest = match direction.filter(|_| !is_stopped(known.hysteresis)) {

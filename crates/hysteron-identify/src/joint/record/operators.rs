@@ -31,6 +31,21 @@ impl Operators {
         self.columns.values.is_empty()
     }
 
+    /// False where the outputs were handed to another problem; what was made of them remains.
+    fn have_outputs(&self) -> bool {
+        self.columns.values.iter().any(|values| !values.is_empty())
+    }
+
+    /// The outputs, for a record at another rate; what this one made of them remains.
+    fn hand_over(&mut self) -> Self {
+        let count = self.columns.values.len();
+        let values = std::mem::replace(&mut self.columns.values, vec![Vec::new(); count]);
+        let mut columns = self.columns.clone();
+        columns.values = values;
+        let (of, derived) = (self.of.clone(), self.derived);
+        Self { columns, prepared: vec![false; count], of, derived, ..Self::default() }
+    }
+
     /// True if these are the outputs for a shape and memory, with derivatives where `wanted`.
     pub(super) fn are_of(&self, shape: &[f64], memory: f64, wanted: bool) -> bool {
         let same = |(of_shape, of_memory): &(Vec<f64>, f64)| of_shape == shape && *of_memory == memory;
@@ -88,6 +103,20 @@ impl Drop for LentOperators {
 }
 
 impl JointRecord {
+    /// Hands pooled outputs of the operators to the same record at its own rate, where the drive is the same: running
+    /// them again would take as much time, and as much memory once more.
+    pub(in super::super) fn hand_outputs_to(&self, whole: &Self) {
+        let is_same = self.drive == whole.drive && self.grid == whole.grid && self.paces == whole.paces;
+        if !is_same || self.reduction.is_none() || whole.reduction.is_some() {
+            return;
+        }
+        let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(latest) = spare.iter_mut().rfind(|spare| spare.of.is_some() && spare.have_outputs()) {
+            let handed = latest.hand_over();
+            whole.spare.lock().unwrap_or_else(PoisonError::into_inner).push(handed);
+        }
+    }
+
     /// Frees the pooled operators.
     pub(in super::super) fn free_operators(&self) {
         self.spare.lock().unwrap_or_else(PoisonError::into_inner).clear();
@@ -140,8 +169,9 @@ impl JointRecord {
         if lent.are_found(shape, memory, wanted) {
             return true;
         }
+        let is_again = lent.operators.of.take().is_some() && lent.operators.have_outputs();
         let Operators { columns, reduced, prepared, of, derived, .. } = &mut lent.operators;
-        let run = if of.take().is_some() { HysteresisForm::run_again } else { HysteresisForm::run };
+        let run = if is_again { HysteresisForm::run_again } else { HysteresisForm::run };
         let grid = DriveGrid { paces: self.paces.as_deref(), ..self.grid };
         if run(form, shape, grid, &self.drive, self.origin(memory), derivatives, columns).is_err() {
             return false;

@@ -9,11 +9,11 @@ mod relaxing;
 mod rows;
 
 pub use pass::ColumnSensitivities;
-pub(super) use pass::{differentiate, simulate};
+pub(super) use pass::{differentiate, put_into, simulate};
 pub(super) use relaxing::{RelaxingState, branch_kernel};
 pub(super) use rows::Rows;
 
-use hysteron_rt::Scalar;
+use hysteron_rt::{Dual, Scalar};
 
 use super::{DriveGrid, HysteresisError};
 use crate::record::Pace;
@@ -76,6 +76,18 @@ pub trait ColumnKernel {
     fn relaxing<S: Scalar<Real = f64>>(state: &mut Self::State<S>) -> &mut [S] {
         let _ = state;
         &mut []
+    }
+
+    /// This state in plain numbers where no drive between the voltages `reach` changes a derivative anymore; `None`
+    /// where one may, and of kernels that do not tell.
+    fn with_derivatives_constant<const P: usize>(
+        &self,
+        shape: &[f64],
+        state: &Self::State<Dual<f64, P>>,
+        reach: [f64; 2],
+    ) -> Option<Self::State<f64>> {
+        let _ = (shape, state, reach);
+        None
     }
 
     /// Sets the voltage before the next one for a memory that depends on time; nothing moves.
@@ -195,6 +207,11 @@ pub(super) use simulate_with_sensitivities;
 #[inline(always)]
 pub(super) fn parameter<S: Scalar<Real = f64>>(shape: &[S], index: usize) -> S {
     shape.get(index).copied().unwrap_or(S::constant(f64::NAN))
+}
+
+/// True of a number without derivatives.
+pub(super) fn is_plain<const P: usize>(number: &Dual<f64, P>) -> bool {
+    number.partials.iter().all(|partial| *partial == 0.0)
 }
 
 /// Finite and above 0.

@@ -15,7 +15,12 @@ pub(in crate::hysteresis) struct Rows<S> {
 
 impl<S: Copy> Rows<S> {
     pub(super) fn new(columns: usize, zero: S) -> Self {
-        Self { columns, rows: vec![zero; ROWS * columns], first: 0, count: 0 }
+        Self::starting_at(0, columns, zero)
+    }
+
+    /// No rows yet; the next is of sample `first`.
+    pub(super) fn starting_at(first: usize, columns: usize, zero: S) -> Self {
+        Self { columns, rows: vec![zero; ROWS * columns], first, count: 0 }
     }
 
     /// The next row, to be read into.
@@ -31,8 +36,13 @@ impl<S: Copy> Rows<S> {
 
     /// Continues after these rows.
     pub(super) fn clear(&mut self) {
-        self.first += self.count;
+        self.first = self.end();
         self.count = 0;
+    }
+
+    /// Sample of the row after the last.
+    pub(super) fn end(&self) -> usize {
+        self.first + self.count
     }
 
     /// Sample of the first row.

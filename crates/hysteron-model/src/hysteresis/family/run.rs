@@ -1,6 +1,6 @@
 //! A kernel run into the columns of a fit.
 
-use super::super::columns::{ColumnKernel, simulate};
+use super::super::columns::{ColumnKernel, put_into, simulate};
 use super::super::outputs::Columns;
 use super::super::pass::at_rest;
 use super::super::{DriveGrid, HysteresisError};
@@ -59,11 +59,7 @@ pub(super) fn run<K: ColumnKernel>(
         }
     } else {
         let values = &mut out.values;
-        simulate(kernel, own, grid, u, start, out.stop.as_ref(), |rows| {
-            for (index, column) in values.iter_mut().enumerate() {
-                rows.put(index, column, |value| value);
-            }
-        })?;
+        simulate(kernel, own, grid, u, start, out.stop.as_ref(), put_into(values))?;
         match at_rest(start, u)? {
             Some((rest, None)) => kernel.read(own, &kernel.virgin(own, rest), &mut out.rest),
             Some((rest, Some(virgin))) => {

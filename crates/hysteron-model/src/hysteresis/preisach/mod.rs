@@ -9,10 +9,10 @@ mod staircase;
 
 pub use density::{DensityLaw, PreisachDensity};
 
-use hysteron_rt::{Scalar, between};
+use hysteron_rt::{Dual, Scalar, between};
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, simulate_with_sensitivities};
+use super::columns::{ColumnKernel, is_plain, simulate_with_sensitivities};
 use super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, GRID_ENDS, MOST_OF_A_PLANE, NumberUnit,
     RuntimeOperator, ShapeNumber, ends, on_a_plane,
@@ -67,6 +67,11 @@ impl Preisach {
         self.levels.len().saturating_sub(1)
     }
 
+    /// Intervals (i, j) of the cells, in order.
+    fn pairs(&self) -> impl Iterator<Item = (usize, usize)> {
+        (0..self.intervals()).flat_map(|i| (0..=i).map(move |j| (i, j)))
+    }
+
     fn check_levels(&self) -> Result<(), HysteresisError> {
         if !(2..=MOST_LEVELS).contains(&self.levels.len()) {
             let (name, must) = ("number of Preisach levels", "2 to 201");
@@ -84,8 +89,7 @@ impl Preisach {
     }
 
     fn virgin_state<S: Scalar<Real = f64>>(&self, u: S) -> PreisachState<S> {
-        let pairs = (0..self.intervals()).flat_map(|i| (0..=i).map(move |j| (i, j)));
-        let cells = pairs.map(|(i, j)| {
+        let cells = self.pairs().map(|(i, j)| {
             let ([a, b], [c, d]) = (self.interval(i), self.interval(j));
             // Area of α + β < 2u within the cell.
             let below = |corner: f64| square(u.scale(2.0).shift(-corner));
@@ -256,6 +260,24 @@ impl ColumnKernel for Preisach {
                 *slot = value;
             }
         });
+    }
+
+    fn with_derivatives_constant<const P: usize>(
+        &self,
+        _: &[f64],
+        state: &PreisachState<Dual<f64, P>>,
+        reach: [f64; 2],
+    ) -> Option<PreisachState<f64>> {
+        let is_settled = |(cell, (i, j)): (&Dual<f64, P>, (usize, usize))| {
+            // Relays beyond the reach stay virgin. Cells on the diagonal are not read.
+            let keeps_some = reach[1] < self.interval(i)[1] && self.interval(j)[0] < reach[0];
+            is_plain(cell) || i == j || keeps_some
+        };
+        if !state.cells.iter().zip(self.pairs()).all(is_settled) {
+            return None;
+        }
+        let cells = state.cells.iter().map(|cell| cell.value).collect();
+        Some(PreisachState { cells, stairs: state.stairs.settled(reach)? })
     }
 }
 

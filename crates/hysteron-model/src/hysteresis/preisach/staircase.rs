@@ -1,6 +1,11 @@
 //! The memory of a Preisach plane: the turning points not wiped out.
 
-use hysteron_rt::{Scalar, wipe_out};
+use hysteron_rt::{Dual, Scalar, wipe_out};
+
+use super::super::columns::is_plain;
+
+/// Share of the largest amplitude by which a repeated one may be above it.
+const ROUNDING: f64 = 1e-12;
 
 /// The staircase between relays that are up and relays that are down, as the voltages at which it turns;
 /// beyond the largest of them it is the antidiagonal α + β = 2 · rest of a virgin device.
@@ -80,5 +85,20 @@ impl<S: Scalar<Real = f64>> Staircase<S> {
         switch(rising, MovePiece { from, to: target, edge: edge(left) });
         turns.truncate(left);
         *now = target;
+    }
+}
+
+impl<const P: usize> Staircase<Dual<f64, P>> {
+    /// These turning points in plain numbers, where no drive between the voltages `reach` comes to the virgin
+    /// antidiagonal again, whose derivative stays.
+    pub(super) fn settled(&self, [low, high]: [f64; 2]) -> Option<Staircase<f64>> {
+        let (rest, widest) = (self.rest.value, self.turns.first()?.value);
+        let amplitude = (1.0 + ROUNDING) * (widest - rest).abs();
+        let is_within = rest - amplitude <= low && high <= rest + amplitude;
+        if !is_within || !self.turns.iter().chain([&self.u]).all(is_plain) {
+            return None;
+        }
+        let turns = self.turns.iter().map(|turn| turn.value).collect();
+        Some(Staircase { rest, u: self.u.value, rising: self.rising, turns })
     }
 }
