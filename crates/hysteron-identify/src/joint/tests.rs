@@ -13,6 +13,8 @@ use hysteron_model::record::InterSample;
 use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, Range, Stop};
 use std::f64::consts::TAU;
 
+mod workspaces;
+
 /// At rest with an unknown memory, at the first voltage of whatever record.
 const REMEMBERING: Start<()> = Start::Remembering { voltage_v: 0.0, memory: () };
 
@@ -462,39 +464,5 @@ fn coefficients_and_a_held_memory_are_the_same_fit() {
         let held = problem.holding_memory(&x).unwrap();
         let same = residuals(&held, &x[..x.len() - 1]);
         assert_eq!(same, residuals(&problem, &x));
-    }
-}
-
-/// Workspaces handed from one problem to another on the same records, with other dynamics, weights or a held
-/// memory, and back: the residuals and derivatives are those of new workspaces to the bit.
-#[test]
-fn problems_on_the_same_records_share_workspaces() {
-    let shape = [("threshold_1", 0.5, 0.5), ("threshold_2", 1.3, 1.3), ("threshold_3", 2.5, 2.5)];
-    let plain = DynamicForm { modes: Modes::Fractional, creep: Creep::None };
-    let creeping = DynamicForm { creep: Creep::Fractional, ..plain };
-    let of = |form: DynamicForm, role: Role| {
-        let records = records(Scheme::BandLimited, false, [REMEMBERING; 2], 1);
-        of_family((three_plays(), &shape, &[role; 3]), form, records, [true, true])
-    };
-    let numbers = [120.0, 0.4, 1.9, 0.9, 0.06, 0.2];
-    let at = |form: DynamicForm| [&numbers[..form.parameter_count()], &[0.0034, 2.7431, 1.2]].concat();
-    let evaluated = |problem: &JointProblem, x: &[f64]| {
-        let mut ws = problem.workspace();
-        let (mut r, mut jacobian) = (residuals(problem, x), vec![0.0; problem.residual_count() * x.len()]);
-        assert!(problem.residuals(x, &mut ws, &mut r));
-        assert_eq!(problem.jacobian(x, &mut ws, &mut jacobian), Derivative::Written);
-        (r, jacobian)
-    };
-    let spare = SpareWorkspaces::default();
-    let [free, positive] = [Role::Projected, Role::OneSided(1.0)];
-    for (form, role) in
-        [(plain, free), (creeping, positive), (plain, positive), (creeping, free), (plain, free)]
-    {
-        let x = at(form);
-        let [fresh, shared] = [of(form, role), of(form, role).sharing(&spare)];
-        assert_eq!(evaluated(&shared, &x), evaluated(&fresh, &x));
-        let [fresh, shared] = [&fresh, &shared].map(|problem| problem.holding_memory(&x).unwrap());
-        let x = &x[..x.len() - 2];
-        assert_eq!(evaluated(&shared, x), evaluated(&fresh, x));
     }
 }
