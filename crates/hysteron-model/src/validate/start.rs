@@ -156,7 +156,9 @@ mod tests {
     use super::*;
     use crate::dynamics::{Dynamics, Scheme};
     use crate::hysteresis::{ArticleOperator, Hysteresis};
-    use crate::record::{InterSample, TimeBase};
+    use crate::model::RunError;
+    use crate::model_file::{ModelFile, SignalUnits};
+    use crate::record::{InterSample, MeasurementRun, TimeBase};
     use crate::start::Memory;
     use crate::validate::score;
     use std::f64::consts::TAU;
@@ -270,5 +272,29 @@ mod tests {
             choose_start(&model(), &record, preferred, None, &Scoring::default()).unwrap().0,
             preferred
         );
+    }
+
+    #[test]
+    fn a_run_that_begins_settled_need_not_repeat() {
+        const SAMPLES: usize = 200;
+        let law = model();
+        let part = |start_s: f64, volts: &dyn Fn(usize) -> f64| {
+            let base = TimeBase::Uniform { start_s, sample_rate_hz: 100.0, jitter_samples: 0.0 };
+            let u: Vec<f64> = (0..SAMPLES).map(volts).collect();
+            InputOutput::new("part", base, u.clone(), u).unwrap()
+        };
+        let cycle = part(0.0, &|k| 5.0 - 5.0 * (TAU * k as f64 / SAMPLES as f64).cos());
+        let mut run = MeasurementRun::of(&[cycle, part(2.0, &|k| 0.1 * k as f64)]).unwrap().remove(0);
+        let settled = Start::settled(run.beginning().len());
+        run.data.y = law.simulate(&run.data.u, &run.data.time, &settled).unwrap();
+        for part in &mut run.parts {
+            part.data.y = run.data.y[part.samples.clone()].to_vec();
+        }
+        let model = crate::Model::try_from(ModelFile::from_model(&law, SignalUnits::default())).unwrap();
+        let found = model.score_run(&run, Start::AsIdentified, &Scoring::default()).unwrap();
+        assert_eq!(found.whole.simulation.start, settled);
+        assert!(found.whole.outputs[0].rmse < 1e-9, "{}", found.whole.outputs[0].rmse);
+        let given = model.score_run(&run, settled, &Scoring::default());
+        assert!(matches!(given, Err(RunError::NotRepeating { .. })), "{given:?}");
     }
 }
