@@ -27,8 +27,8 @@ const CLOSE: f64 = 10.0;
 const BRIEF: usize = 3;
 const OF_START: f64 = 0.25;
 const OF_BRIEF: f64 = 0.5;
-/// Share by which the squared cost of a first fit still falls at its end where it starts hopeless, and share of its
-/// cost that another fit from there cannot come below.
+/// Of a fit that starts too high, the relative fall of the squared cost at which it ends for the time being, and the
+/// share of the cost then that going on cannot come below.
 const ROUGHLY: f64 = 1e-2;
 const OF_ROUGH: f64 = 0.95;
 

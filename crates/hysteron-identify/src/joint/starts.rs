@@ -403,8 +403,9 @@ impl JointSetup<'_> {
     }
 }
 
-/// The point `x` on records of a wider band than it was found on: where its damping is the lightest of the range,
-/// which the narrower band left open, with the usual one of the least cost. And the evaluations that this took.
+/// The point `x`, found on records of a narrower band, as a start for `problem`, and the evaluations that this took.
+/// Where the damping is the lightest of its range, the narrower band did not determine it: the one of [`DAMPINGS`]
+/// with the least cost takes its place.
 pub(super) fn on_wider_band(problem: &JointProblem, x: Vec<f64>, stop: &Stop) -> (Vec<f64>, usize) {
     let form = problem.form().parameters();
     let is_damping =

@@ -79,7 +79,7 @@ pub trait ColumnKernel {
     }
 
     /// This state in plain numbers where no drive between the voltages `reach` changes a derivative anymore; `None`
-    /// where one may, and of kernels that do not tell.
+    /// where one may, and by default.
     fn with_derivatives_constant<const P: usize>(
         &self,
         shape: &[f64],
