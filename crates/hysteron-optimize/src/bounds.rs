@@ -60,7 +60,12 @@ impl Range {
 
     /// True if the parameter value `x` is at a bound, to 1e-9 of the range.
     pub fn is_end(&self, x: f64) -> bool {
-        self.to_unit(x) < 1e-9 || self.is_upper_end(x)
+        self.is_lower_end(x) || self.is_upper_end(x)
+    }
+
+    /// True if the parameter value `x` is at the lower bound, to 1e-9 of the range.
+    pub fn is_lower_end(&self, x: f64) -> bool {
+        self.to_unit(x) < 1e-9
     }
 
     /// True if the parameter value `x` is at the upper bound, to 1e-9 of the range.

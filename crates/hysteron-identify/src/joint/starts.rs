@@ -407,12 +407,12 @@ impl JointSetup<'_> {
 /// Where the damping is the lightest of its range, the narrower band did not determine it: the one of [`DAMPINGS`]
 /// with the least cost takes its place.
 pub(super) fn on_wider_band(problem: &JointProblem, x: Vec<f64>, stop: &Stop) -> (Vec<f64>, usize) {
-    let form = problem.form().parameters();
-    let is_damping =
-        |name: &str| form.iter().any(|own| own.name == name && matches!(own.kind, ParameterKind::Damping(_)));
-    let ranges = &problem.bounds().ranges;
-    let open: Vec<usize> = (0..x.len())
-        .filter(|&k| is_damping(&ranges[k].name) && ranges[k].is_end(x[k]) && !ranges[k].is_upper_end(x[k]))
+    let (form, ranges) = (problem.form(), &problem.bounds().ranges);
+    let kinds = form.parameters().into_iter().map(|own| own.kind);
+    let open: Vec<usize> = kinds
+        .filter(|kind| matches!(kind, ParameterKind::Damping(_)))
+        .filter_map(|kind| problem.layout().place(&form, kind))
+        .filter(|&k| ranges[k].is_lower_end(x[k]))
         .collect();
     if open.is_empty() {
         return (x, 0);

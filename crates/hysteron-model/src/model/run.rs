@@ -198,12 +198,19 @@ impl Model {
         agreed_unit(signal, own, found, remarks)
     }
 
-    /// Only a Hammerstein model can start from an input other than the first sample's.
+    /// Only a Hammerstein model can start from an input other than the first sample's, and every input repeats
+    /// with a period that is given.
     fn check_start(&self, signals: &Signals, start: Start) -> Result<(), RunError> {
-        if let Signals::Single(record) = signals {
-            check_repeats(&start, [&record.u])?;
-        }
+        let inputs = match signals {
+            Signals::Single(record) => std::slice::from_ref(&record.u),
+            Signals::Several(record) => &record.u[..],
+        };
         match (self, start) {
+            (_, Start::Settled { period_samples: Some(period_samples), .. })
+                if !inputs.iter().all(|u| repeats(u, period_samples)) =>
+            {
+                Err(RunError::NotRepeating { period_samples })
+            }
             (Self::Hammerstein(_), _) | (_, Start::AsIdentified | Start::Settled { .. }) => Ok(()),
             (Self::Oscillator(_), Start::Rest { voltage_v: 0.0 }) => Ok(()),
             (_, Start::Rest { .. } | Start::Remembering { .. }) => {
@@ -304,7 +311,6 @@ impl Model {
         }
         let (period, settled_given) = match start {
             Start::Settled { period_samples: Some(period_samples), .. } => {
-                check_repeats(&start, &record.u)?;
                 let whole = record.len() / period_samples.max(1);
                 (Some(SteadyPeriod::mean(record, period_samples, 0, whole.max(1))?), true)
             }
@@ -451,18 +457,6 @@ pub(super) fn extrapolates(range: &ValidRange, input: (f64, f64)) -> Option<Rema
     let identified = (range.input.low, range.input.high);
     let unit = Unit::new(&range.input.unit);
     range.is_left_by(input).then_some(Remark::Extrapolates { input, identified, unit })
-}
-
-/// Refuses a period that is given where an input does not repeat with it.
-fn check_repeats<'a>(start: &Start, inputs: impl IntoIterator<Item = &'a Vec<f64>>) -> Result<(), RunError> {
-    match start {
-        Start::Settled { period_samples: Some(period_samples), .. }
-            if !inputs.into_iter().all(|u| repeats(u, *period_samples)) =>
-        {
-            Err(RunError::NotRepeating { period_samples: *period_samples })
-        }
-        _ => Ok(()),
-    }
 }
 
 /// The period of a repeating drive, which also takes the place of the output.

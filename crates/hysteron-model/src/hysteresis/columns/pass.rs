@@ -8,7 +8,7 @@ use super::super::pass::{Every, at_rest};
 use super::super::{DriveGrid, HysteresisError};
 use super::ColumnKernel;
 use super::rows::Rows;
-use crate::record::Pace;
+use crate::record::{Pace, range_of};
 use crate::start::Start;
 
 /// K columns and their derivatives at every `factor`-th sample of a drive. The buffers are kept between
@@ -106,10 +106,8 @@ fn virgin_voltage(u: &[f64], at_rest: Option<(f64, Option<f64>)>) -> Result<f64,
                 Err(HysteresisError::Drive { index: 0 })
             }
         }
-        None if u.is_empty() => Ok(0.0),
         None => {
-            let [low, high] =
-                u.iter().fold([f64::MAX, f64::MIN], |[low, high], &u| [low.min(u), high.max(u)]);
+            let (low, high) = range_of(u);
             Ok(0.5 * low + 0.5 * high)
         }
     }
@@ -387,7 +385,8 @@ pub(in crate::hysteresis) fn differentiate<const P: usize, K: ColumnKernel>(
 fn reaches_ahead(u: &[f64]) -> Vec<[f64; 2]> {
     let mut reach = [f64::INFINITY, f64::NEG_INFINITY];
     let blocks = u.chunks(SETTLED).rev().map(|block| {
-        reach = block.iter().fold(reach, |[low, high], &u| [low.min(u), high.max(u)]);
+        let (low, high) = range_of(block);
+        reach = [reach[0].min(low), reach[1].max(high)];
         reach
     });
     let mut reaches: Vec<[f64; 2]> = blocks.collect();
@@ -425,6 +424,11 @@ fn close_period<const P: usize, K: ColumnKernel>(
     Ok(())
 }
 
+/// Derivative number `index`, 0 of those that are not carried.
+fn partial<const P: usize>(value: &Dual<f64, P>, index: usize) -> f64 {
+    value.partials.get(index).copied().unwrap_or(0.0)
+}
+
 impl ColumnSensitivities {
     /// Resizes every buffer, for `columns` of which the first `shaped` depends on the shape.
     fn resize(
@@ -453,7 +457,6 @@ impl ColumnSensitivities {
 
     /// The columns before the first sample.
     fn put_rest<const P: usize>(&mut self, row: &[Dual<f64, P>], parameters: usize) {
-        let partial = |value: &Dual<f64, P>, index: usize| value.partials.get(index).copied().unwrap_or(0.0);
         let fill = |buffer: &mut Vec<f64>, of: &dyn Fn(&Dual<f64, P>) -> f64| {
             buffer.clear();
             buffer.extend(row.iter().map(of));
@@ -474,7 +477,7 @@ impl ColumnSensitivities {
         parameters: usize,
     ) {
         for (column, value) in self.d_start.iter_mut().zip(row) {
-            let by_start = value.partials.get(parameters).copied().unwrap_or(0.0);
+            let by_start = partial(value, parameters);
             if by_start != 0.0 {
                 column.resize(from, 0.0);
                 column.resize(end, by_start);
@@ -483,18 +486,17 @@ impl ColumnSensitivities {
     }
 
     fn put<const P: usize>(&mut self, rows: &Rows<Dual<f64, P>>, parameters: usize) {
-        let partial = |value: Dual<f64, P>, index: usize| value.partials.get(index).copied().unwrap_or(0.0);
         for (index, column) in self.columns.iter_mut().enumerate() {
             rows.put(index, column, |value| value.value);
         }
         for (parameter, columns) in self.d_shape.iter_mut().enumerate() {
             for (index, column) in columns.iter_mut().enumerate() {
-                rows.put(index, column, |value| partial(value, parameter));
+                rows.put(index, column, |value| partial(&value, parameter));
             }
         }
         for (index, column) in self.d_start.iter_mut().enumerate() {
             for (row, value) in rows.column(index).enumerate() {
-                let by_start = partial(value, parameters);
+                let by_start = partial(&value, parameters);
                 if by_start != 0.0 {
                     column.resize(rows.first() + row, 0.0);
                     column.push(by_start);
@@ -525,7 +527,7 @@ mod tests {
             kernel.read(&duals, &state, &mut row);
             columns.iter_mut().zip(&row).for_each(|(column, value)| column.push(*value));
         }
-        let [low, high] = u.iter().fold([f64::MAX, f64::MIN], |[low, high], &u| [low.min(u), high.max(u)]);
+        let (low, high) = range_of(u);
         assert!(kernel.with_derivatives_constant(shape, &state, [low, high]).is_some(), "never settles");
         columns
     }
